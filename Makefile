@@ -1,0 +1,87 @@
+# robomech_ros: `make help` lists what can be made.
+
+# A ROS distribution sourced in the shell sets ROS_DISTRO, too; only without one is it our choice.
+SOURCED := $(filter-out $(CURDIR)/%,$(subst :, ,$(AMENT_PREFIX_PATH) $(COLCON_PREFIX_PATH)))
+ifneq ($(SOURCED),)
+ifeq ($(origin ROS_DISTRO),environment)
+ROS_DISTRO := kilted
+endif
+endif
+ROS_DISTRO ?= kilted
+ifeq ($(filter kilted jazzy,$(ROS_DISTRO)),)
+$(error ROS_DISTRO=$(ROS_DISTRO): the wheels are those of kilted and jazzy; on another distribution build with colcon)
+endif
+ROBOT ?= puma560
+
+VENV_kilted := .venv
+VENV_jazzy := .venv-jazzy
+VENV := $(VENV_$(ROS_DISTRO))
+OTHER := $(filter-out $(ROS_DISTRO),kilted jazzy)
+
+# Every command runs without the environment of a sourced distribution.
+RUN := sh tools/run.sh
+BIN := $(RUN) $(VENV)/bin
+PYTEST := $(BIN)/python -m pytest
+# $(call set_up,environment,options)
+set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
+    $(RUN) "$$python" tools/set_up.py $(1) $(2)
+
+# What runs once more without numba: the same sources as plain Python.
+INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
+
+.DEFAULT_GOAL := help
+.PHONY: help setup setup-other notice demo test test-fast lint colcon bench docs clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@echo "  ROBOT=ur5e or a path to a URDF chooses the robot of the demo;"
+	@echo "  ROS_DISTRO=jazzy works with the wheels of Jazzy in .venv-jazzy;"
+	@echo "  PYTHON=python3.12 chooses the Python that the environment is made from."
+
+notice:
+	@$(if $(SOURCED),echo "setup: a ROS distribution is sourced here and kept out of this; to build on it: colcon build",:)
+
+setup: notice ## make .venv: ROS 2 from wheels, interfaces, package, kernels
+	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO))
+	@$(if $(MAKECMDGOALS:setup=),:,echo "next: make demo ROBOT=ur5e shows all of it at work; make test checks it (make help lists more)")
+	@$(if $(MAKECMDGOALS:setup=),:,echo "      or: . $(VENV)/bin/activate && robomech bringup --robot ur5e, then robomech call in another shell")
+
+setup-other: notice
+	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER))
+
+demo: setup ## bring everything up, solve, plan, execute and check a pick and place
+	@$(BIN)/robomech demo --robot "$(ROBOT)"
+
+test: setup setup-other lint ## everything: lint, all tests, colcon, the other distribution
+	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(INTERPRETED)
+	$(PYTEST)
+
+test-fast: setup ## what a developer runs again and again: no long and no installed tests
+	$(PYTEST) -q -m "not slow and not installed"
+
+lint: setup ## ruff, mypy and import-linter
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then \
+	    echo "$(BIN)/mypy"; $(BIN)/mypy; \
+	else \
+	    echo "lint: types are checked on Python 3.11 and newer, numpy's types for 3.10 are too coarse"; \
+	fi
+	$(BIN)/lint-imports
+
+colcon: setup ## build both packages with colcon in a scratch workspace and start a node from there
+	$(PYTEST) -v test/installed/test_colcon.py
+
+bench: setup ## measure against Pinocchio, EAIK and a bare rclpy service, in .venv-bench
+	@$(call set_up,.venv-bench,--extra bench.txt)
+	@$(RUN) .venv-bench/bin/python test/benchmark --ros-python $(VENV)/bin/python $(BENCH)
+
+docs: ## build the pages of doc/ into doc/_build, in .venv-docs
+	@$(call set_up,.venv-docs,--extra docs.txt)
+	$(RUN) .venv-docs/bin/python -m sphinx -W --keep-going -q doc doc/_build
+	@echo "docs: doc/_build/index.html"
+
+clean: ## remove the environments and all that was built
+	rm -rf .venv .venv-jazzy .venv-bench .venv-docs build install log dist output doc/_build \
+	    *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find robomech_ros test tools -name __pycache__ -prune -exec rm -rf {} +
