@@ -1,0 +1,265 @@
+"""The errors that a wrong request raises; one class for each cause a caller can act on.
+
+An outcome of the mathematics (out of reach, singular) is never an error: it is a status in a
+result.  Every message gives the value, what was expected and, where there is one, the list of
+what is available; the same facts are attributes of the exception.
+"""
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+
+import numpy as np
+
+__all__ = [
+    "BadQuaternionError",
+    "BadValueError",
+    "DurationTooShortError",
+    "LimitExceededError",
+    "MissingLimitsError",
+    "NonFiniteError",
+    "RobomechError",
+    "RobotDescriptionError",
+    "SeedOutsideLimitsError",
+    "UnknownJointError",
+    "UnknownLinkError",
+    "UnknownRobotError",
+    "WrongSizeError",
+]
+
+_LONGEST_VALUE = 200
+_LONGEST_LIST = 40
+_MOST_COMPARED = 500
+
+
+def _shown(value: object) -> str:
+    """Show a value from outside: its representation, shortened, control characters escaped."""
+    text = repr(value)
+    if len(text) > _LONGEST_VALUE:
+        text = f"{text[:_LONGEST_VALUE]}... ({len(text)} characters)"
+    return text
+
+
+def _listed(names: Sequence[str]) -> str:
+    if not names:
+        return "none"
+    text = ", ".join(_shown(name)[1:-1] for name in names[:_LONGEST_LIST])
+    if len(names) > _LONGEST_LIST:
+        text += f", and {len(names) - _LONGEST_LIST} more"
+    return text
+
+
+class RobomechError(ValueError):
+    """Base of all errors that this package raises for a wrong request."""
+
+
+class _UnknownNameError(RobomechError):
+    """A name that is not among the known ones."""
+
+    kind = "name"
+
+    def __init__(self, name: str, available: Iterable[str]) -> None:
+        self.name = name
+        self.available = tuple(available)
+        candidates = [one for one in self.available[:_MOST_COMPARED] if len(one) < _LONGEST_VALUE]
+        close = get_close_matches(str(name)[:_LONGEST_VALUE], candidates, n=1)
+        hint = f" (did you mean '{close[0]}'?)" if close else ""
+        super().__init__(
+            f"unknown {self.kind} {_shown(name)}{hint}; available: {_listed(self.available)}"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.name, self.available)
+
+
+class UnknownRobotError(_UnknownNameError):
+    """No robot of this name, and no file of this name either."""
+
+    kind = "robot"
+
+
+class UnknownLinkError(_UnknownNameError):
+    """The chain or the robot has no link of this name."""
+
+    kind = "link"
+
+
+class UnknownJointError(_UnknownNameError):
+    """The chain has no joint of this name."""
+
+    kind = "joint"
+
+
+class BadValueError(RobomechError):
+    """A value is of the wrong kind or outside its range."""
+
+    def __init__(self, what: str, value: object, expected: str) -> None:
+        self.what = what
+        self.value = value
+        self.expected = expected
+        super().__init__(f"{what} is {_shown(value)}, expected {expected}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.value, self.expected)
+
+
+class WrongSizeError(RobomechError):
+    """An array or list has the wrong shape or number of entries."""
+
+    def __init__(self, what: str, got: object, expected: object) -> None:
+        self.what = what
+        self.got = got
+        self.expected = expected
+        noun = "shape" if isinstance(got, tuple) else "size"
+        super().__init__(f"{what} has {noun} {got}, expected {expected}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.got, self.expected)
+
+
+class NonFiniteError(RobomechError):
+    """A number is NaN or infinite.
+
+    Parameters
+    ----------
+    what : str
+        Name of the quantity.
+    value : array_like or object
+        The quantity; of an array the message names the first entry at fault.
+    """
+
+    def __init__(self, what: str, value: object) -> None:
+        self.what = what
+        self.value = value
+        self.index: tuple[int, ...] | None = None
+        text = f"{what} is {_shown(value)}"
+        if isinstance(value, np.ndarray) and value.ndim and value.dtype.kind == "f":
+            bad = np.argwhere(~np.isfinite(value))
+            if len(bad):
+                self.index = tuple(int(i) for i in bad[0])
+                where = ", ".join(str(i) for i in self.index)
+                text = f"{what}[{where}] is {float(value[self.index])!r}"
+        super().__init__(f"{text}, expected finite numbers")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.value)
+
+
+class BadQuaternionError(RobomechError):
+    """A quaternion that stands for no rotation."""
+
+    def __init__(self, value: object, reason: str) -> None:
+        self.value = value
+        self.reason = reason
+        super().__init__(f"quaternion {_shown(value)}: {reason}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.value, self.reason)
+
+
+class MissingLimitsError(RobomechError):
+    """Joints lack a limit that the request needs.
+
+    Parameters
+    ----------
+    kind : str
+        ``"position"``, ``"velocity"``, ``"acceleration"``, ``"jerk"`` or ``"effort"``.
+    joints : iterable of str
+        The joints without it.
+    """
+
+    def __init__(self, kind: str, joints: Iterable[str]) -> None:
+        self.kind = kind
+        self.joints = tuple(joints)
+        noun = "joint" if len(self.joints) == 1 else "joints"
+        super().__init__(f"no {kind} limit for {noun} {_listed(self.joints)}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.kind, self.joints)
+
+
+class RobotDescriptionError(RobomechError):
+    """A robot's description is broken, hostile or of a kind that is not supported.
+
+    Parameters
+    ----------
+    where : str
+        The file, and the element in it, for example ``"arm.urdf: joint 'elbow'"``.
+    why : str
+        What is wrong with it and what is allowed.
+    """
+
+    def __init__(self, where: str, why: str) -> None:
+        self.where = where
+        self.why = why
+        super().__init__(f"{where}: {why}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.where, self.why)
+
+
+class SeedOutsideLimitsError(RobomechError):
+    """The seed or start of a joint lies outside the joint's limits (rad or m)."""
+
+    def __init__(
+        self, joint: str, value: float, lower: float, upper: float, what: str = "seed"
+    ) -> None:
+        self.what = what
+        self.joint = joint
+        self.value = float(value)
+        self.lower = float(lower)
+        self.upper = float(upper)
+        excess = max(self.lower - self.value, self.value - self.upper)
+        super().__init__(
+            f"{what} of joint '{joint}' is {self.value:.9g}, outside its limits "
+            f"[{self.lower:.9g}, {self.upper:.9g}] by {excess:.3g}"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.joint, self.value, self.lower, self.upper, self.what)
+
+
+class LimitExceededError(RobomechError):
+    """A joint's position, velocity, acceleration or jerk goes over its limit (SI, rad or m)."""
+
+    def __init__(self, what: str, joint: str, value: float, limit: float) -> None:
+        self.what = what
+        self.joint = joint
+        self.value = float(value)
+        self.limit = float(limit)
+        super().__init__(
+            f"{what} of joint '{joint}' is {self.value:.9g}, over its limit {self.limit:.9g} "
+            f"by {abs(self.value - self.limit):.3g}"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.joint, self.value, self.limit)
+
+
+class DurationTooShortError(RobomechError):
+    """A motion was asked for in less time than the limits of a joint allow.
+
+    Parameters
+    ----------
+    duration : float
+        The time asked for, in s.
+    shortest : float
+        The shortest possible time, in s.
+    joint : str
+        The joint that needs it.
+    limit : str
+        The limit of that joint that binds: ``"velocity"``, ``"acceleration"`` or ``"jerk"``, or
+        several of them.
+    """
+
+    def __init__(self, duration: float, shortest: float, joint: str, limit: str) -> None:
+        self.duration = float(duration)
+        self.shortest = float(shortest)
+        self.joint = joint
+        self.limit = limit
+        super().__init__(
+            f"duration of {self.duration:.9g} s is too short: {self.shortest:.9g} s is the "
+            f"shortest possible, because of the {limit} limit of joint '{joint}'"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.duration, self.shortest, self.joint, self.limit)

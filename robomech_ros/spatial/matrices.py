@@ -1,0 +1,100 @@
+"""Rotation matrices: what makes one, and the nearest one to a matrix that nearly is."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import ROTATION_ERROR
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["as_rotation", "nearest_rotation", "rotation_error"]
+
+Array = NDArray[np.float64]
+
+
+def rotation_error(matrix: ArrayLike) -> Array:
+    """Measure how far a matrix is from a proper rotation.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Largest entry of ``|Q^T Q - 1|``; infinite where the determinant is not positive.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a 3 x 3 matrix of finite real numbers.
+    """
+    m = as_finite("rotation matrix", matrix, (3, 3))
+    with np.errstate(over="ignore", invalid="ignore"):
+        gram = np.swapaxes(m, -1, -2) @ m
+        error = np.abs(gram - np.eye(3)).max(axis=(-1, -2))
+        triple = np.sum(m[..., 0, :] * np.cross(m[..., 1, :], m[..., 2, :]), axis=-1)
+    return np.where(triple > 0.0, error, np.inf)
+
+
+def as_rotation(matrix: ArrayLike, tolerance: float = ROTATION_ERROR) -> Array:
+    """Check that a matrix is a proper rotation within a tolerance.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 3, 3)
+    tolerance : float, optional
+        Largest :func:`rotation_error` that passes.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        The matrix, unchanged.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a rotation; the message gives the amount.
+    """
+    m = as_finite("rotation matrix", matrix, (3, 3))
+    error = rotation_error(m)
+    bad = ~(error <= tolerance)
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        where = f" in row {', '.join(map(str, index))}" if index else ""
+        worst = float(error[index])
+        how = (
+            "determinant not positive"
+            if np.isinf(worst)
+            else f"columns orthonormal within {worst:.3g}"
+        )
+        raise BadValueError(
+            f"rotation matrix{where}",
+            m[index].tolist(),
+            f"determinant 1 and columns orthonormal within {tolerance:g} (found: {how})",
+        )
+    return m
+
+
+def nearest_rotation(matrix: ArrayLike) -> Array:
+    """Find the proper rotation with the least sum of squared differences to a matrix.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 3, 3)
+        Not unique where the matrix has rank below two.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        The orthogonal factor of the polar decomposition, with determinant 1.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a 3 x 3 matrix of finite real numbers.
+    """
+    u, _, vt = np.linalg.svd(as_finite("rotation matrix", matrix, (3, 3)))
+    u[..., :, 2] *= np.where(np.linalg.det(u @ vt) < 0.0, -1.0, 1.0)[..., None]
+    result: Array = u @ vt
+    return result

@@ -1,0 +1,195 @@
+"""Poses: 4 x 4 homogeneous matrices ``T_a_b``, the frame b expressed in the frame a."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import ROTATION_ERROR
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.axis_angle import rotation_vector_from_matrix
+from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
+from robomech_ros.spatial.quaternions import matrix_from_quaternion, quaternion_from_matrix
+
+__all__ = [
+    "as_pose",
+    "compose_poses",
+    "inverse_pose",
+    "pose_error",
+    "pose_from_matrix",
+    "pose_from_position_quaternion",
+    "position_quaternion_from_pose",
+]
+
+Array = NDArray[np.float64]
+
+
+def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR) -> Array:
+    """Check a pose and remove the rounding of its rotation.
+
+    Parameters
+    ----------
+    pose : array_like, shape (..., 4, 4)
+    tolerance : float, optional
+        Largest deviation from a proper rotation that is taken for rounding.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+        A copy, with the nearest proper rotation.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a pose; the message gives the amount.
+    """
+    T: Array = as_finite("pose", pose, (4, 4)).copy()
+    if (T[..., 3, :] != (0.0, 0.0, 0.0, 1.0)).any():
+        raise BadValueError("last row of the pose", T[..., 3, :].tolist(), "0 0 0 1")
+    T[..., :3, :3] = nearest_rotation(as_rotation(T[..., :3, :3], tolerance))
+    return T
+
+
+def pose_from_matrix(rotation: ArrayLike, position: ArrayLike) -> Array:
+    """Form a pose from a rotation matrix and a position.
+
+    Parameters
+    ----------
+    rotation : array_like, shape (..., 3, 3)
+        Proper orthogonal.
+    position : array_like, shape (..., 3)
+        Origin of the frame (m).
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a rotation matrix, or not three finite numbers.
+    """
+    return _assembled(as_rotation(rotation), as_finite("position", position, (3,)))
+
+
+def pose_from_position_quaternion(position: ArrayLike, quaternion: ArrayLike) -> Array:
+    """Form a pose from a position and a unit quaternion.
+
+    Parameters
+    ----------
+    position : array_like, shape (..., 3)
+        Origin of the frame (m).
+    quaternion : array_like, shape (..., 4)
+        Vector first, scalar last.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+
+    Raises
+    ------
+    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+        Not three finite numbers, or not a unit quaternion.
+    """
+    p = as_finite("position", position, (3,))
+    return _assembled(matrix_from_quaternion(quaternion), p)
+
+
+def position_quaternion_from_pose(pose: ArrayLike) -> tuple[Array, Array]:
+    """Split a pose into a position and a unit quaternion.
+
+    Parameters
+    ----------
+    pose : array_like, shape (..., 4, 4)
+
+    Returns
+    -------
+    position : ndarray, shape (..., 3)
+        Origin of the frame (m).
+    quaternion : ndarray, shape (..., 4)
+        Vector first, scalar last, scalar not negative.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a pose.
+    """
+    T = as_finite("pose", pose, (4, 4))
+    return T[..., :3, 3].copy(), quaternion_from_matrix(T[..., :3, :3])
+
+
+def compose_poses(*poses: ArrayLike) -> Array:
+    """Compose poses: ``T_a_c`` from ``T_a_b`` and ``T_b_c``, and so on.
+
+    Parameters
+    ----------
+    *poses : array_like, shape (..., 4, 4)
+        From left to right.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+        The identity without any.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not 4 x 4 matrices of finite real numbers.
+    """
+    product = np.eye(4)
+    for pose in poses:
+        product = product @ as_finite("pose", pose, (4, 4))
+    return product
+
+
+def inverse_pose(pose: ArrayLike) -> Array:
+    """Invert a pose: ``T_b_a`` from ``T_a_b``, by transposition of its rotation.
+
+    Parameters
+    ----------
+    pose : array_like, shape (..., 4, 4)
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a 4 x 4 matrix of finite real numbers.
+    """
+    T = as_finite("pose", pose, (4, 4))
+    rotation = np.swapaxes(T[..., :3, :3], -1, -2)
+    return _assembled(rotation, -(rotation @ T[..., :3, 3:])[..., 0])
+
+
+def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:
+    """Measure the displacement that takes the actual pose to the target.
+
+    Parameters
+    ----------
+    target, actual : array_like, shape (..., 4, 4)
+        Both expressed in the same frame.
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        Rotation vector (rad), then difference of the origins (m), both in that frame: angular
+        first, as a twist.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses.
+    """
+    A, B = as_finite("target pose", target, (4, 4)), as_finite("actual pose", actual, (4, 4))
+    between = A[..., :3, :3] @ np.swapaxes(B[..., :3, :3], -1, -2)
+    angular = rotation_vector_from_matrix(between)
+    linear = A[..., :3, 3] - B[..., :3, 3]
+    return np.concatenate((angular, np.broadcast_to(linear, angular.shape)), axis=-1)
+
+
+def _assembled(rotation: Array, position: Array) -> Array:
+    shape = np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1])
+    T = np.zeros((*shape, 4, 4))
+    T[..., :3, :3], T[..., :3, 3], T[..., 3, 3] = rotation, position, 1.0
+    return T

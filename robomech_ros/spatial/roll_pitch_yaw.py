@@ -1,0 +1,181 @@
+"""Roll, pitch and yaw about fixed axes: first about x, then y, then z of the fixed frame.
+
+``Q = Rz(yaw) Ry(pitch) Rx(roll)``, the convention of URDF and of ROS.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.axis_angle import axis_angle_from_matrix
+from robomech_ros.spatial.matrices import as_rotation
+from robomech_ros.spatial.quaternions import (
+    matrix_from_quaternion,
+    quaternion_from_axis_angle,
+    quaternion_from_matrix,
+)
+
+__all__ = [
+    "axis_angle_from_roll_pitch_yaw",
+    "matrix_from_roll_pitch_yaw",
+    "quaternion_from_roll_pitch_yaw",
+    "roll_pitch_yaw_from_axis_angle",
+    "roll_pitch_yaw_from_matrix",
+    "roll_pitch_yaw_from_quaternion",
+]
+
+Array = NDArray[np.float64]
+
+
+def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
+    """Convert roll, pitch and yaw to a rotation matrix.
+
+    Parameters
+    ----------
+    angles : array_like, shape (..., 3)
+        Roll about x, pitch about y, yaw about z of the fixed frame (rad).
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        Proper orthogonal.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+    """
+    angles = as_finite("roll, pitch, yaw", angles, (3,))
+    c, s = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
+    matrix = np.empty((*angles.shape, 3))
+    matrix[..., 0, 0] = c[2] * c[1]
+    matrix[..., 0, 1] = c[2] * s[1] * s[0] - s[2] * c[0]
+    matrix[..., 0, 2] = c[2] * s[1] * c[0] + s[2] * s[0]
+    matrix[..., 1, 0] = s[2] * c[1]
+    matrix[..., 1, 1] = s[2] * s[1] * s[0] + c[2] * c[0]
+    matrix[..., 1, 2] = s[2] * s[1] * c[0] - c[2] * s[0]
+    matrix[..., 2, 0] = -s[1]
+    matrix[..., 2, 1] = c[1] * s[0]
+    matrix[..., 2, 2] = c[1] * c[0]
+    return matrix
+
+
+def roll_pitch_yaw_from_matrix(matrix: ArrayLike) -> Array:
+    """Convert a rotation matrix to roll, pitch and yaw.
+
+    The problem is ill-posed at a pitch of plus or minus pi/2, where only the difference or the
+    sum of roll and yaw is determined.  Whatever yaw results there, roll is computed to match it,
+    so the angles always give the matrix back; exactly there yaw is 0.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 3, 3)
+        Proper orthogonal.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2] (rad).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a rotation matrix.
+    """
+    m = as_rotation(matrix)
+    # Adding 0 turns -0 into 0: atan2(0, -0) would be pi.
+    yaw = np.arctan2(m[..., 1, 0] + 0.0, m[..., 0, 0] + 0.0)
+    c, s = np.cos(yaw), np.sin(yaw)
+    pitch = np.arctan2(-m[..., 2, 0], c * m[..., 0, 0] + s * m[..., 1, 0])
+    roll = np.arctan2(
+        s * m[..., 0, 2] - c * m[..., 1, 2] + 0.0, c * m[..., 1, 1] - s * m[..., 0, 1]
+    )
+    return np.stack((roll, pitch, yaw), axis=-1) + 0.0
+
+
+def quaternion_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
+    """Convert roll, pitch and yaw to a unit quaternion.
+
+    Parameters
+    ----------
+    angles : array_like, shape (..., 3)
+        Roll, pitch, yaw (rad).
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        Vector first, scalar last.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+    """
+    return quaternion_from_matrix(matrix_from_roll_pitch_yaw(angles))
+
+
+def roll_pitch_yaw_from_quaternion(quaternion: ArrayLike) -> Array:
+    """Convert a unit quaternion to roll, pitch and yaw.
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        Vector first, scalar last.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        As :func:`roll_pitch_yaw_from_matrix` (rad).
+
+    Raises
+    ------
+    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+        Not a unit quaternion.
+    """
+    return roll_pitch_yaw_from_matrix(matrix_from_quaternion(quaternion))
+
+
+def axis_angle_from_roll_pitch_yaw(angles: ArrayLike) -> tuple[Array, Array]:
+    """Convert roll, pitch and yaw to axis and angle.
+
+    Parameters
+    ----------
+    angles : array_like, shape (..., 3)
+        Roll, pitch, yaw (rad).
+
+    Returns
+    -------
+    axis : ndarray, shape (..., 3)
+        Unit vector.
+    angle : ndarray, shape (...)
+        In [0, pi] (rad).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+    """
+    return axis_angle_from_matrix(matrix_from_roll_pitch_yaw(angles))
+
+
+def roll_pitch_yaw_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
+    """Convert an axis and an angle to roll, pitch and yaw.
+
+    Parameters
+    ----------
+    axis : array_like, shape (..., 3)
+        Direction, of any length but zero.
+    angle : array_like, shape (...)
+        Rotation about it (rad).
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        As :func:`roll_pitch_yaw_from_matrix` (rad).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        An axis of zero length, or not finite real numbers.
+    """
+    return roll_pitch_yaw_from_quaternion(quaternion_from_axis_angle(axis, angle))

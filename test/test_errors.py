@@ -1,0 +1,52 @@
+"""Errors: their texts, their fields, and that they travel between processes."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from robomech_ros import errors
+
+CASES = [
+    (
+        errors.UnknownRobotError("pum", ["puma560", "ur5e"]),
+        "unknown robot 'pum' (did you mean 'puma560'?); available: puma560, ur5e",
+    ),
+    (errors.UnknownLinkError("x", []), "unknown link 'x'; available: none"),
+    (errors.UnknownJointError("j9", ["joint_1"]), "unknown joint 'j9'; available: joint_1"),
+    (errors.WrongSizeError("q", 5, 6), "q has size 5, expected 6"),
+    (errors.WrongSizeError("q", (5,), "(6,)"), "q has shape (5,), expected (6,)"),
+    (errors.NonFiniteError("angle", float("nan")), "angle is nan, expected finite numbers"),
+    (
+        errors.NonFiniteError("q", np.array([[0.0, np.inf]])),
+        "q[0, 1] is inf, expected finite numbers",
+    ),
+    (errors.BadQuaternionError([0, 0, 0, 0], "all zero"), "quaternion [0, 0, 0, 0]: all zero"),
+    (errors.BadValueError("mode", 7, "0 or 1"), "mode is 7, expected 0 or 1"),
+    (errors.MissingLimitsError("jerk", ["a", "b"]), "no jerk limit for joints a, b"),
+    (errors.RobotDescriptionError("arm.urdf: line 3", "no link"), "arm.urdf: line 3: no link"),
+    (
+        errors.SeedOutsideLimitsError("j", 2.0, -1.0, 1.5),
+        "seed of joint 'j' is 2, outside its limits [-1, 1.5] by 0.5",
+    ),
+    (
+        errors.LimitExceededError("velocity", "j", -3.0, -2.0),
+        "velocity of joint 'j' is -3, over its limit -2 by 1",
+    ),
+]
+
+
+@pytest.mark.parametrize(("error", "text"), CASES)
+def test_texts_and_pickles(error, text):
+    assert str(error) == text
+    assert isinstance(error, errors.RobomechError)
+    assert isinstance(error, ValueError)
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == text
+
+
+def test_long_values_and_lists_are_cut():
+    assert len(str(errors.BadValueError("x", "y" * 10_000, "less"))) < 300
+    text = str(errors.UnknownJointError("j", [f"joint_{i}" for i in range(1000)]))
+    assert text.endswith("and 960 more")
