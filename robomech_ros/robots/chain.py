@@ -1,0 +1,272 @@
+"""The one model of a serial chain: constant transforms between its joints, and limits."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import (
+    BadValueError,
+    MissingLimitsError,
+    NonFiniteError,
+    UnknownLinkError,
+    WrongSizeError,
+)
+
+if TYPE_CHECKING:
+    from robomech_ros.robots.dh import DHTable
+
+__all__ = ["PRISMATIC", "REVOLUTE", "LimitKind", "LinkFrame", "SerialChain", "pack_chain"]
+
+Array = NDArray[np.float64]
+LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
+
+REVOLUTE = 0
+PRISMATIC = 1
+
+
+@dataclass(frozen=True, eq=False)
+class LinkFrame:
+    """A link's frame, fixed to the part of the chain that follows its first ``joints`` joints.
+
+    Parameters
+    ----------
+    name : str
+        The link.
+    joints : int
+        Number of joints of the chain between the base and this link.
+    offset : ndarray, shape (4, 4)
+        Pose of the link in the frame that moves with joint ``joints`` (m); in the base for 0.
+    parent : str
+        The link before it; empty for the base.
+    """
+
+    name: str
+    joints: int
+    offset: Array
+    parent: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class SerialChain:
+    """A serial chain of revolute and prismatic joints from a base link to a tip link.
+
+    Instances are immutable and compare by identity, so they serve as keys of caches.
+
+    Parameters
+    ----------
+    name : str
+        The robot.
+    base, tip : str
+        The links whose relative pose the chain gives, ``T_base_tip``.
+    joint_names : tuple of str
+        The moving joints from base to tip.
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
+    packed : ndarray, shape (n + 1, 13)
+        Row i holds the type of joint i + 1 (-1 in the last row) and the constant transform C_i:
+        rotation row by row, then origin (m);
+        ``T_base_tip = C_0 J_1(q_1) C_1 ... J_n(q_n) C_n``, J_i about or along z.
+    lower, upper : ndarray, shape (n,)
+        Position limits (rad or m), infinite where there is none.
+    velocity, acceleration, jerk, effort : ndarray, shape (n,)
+        Magnitudes of the limits (rad/s or m/s and so on; N m or N), NaN where there is none.
+    frames : tuple of LinkFrame
+        Links along the chain, base and tip included, and links fixed to one of them.
+    dh_given : DHTable or None
+        The Denavit-Hartenberg table that the chain was made from.
+    """
+
+    name: str
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    types: NDArray[np.int64]
+    packed: Array
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+    frames: tuple[LinkFrame, ...] = ()
+    dh_given: "DHTable | None" = None
+
+    def __post_init__(self) -> None:
+        n = len(self.joint_names)
+        if len(set(self.joint_names)) < n:
+            raise BadValueError("joint_names", self.joint_names, "different names")
+        for field in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
+            self._freeze(field, np.float64, (n,))
+        self._freeze("types", np.int64, (n,))
+        self._freeze("packed", np.float64, (n + 1, 13))
+        if not np.isfinite(self.packed).all():
+            raise NonFiniteError("packed", self.packed)
+
+    def _freeze(self, field: str, dtype: type, shape: tuple[int, ...]) -> None:
+        array: NDArray = np.array(getattr(self, field), dtype=dtype, order="C")
+        if array.shape != shape:
+            raise WrongSizeError(field, array.shape, shape)
+        array.setflags(write=False)
+        object.__setattr__(self, field, array)
+
+    @cached_property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    @cached_property
+    def continuous(self) -> NDArray[np.bool_]:
+        """Which joints turn without any limit of position, shape (n,)."""
+        unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
+        result: NDArray[np.bool_] = (self.types == REVOLUTE) & unlimited
+        result.setflags(write=False)
+        return result
+
+    @cached_property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links along the chain, base to tip."""
+        parents = {frame.name: frame.parent for frame in self.frames}
+        names = [self.tip]
+        while names[-1] != self.base and parents.get(names[-1]):
+            names.append(parents[names[-1]])
+        return tuple(reversed(names))
+
+    @cached_property
+    def dh(self) -> "DHTable | None":
+        """Denavit-Hartenberg table: the one given, else recovered; None without joints."""
+        from robomech_ros.robots.dh_recovery import dh_from_chain
+
+        if self.dh_given is not None:
+            return self.dh_given
+        return dh_from_chain(self) if self.n else None
+
+    def link_frame(self, link: str) -> LinkFrame:
+        """Find the frame of a link of this chain, or of one fixed to such a link.
+
+        Raises
+        ------
+        UnknownLinkError
+            There is none of this name; the error lists those there are.
+        """
+        for frame in self.frames:
+            if frame.name == link:
+                return frame
+        raise UnknownLinkError(link, [frame.name for frame in self.frames])
+
+    def with_tip(self, link: str) -> "SerialChain":
+        """Give the chain that ends at another of its links.
+
+        Parameters
+        ----------
+        link : str
+            A link along the chain, or fixed to one that is.
+
+        Returns
+        -------
+        SerialChain
+            With the first joints of this chain only, as many as move that link.
+
+        Raises
+        ------
+        UnknownLinkError
+            There is no such link.
+        """
+        if link == self.tip:
+            return self
+        if link not in self._with_tip:
+            self._with_tip[link] = self._cut_at(self.link_frame(link))
+        return self._with_tip[link]
+
+    @cached_property
+    def _with_tip(self) -> "dict[str, SerialChain]":
+        """The chains to other links that have been asked for."""
+        return {}
+
+    def _cut_at(self, target: LinkFrame) -> "SerialChain":
+        k = target.joints
+        packed = self.packed[: k + 1].copy()
+        packed[k, 0] = -1.0
+        packed[k, 1:10] = target.offset[:3, :3].ravel()
+        packed[k, 10:] = target.offset[:3, 3]
+        return SerialChain(
+            name=self.name,
+            base=self.base,
+            tip=target.name,
+            joint_names=self.joint_names[:k],
+            types=self.types[:k],
+            packed=packed,
+            lower=self.lower[:k],
+            upper=self.upper[:k],
+            velocity=self.velocity[:k],
+            acceleration=self.acceleration[:k],
+            jerk=self.jerk[:k],
+            effort=self.effort[:k],
+            frames=tuple(frame for frame in self.frames if frame.joints <= k),
+        )
+
+    def midrange(self) -> Array:
+        """Middle of the position limits (rad or m), shape (n,).
+
+        Where a joint has no limit or only one, it is 0, moved inside that one limit.
+        """
+        middle: Array = self._midrange.copy()
+        return middle
+
+    @cached_property
+    def _midrange(self) -> Array:
+        both = np.isfinite(self.lower) & np.isfinite(self.upper)
+        middle = np.zeros(self.n)
+        middle[both] = 0.5 * (self.lower[both] + self.upper[both])
+        return np.clip(middle, self.lower, self.upper)
+
+    def require_limits(self, kind: LimitKind) -> None:
+        """Raise where a joint lacks a limit.
+
+        Parameters
+        ----------
+        kind : {"position", "velocity", "acceleration", "jerk", "effort"}
+            For ``"position"`` a joint that turns without limits lacks nothing.
+
+        Raises
+        ------
+        MissingLimitsError
+            It names the joints without this limit.
+        """
+        if kind == "position":
+            missing = ~(np.isfinite(self.lower) & np.isfinite(self.upper)) & ~self.continuous
+        elif kind in ("velocity", "acceleration", "jerk", "effort"):
+            missing = ~np.isfinite(getattr(self, kind))
+        else:
+            raise BadValueError(
+                "kind of limit", kind, "position, velocity, acceleration, jerk or effort"
+            )
+        if missing.any():
+            names = [name for name, lacks in zip(self.joint_names, missing, strict=True) if lacks]
+            raise MissingLimitsError(kind, names)
+
+
+def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:
+    """Lay out constant transforms and joint types as the kernels read them.
+
+    Parameters
+    ----------
+    transforms : ndarray, shape (n + 1, 4, 4)
+        C_0 .. C_n (m).
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
+
+    Returns
+    -------
+    ndarray, shape (n + 1, 13)
+        See :class:`SerialChain`.
+    """
+    n = len(types)
+    packed = np.empty((n + 1, 13))
+    packed[:n, 0] = types
+    packed[n, 0] = -1.0
+    packed[:, 1:10] = transforms[:, :3, :3].reshape(n + 1, 9)
+    packed[:, 10:] = transforms[:, :3, 3]
+    return packed

@@ -1,0 +1,273 @@
+"""A robot as a tree of links and joints, and the serial chains in it."""
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
+from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, LinkFrame, SerialChain, pack_chain
+from robomech_ros.robots.dh import DHTable
+
+__all__ = ["LARGEST_LENGTH", "Joint", "RobotDescription", "position_limits"]
+
+Array = NDArray[np.float64]
+
+MOVING = ("revolute", "continuous", "prismatic")
+# Metres; more is a mistake, and products of such numbers could overflow.
+LARGEST_LENGTH = 1e6
+# A position limit beyond this (rad or m) is what exporters write for none, as in 1e16.
+UNLIMITED = 1e5
+# Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).
+TIP_NAMES = ("tool0", "flange")
+_MOST_NAMES = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint of a robot's tree.
+
+    The child link's pose in the parent link is ``origin J(q) after``, J a rotation about or a
+    translation along the axis.  Limits are in rad, m, s, N m and N; lower and upper are infinite
+    and the others NaN where there is none.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: Array
+    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    after: Array = field(default_factory=lambda: np.eye(4))
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.nan
+    acceleration: float = np.nan
+    jerk: float = np.nan
+    effort: float = np.nan
+    mimic: str | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether the joint is one that a chain can contain as a variable."""
+        return self.type in MOVING
+
+
+@dataclass(frozen=True, eq=False)
+class RobotDescription:
+    """A robot as a tree of links and joints.
+
+    Parameters
+    ----------
+    name : str
+        The robot.
+    links : tuple of str
+        All links.
+    joints : tuple of Joint
+        All joints; each link but one is the child of exactly one.
+    where : str
+        The file or string it came from, for messages.
+    source : str
+        Citation of where the numbers come from, empty where unknown.
+    dh : DHTable or None
+        The table the whole robot was given as.
+    """
+
+    name: str
+    links: tuple[str, ...]
+    joints: tuple[Joint, ...]
+    where: str
+    source: str = ""
+    dh: DHTable | None = None
+
+    @cached_property
+    def root(self) -> str:
+        """The link that is no joint's child."""
+        return next(link for link in self.links if link not in self._to_parent)
+
+    @cached_property
+    def _to_parent(self) -> dict[str, Joint]:
+        return {joint.child: joint for joint in self.joints}
+
+    @cached_property
+    def _to_children(self) -> dict[str, list[Joint]]:
+        children: dict[str, list[Joint]] = {link: [] for link in self.links}
+        for joint in self.joints:
+            children[joint.parent].append(joint)
+        return children
+
+    def chain(self, base: str | None = None, tip: str | None = None) -> SerialChain:
+        """Extract the chain from one link to a link below it, fixed joints folded.
+
+        Parameters
+        ----------
+        base : str, optional
+            Default (also for an empty string) the root link.
+        tip : str, optional
+            Default (also for an empty string) the one leaf below the base that joints move;
+            where there are several, the one link named ``tool0``, else ``flange`` (or with that
+            ending, as in ``left_tool0``).
+
+        Returns
+        -------
+        SerialChain
+
+        Raises
+        ------
+        UnknownLinkError
+            No such link.
+        RobotDescriptionError
+            The tip is not below the base, no joint moves between them, several links could be
+            the tip, or a joint between them is of a kind that a chain cannot have (mimic,
+            planar, floating): the joint is named.
+        """
+        base = base or self.root
+        for link in (base, tip):
+            if link and link not in self._to_children:
+                raise UnknownLinkError(link, self.links)
+        path = self._path(base, tip or self._default_tip(base))
+        return self._folded(base, path)
+
+    def _path(self, base: str, tip: str) -> list[Joint]:
+        path: list[Joint] = []
+        link = tip
+        while link != base:
+            if link not in self._to_parent:
+                below = _listed(list(self._below(base)))
+                why = f"link '{tip}' is not below link '{base}'; below it are: {below}"
+                raise RobotDescriptionError(self.where, why)
+            path.append(self._to_parent[link])
+            link = path[-1].parent
+        path.reverse()
+        for joint in path:
+            self._check_on_chain(joint, base, tip)
+        if not any(joint.moves for joint in path):
+            why = f"no joint moves between link '{base}' and link '{tip}'"
+            raise RobotDescriptionError(self.where, why)
+        return path
+
+    def _check_on_chain(self, joint: Joint, base: str, tip: str) -> None:
+        where = f"{self.where}: joint '{joint.name}'"
+        between = f"on the chain from '{base}' to '{tip}'"
+        if joint.mimic is not None:
+            why = f"it mimics joint '{joint.mimic}' {between}; choose a chain without it"
+            raise RobotDescriptionError(where, why)
+        if not joint.moves and joint.type != "fixed":
+            why = f"type '{joint.type}' {between}; a chain takes {', '.join(MOVING)} and fixed"
+            raise RobotDescriptionError(where, why)
+
+    def _below(self, base: str) -> Iterator[str]:
+        """Links below a link, parents first."""
+        waiting = [base]
+        while waiting:
+            for joint in self._to_children[waiting.pop()]:
+                yield joint.child
+                waiting.append(joint.child)
+
+    def _default_tip(self, base: str) -> str:
+        moved: list[str] = []
+        waiting = [(base, False)]
+        while waiting:
+            link, moves = waiting.pop()
+            if moves:
+                moved.append(link)
+            for joint in self._to_children[link]:
+                waiting.append((joint.child, moves or joint.type != "fixed"))
+        leaves = [link for link in moved if not self._to_children[link]]
+        if len(leaves) == 1:
+            return leaves[0]
+        for name in TIP_NAMES:
+            named = [link for link in moved if link == name or link.endswith(f"_{name}")]
+            if len(named) == 1:
+                return named[0]
+        if not leaves:
+            raise RobotDescriptionError(self.where, f"no joint moves below link '{base}'")
+        why = f"several links could be the tip, name one of them: {_listed(sorted(leaves))}"
+        raise RobotDescriptionError(self.where, why)
+
+    def _folded(self, base: str, path: list[Joint]) -> SerialChain:
+        """Multiply out what lies between moving joints, each of them turned onto its z axis."""
+        moving = [joint for joint in path if joint.moves]
+        constants: list[Array] = []
+        along = [LinkFrame(base, 0, np.eye(4))]
+        C = np.eye(4)
+        for joint in path:
+            C = C @ joint.origin
+            if joint.moves:
+                turn = _turn_of_z(joint.axis)
+                constants.append(C @ turn)
+                C = turn.T
+            C = C @ joint.after
+            along.append(LinkFrame(joint.child, len(constants), C, joint.parent))
+        constants.append(C)
+        frames = [*along, *self._attached(along)]
+        types = np.array(
+            [PRISMATIC if joint.type == "prismatic" else REVOLUTE for joint in moving],
+            dtype=np.int64,
+        )
+        whole = base == self.root and len(path) == len(self.joints)
+        return SerialChain(
+            name=self.name,
+            base=base,
+            tip=along[-1].name,
+            joint_names=tuple(joint.name for joint in moving),
+            types=types,
+            packed=pack_chain(np.array(constants), types),
+            lower=np.array([joint.lower for joint in moving]),
+            upper=np.array([joint.upper for joint in moving]),
+            velocity=np.array([joint.velocity for joint in moving]),
+            acceleration=np.array([joint.acceleration for joint in moving]),
+            jerk=np.array([joint.jerk for joint in moving]),
+            effort=np.array([joint.effort for joint in moving]),
+            frames=tuple(frames),
+            dh_given=self.dh if whole else None,
+        )
+
+    def _attached(self, along: list[LinkFrame]) -> Iterator[LinkFrame]:
+        """Links that fixed joints hold to the links along a chain."""
+        taken = {frame.name for frame in along}
+        waiting = deque(along)
+        while waiting:
+            frame = waiting.popleft()
+            for joint in self._to_children[frame.name]:
+                if joint.type == "fixed" and joint.child not in taken:
+                    taken.add(joint.child)
+                    offset = frame.offset @ joint.origin @ joint.after
+                    attached = LinkFrame(joint.child, frame.joints, offset, frame.name)
+                    yield attached
+                    waiting.append(attached)
+
+
+def position_limits(lower: float, upper: float) -> tuple[float, float]:
+    """Turn limits so far out that they stand for none into infinite ones (rad or m)."""
+    return (
+        -np.inf if lower <= -UNLIMITED else lower,
+        np.inf if upper >= UNLIMITED else upper,
+    )
+
+
+def _turn_of_z(axis: Array) -> Array:
+    """Rotate z onto a unit vector; without rounding where that is a coordinate axis."""
+    x, y, z = axis
+    T = np.eye(4)
+    if z == 1.0:
+        return T
+    if z < 0.0:
+        # Half a turn about x first: the formula below is singular at z = -1.
+        T[:3, :3] = np.diag((1.0, -1.0, -1.0))
+        return T if z == -1.0 else T @ _turn_of_z(np.array([x, -y, -z]))
+    k = 1.0 / (1.0 + z)
+    T[:3, :3] = (
+        (1.0 - k * x * x, -k * x * y, x),
+        (-k * x * y, 1.0 - k * y * y, y),
+        (-x, -y, z),
+    )
+    return T
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(names[:_MOST_NAMES])
+    return shown + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")

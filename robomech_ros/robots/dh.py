@@ -1,0 +1,234 @@
+"""Denavit-Hartenberg tables, and the chains they describe.
+
+The convention is the book's, identical to the usual "standard" one with d = b:
+``T_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)``, joint i about or along z_i, frame i + 1 fixed to
+link i.  A negative ``a`` is accepted although the book defines a distance.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.robots.chain import (
+    PRISMATIC,
+    REVOLUTE,
+    LinkFrame,
+    SerialChain,
+    pack_chain,
+)
+
+__all__ = ["DHTable", "chain_from_dh"]
+
+Array = NDArray[np.float64]
+
+_TYPE_NAMES = {
+    "R": REVOLUTE,
+    "P": PRISMATIC,
+    "revolute": REVOLUTE,
+    "prismatic": PRISMATIC,
+    0: REVOLUTE,
+    1: PRISMATIC,
+}
+_LIMIT_KEYS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+
+
+@dataclass(frozen=True, eq=False)
+class DHTable:
+    """Denavit-Hartenberg parameters of a chain of n joints.
+
+    ``T_base_tip = base @ prod(Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)) @ tool`` with the joint
+    variable added to ``theta_i`` of a revolute and to ``b_i`` of a prismatic joint.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (n,)
+        Length and offset of each link (m).
+    alpha, theta : ndarray, shape (n,)
+        Twist of each link and angle about each joint axis (rad).
+    base, tool : ndarray, shape (4, 4)
+        First frame in the base link; tip link in the last frame.
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
+    """
+
+    a: Array
+    b: Array
+    alpha: Array
+    theta: Array
+    base: Array
+    tool: Array
+    types: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "alpha", "theta", "base", "tool", "types"):
+            array = np.array(getattr(self, name), order="C")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+
+def chain_from_dh(
+    a: ArrayLike,
+    b: ArrayLike,
+    alpha: ArrayLike,
+    theta: ArrayLike | None = None,
+    *,
+    types: str | Sequence[str | int] | None = None,
+    base: ArrayLike | None = None,
+    tool: ArrayLike | None = None,
+    limits: Mapping[str, ArrayLike] | ArrayLike | None = None,
+    name: str = "robot",
+    joint_names: Sequence[str] | None = None,
+    base_link: str = "base_link",
+    tip_link: str = "tool0",
+) -> SerialChain:
+    """Make a chain from Denavit-Hartenberg parameters.
+
+    Parameters
+    ----------
+    a, b : array_like, shape (n,)
+        Length and offset of each link (m).
+    alpha : array_like, shape (n,)
+        Twist of each link (rad).
+    theta : array_like, shape (n,), optional
+        Offsets added to the variables of revolute joints, angles of prismatic ones (rad).
+        Default 0.
+    types : str or sequence, optional
+        For example ``"RRPRRR"``; default all revolute.
+    base, tool : array_like, shape (4, 4), optional
+        First frame in the base link and tip link in the last frame.  Default identity.
+    limits : mapping or array_like, optional
+        Either position limits, shape (n, 2), or a mapping of ``lower``, ``upper``, ``velocity``,
+        ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,).
+    name, joint_names, base_link, tip_link : optional
+        Names; joints are ``joint_1`` .. ``joint_n`` unless given.
+
+    Returns
+    -------
+    SerialChain
+        Its links are ``base_link``, ``link_1`` .. ``link_n`` (frame i + 1 of the table) and
+        ``tip_link``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        Naming the parameter at fault.
+    """
+    a = _row("a", a)
+    n = len(a)
+    if n == 0:
+        raise WrongSizeError("a", 0, "at least 1")
+    b, alpha = _row("b", b, n), _row("alpha", alpha, n)
+    theta = np.zeros(n) if theta is None else _row("theta", theta, n)
+    kinds = _joint_types(types, n)
+    table = DHTable(a, b, alpha, theta, _pose("base", base), _pose("tool", tool), kinds)
+    links = _link_transforms(table)
+    transforms = np.concatenate((table.base[None], links))
+    transforms[n] = links[n - 1] @ table.tool
+    frames = [LinkFrame(base_link, 0, np.eye(4))]
+    for i in range(n):
+        frames.append(LinkFrame(f"link_{i + 1}", i + 1, links[i], frames[-1].name))
+    frames.append(LinkFrame(tip_link, n, transforms[n], frames[-1].name))
+    names = tuple(joint_names) if joint_names else tuple(f"joint_{i + 1}" for i in range(n))
+    if len(names) != n:
+        raise WrongSizeError("joint_names", len(names), n)
+    return SerialChain(
+        name=name,
+        base=base_link,
+        tip=tip_link,
+        joint_names=names,
+        types=kinds,
+        packed=pack_chain(transforms, kinds),
+        frames=tuple(frames),
+        dh_given=table,
+        **_limit_arrays(limits, n),
+    )
+
+
+def _row(what: str, value: ArrayLike, n: int | None = None) -> Array:
+    try:
+        row = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadValueError(what, value, "a list of numbers") from None
+    if row.ndim != 1:
+        raise WrongSizeError(what, row.shape, "(n,)" if n is None else (n,))
+    if n is not None and len(row) != n:
+        raise WrongSizeError(what, len(row), n)
+    if not np.isfinite(row).all():
+        raise NonFiniteError(what, row)
+    return row
+
+
+def _pose(what: str, value: ArrayLike | None) -> Array:
+    if value is None:
+        return np.eye(4)
+    pose = np.array(value, dtype=np.float64)
+    if pose.shape != (4, 4):
+        raise WrongSizeError(what, pose.shape, (4, 4))
+    if not np.isfinite(pose).all():
+        raise NonFiniteError(what, pose)
+    rotation = pose[:3, :3]
+    error = np.abs(rotation.T @ rotation - np.eye(3)).max()
+    if error > 1e-9 or np.linalg.det(rotation) < 0 or (pose[3] != (0, 0, 0, 1)).any():
+        raise BadValueError(what, pose.tolist(), "a proper rotation with last row 0 0 0 1")
+    return pose
+
+
+def _joint_types(types: str | Sequence[str | int] | None, n: int) -> NDArray[np.int64]:
+    if types is None:
+        return np.zeros(n, dtype=np.int64)
+    if len(types) != n:
+        raise WrongSizeError("types", len(types), n)
+    for entry in types:
+        if entry not in _TYPE_NAMES:
+            raise BadValueError("joint type", entry, "R (revolute) or P (prismatic)")
+    return np.array([_TYPE_NAMES[entry] for entry in types], dtype=np.int64)
+
+
+def _limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Any]:
+    arrays = {key: np.full(n, np.nan) for key in _LIMIT_KEYS}
+    arrays["lower"], arrays["upper"] = np.full(n, -np.inf), np.full(n, np.inf)
+    if limits is None:
+        return arrays
+    if not isinstance(limits, Mapping):
+        position = np.array(limits, dtype=np.float64)
+        if position.shape != (n, 2):
+            raise WrongSizeError("limits", position.shape, (n, 2))
+        limits = {"lower": position[:, 0], "upper": position[:, 1]}
+    for key, value in limits.items():
+        if key not in arrays:
+            raise BadValueError("key of limits", key, "one of " + ", ".join(_LIMIT_KEYS))
+        row = np.array(value, dtype=np.float64)
+        if row.shape != (n,):
+            raise WrongSizeError(f"limits {key}", row.shape, (n,))
+        if key in ("lower", "upper") and np.isnan(row).any():
+            raise NonFiniteError(f"limits {key}", row)
+        if key not in ("lower", "upper") and (row <= 0).any():
+            raise BadValueError(f"limits {key}", row.tolist(), "positive numbers")
+        arrays[key] = row
+    reversed_ = arrays["lower"] > arrays["upper"]
+    if reversed_.any():
+        joint = int(np.argmax(reversed_))
+        pair = (float(arrays["lower"][joint]), float(arrays["upper"][joint]))
+        raise BadValueError(f"position limits of joint {joint + 1}", pair, "lower <= upper")
+    return arrays
+
+
+def _link_transforms(table: DHTable) -> Array:
+    """C_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i), shape (n, 4, 4)."""
+    n = len(table.a)
+    ct, st = np.cos(table.theta), np.sin(table.theta)
+    ca, sa = np.cos(table.alpha), np.sin(table.alpha)
+    T = np.zeros((n, 4, 4))
+    T[:, 0] = np.stack((ct, -ca * st, sa * st, table.a * ct), axis=1)
+    T[:, 1] = np.stack((st, ca * ct, -sa * ct, table.a * st), axis=1)
+    T[:, 2] = np.stack((np.zeros(n), sa, ca, table.b), axis=1)
+    T[:, 3, 3] = 1.0
+    return T

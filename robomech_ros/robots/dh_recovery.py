@@ -1,0 +1,139 @@
+"""Denavit-Hartenberg parameters of any chain of revolute and prismatic joints.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import INTERSECTING, PARALLEL_SINE
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.dh import DHTable
+
+__all__ = ["dh_from_chain"]
+
+Array = NDArray[np.float64]
+
+
+def dh_from_chain(chain: SerialChain) -> DHTable:
+    """Recover Denavit-Hartenberg parameters of any chain of revolute and prismatic joints.
+
+    Where the parameters are not unique (parallel or coincident axes, the place of a prismatic
+    axis, the first and the last frame) the choice is the one with the fewest non-zero entries:
+    the common normal through the frame before, and a first frame as near the base as it can be.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        With at least one joint.
+
+    Returns
+    -------
+    DHTable
+        Its pose equals the chain's for every q.  Axes at an angle below
+        ``tolerances.PARALLEL_SINE`` count as parallel.
+    """
+    axes, origins, tip = _axes_at_zero(chain)
+    frame = _first_frame(axes[0], origins[0])
+    base = frame.copy()
+    n = chain.n
+    parameters = np.zeros((4, n))
+    for i in range(n):
+        if i + 1 < n:
+            placed = chain.types[i + 1] == PRISMATIC
+            point = frame[:3, 3] if placed else origins[i + 1]
+            after = _next_frame(frame, axes[i + 1], point)
+        else:
+            after = _next_frame(frame, tip[:3, 2], tip[:3, 3], tip)
+        parameters[:, i] = _between(frame, after)
+        frame = after
+    a, b, alpha, theta = parameters
+    tool = _inverse(frame) @ tip
+    return DHTable(a, b, alpha, theta, base, tool, chain.types)
+
+
+def _axes_at_zero(chain: SerialChain) -> tuple[Array, Array, Array]:
+    """Directions and points of all joint axes, and the tip's pose, at q = 0 in the base."""
+    T = np.eye(4)
+    frames = []
+    for row in chain.packed:
+        C = np.eye(4)
+        C[:3, :3] = row[1:10].reshape(3, 3)
+        C[:3, 3] = row[10:]
+        T = T @ C
+        frames.append(T)
+    stacked = np.array(frames)
+    return stacked[:-1, :3, 2], stacked[:-1, :3, 3], stacked[-1]
+
+
+def _frame(x: Array, z: Array, origin: Array) -> Array:
+    """Build an orthonormal frame from z, from x made normal to it, and from an origin."""
+    z = z / np.linalg.norm(z)
+    x = x - (x @ z) * z
+    x = x / np.linalg.norm(x)
+    T = np.eye(4)
+    T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(z, x), z, origin
+    return T
+
+
+def _first_frame(z: Array, point: Array) -> Array:
+    """Place frame 1 at the point of axis 1 nearest the base's origin, x along the base's."""
+    origin = point - (point @ z) * z
+    x = np.array([1.0, 0.0, 0.0])
+    if abs(z[0]) > 0.9:
+        x = np.array([0.0, 1.0, 0.0])
+    return _frame(x, z, origin)
+
+
+def _next_frame(frame: Array, z: Array, point: Array, tip: Array | None = None) -> Array:
+    """Place the next frame on the line (z, point), x along its common normal with frame's z.
+
+    ``tip`` is the tip's pose where the line is the tip's z axis: it settles what is free.
+    """
+    z_before, origin = frame[:3, 2], frame[:3, 3]
+    normal = np.cross(z_before, z)
+    sine = np.linalg.norm(normal)
+    gap = point - origin
+    if sine < PARALLEL_SINE:
+        return _next_parallel(frame, z, point, tip)
+    normal = normal / sine
+    # Along the axis from its point to the foot of the common normal.
+    along = np.cross(gap, z_before) @ normal / sine
+    foot = point + along * z
+    length = gap @ normal
+    reference = frame[:3, 0] if tip is None else tip[:3, 0]
+    if abs(length) > INTERSECTING:
+        sign = 1.0 if length > 0 else -1.0
+    else:
+        sign = -1.0 if normal @ reference < -1e-9 else 1.0
+    return _frame(sign * normal, z, foot)
+
+
+def _next_parallel(frame: Array, z: Array, point: Array, tip: Array | None) -> Array:
+    z_before, origin = frame[:3, 2], frame[:3, 3]
+    gap = point - origin
+    across = gap - (gap @ z_before) * z_before
+    # Without a tip the common normal passes through the origin before: b = 0.
+    foot = origin + across if tip is None else point
+    if np.linalg.norm(across) > INTERSECTING:
+        return _frame(across, z, foot)
+    x = frame[:3, 0] if tip is None else tip[:3, 0]
+    return _frame(x, z, foot)
+
+
+def _between(frame: Array, after: Array) -> tuple[float, float, float, float]:
+    """DH parameters a, b, alpha, theta from one frame to the next."""
+    T = _inverse(frame) @ after
+    theta = np.arctan2(T[1, 0], T[0, 0])
+    alpha = np.arctan2(T[2, 1], T[2, 2])
+    a = T[0, 3] * T[0, 0] + T[1, 3] * T[1, 0]
+    return float(a), float(T[2, 3]), float(alpha), float(theta)
+
+
+def _inverse(T: Array) -> Array:
+    result = np.eye(4)
+    result[:3, :3] = T[:3, :3].T
+    result[:3, 3] = -T[:3, :3].T @ T[:3, 3]
+    return result

@@ -1,0 +1,126 @@
+"""Read YAML from outside: plain data only, capped, without aliases, tags or repeated keys.
+
+Numbers follow YAML 1.2 (``1e3`` is a number, ``1:30`` is not), unlike PyYAML's own default.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import yaml
+
+from robomech_ros.errors import RobotDescriptionError
+
+__all__ = ["LARGEST_YAML", "check_keys", "parse_yaml"]
+
+# Bytes; a robot's file takes a few thousand.
+LARGEST_YAML = 256 * 1024
+DEEPEST = 12
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader that refuses aliases, tags, deep nesting and repeated keys."""
+
+    depth = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.events.AliasEvent):
+            raise self._refusal("aliases (*name) are not allowed")
+        if getattr(self.peek_event(), "tag", None):  # type: ignore[no-untyped-call]
+            raise self._refusal("tags (!name) are not allowed")
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise self._refusal(f"nested deeper than {DEEPEST}")
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def _refusal(self, why: str) -> yaml.composer.ComposerError:
+        mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        return yaml.composer.ComposerError(None, None, why, mark)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise yaml.constructor.ConstructorError(
+                    None, None, "a key must be plain text", key_node.start_mark
+                )
+            if key_node.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the key '{key_node.value}' is given twice", key_node.start_mark
+                )
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep=True)
+
+
+_Loader.yaml_implicit_resolvers = {}
+for _tag, _pattern, _first in (
+    ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    ("int", r"[-+]?[0-9]{1,18}", "-+0123456789"),
+    (
+        "float",
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        "-+0123456789.",
+    ),
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+):
+    _Loader.add_implicit_resolver(
+        f"tag:yaml.org,2002:{_tag}", re.compile(rf"^(?:{_pattern})$"), list(_first)
+    )
+
+
+def parse_yaml(text: str | bytes, where: str) -> dict[str, Any]:
+    """Parse a document whose top level is a mapping.
+
+    Parameters
+    ----------
+    text : str or bytes
+        The document.
+    where : str
+        What it is called in messages.
+
+    Raises
+    ------
+    RobotDescriptionError
+        Too large, not YAML, not a mapping, or with something that is not plain data.
+    """
+    if len(text) > LARGEST_YAML:
+        raise RobotDescriptionError(where, f"{len(text)} bytes, at most {LARGEST_YAML} are allowed")
+    try:
+        document = yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = f"{where}: line {mark.line + 1}, column {mark.column + 1}" if mark else where
+        raise RobotDescriptionError(place, str(error.problem)) from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise RobotDescriptionError(where, f"not readable as YAML: {error}") from None
+    if not isinstance(document, dict):
+        found = type(document).__name__ if document is not None else "nothing"
+        raise RobotDescriptionError(where, f"the top level is {found}, expected keys and values")
+    return document
+
+
+def check_keys(
+    mapping: object, where: str, required: Iterable[str], optional: Iterable[str]
+) -> Mapping[str, Any]:
+    """Check that a value is a mapping with all required keys and no unknown ones.
+
+    Raises
+    ------
+    RobotDescriptionError
+        Naming the keys at fault and those that are allowed.
+    """
+    required, optional = tuple(required), tuple(optional)
+    allowed = ", ".join((*required, *optional))
+    if not isinstance(mapping, dict):
+        raise RobotDescriptionError(where, f"expected a mapping with the keys {allowed}")
+    unknown = [str(key) for key in mapping if key not in required and key not in optional]
+    if unknown:
+        names = ", ".join(f"'{key[:80]}'" for key in unknown[:10])
+        raise RobotDescriptionError(where, f"unknown key {names}; allowed: {allowed}")
+    missing = [key for key in required if key not in mapping]
+    if missing:
+        names = ", ".join(f"'{key}'" for key in missing)
+        raise RobotDescriptionError(where, f"missing key {names}; allowed: {allowed}")
+    return mapping

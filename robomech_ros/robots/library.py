@@ -1,0 +1,180 @@
+"""Where robots are found, by name, by path or in a string.
+
+The folders are, first to last: those of the environment variable ``ROBOMECH_ROBOTS_PATH``
+(separated by ``:``), ``config/robots`` of the source tree this package runs from, and
+``share/robomech_ros/config/robots`` of every prefix: the one this package is installed in,
+``sys.prefix``, and those of ``AMENT_PREFIX_PATH``.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.guarded_xml import LARGEST_XML
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML
+from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
+from robomech_ros.robots.urdf import description_from_urdf
+
+__all__ = ["list_robots", "load_description", "load_robot", "robot_folders"]
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
+_SUFFIXES = (".urdf", ".yaml", ".yml")
+_SHARE = Path("share") / "robomech_ros" / "config" / "robots"
+
+
+def load_robot(
+    name_or_path_or_urdf: str | os.PathLike[str],
+    base: str | None = None,
+    tip: str | None = None,
+) -> SerialChain:
+    """Load a robot and take a serial chain of it.
+
+    Parameters
+    ----------
+    name_or_path_or_urdf : str or path
+        The name of a robot (see :func:`list_robots`), a path of a ``.urdf`` or ``.yaml`` file, or
+        the text of either.
+    base, tip : str, optional
+        Links; by default the root, and the one leaf, or ``tool0`` or ``flange`` where there are
+        several; see :meth:`RobotDescription.chain`.
+
+    Returns
+    -------
+    SerialChain
+
+    Raises
+    ------
+    UnknownRobotError
+        No robot of this name; the error lists those there are.
+    UnknownLinkError
+        The robot has no such base or tip.
+    RobotDescriptionError
+        The description cannot be used: the message says where and why.
+    """
+    return load_description(name_or_path_or_urdf).chain(base, tip)
+
+
+def load_description(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescription:
+    """Load a robot with all its links and joints.
+
+    Parameters
+    ----------
+    name_or_path_or_urdf : str or path
+        As for :func:`load_robot`.
+
+    Raises
+    ------
+    UnknownRobotError, RobotDescriptionError
+        As for :func:`load_robot`.
+    """
+    given: object = name_or_path_or_urdf
+    expected = "a robot's name, a path, or the text of a URDF or YAML document"
+    if isinstance(given, os.PathLike):
+        return _from_file(Path(given))
+    if not isinstance(given, str) or not given.strip():
+        raise BadValueError("robot", given, expected)
+    text = given.lstrip("\ufeff \t\r\n")
+    if text.startswith("<"):
+        return description_from_urdf(text, "URDF string")
+    if "\n" in text.strip():
+        return description_from_yaml(text, "YAML string")
+    name = text.strip()
+    if name.lower().endswith((*_SUFFIXES, ".xacro")) or "/" in name or os.sep in name:
+        return _from_file(Path(os.path.expanduser(name)))
+    if ": " in name:
+        return description_from_yaml(text, "YAML string")
+    return _from_file(_find(name))
+
+
+def list_robots() -> tuple[str, ...]:
+    """List the names of the robots in all folders, sorted."""
+    return tuple(sorted(_robot_files()))
+
+
+def robot_folders() -> tuple[Path, ...]:
+    """List the existing folders in which robots are looked for, first to last."""
+    found: dict[Path, Path] = {}
+    for folder in _candidate_folders():
+        if folder.is_dir():
+            found.setdefault(folder.resolve(), folder)
+    return tuple(found.values())
+
+
+def _candidate_folders() -> Iterator[Path]:
+    for entry in os.environ.get("ROBOMECH_ROBOTS_PATH", "").split(os.pathsep):
+        if entry:
+            yield Path(entry).expanduser()
+    here = Path(__file__).resolve()
+    if (here.parents[2] / "package.xml").is_file():
+        yield here.parents[2] / "config" / "robots"
+    for prefix in here.parents:
+        yield prefix / _SHARE
+    yield Path(sys.prefix) / _SHARE
+    for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        if entry:
+            yield Path(entry) / _SHARE
+
+
+def _robot_files() -> dict[str, Path]:
+    """Find the file of each robot; of a URDF with YAML beside it the URDF."""
+    files: dict[str, Path] = {}
+    for folder in robot_folders():
+        here: dict[str, Path] = {}
+        try:
+            entries = sorted(folder.iterdir())
+        except OSError:
+            continue
+        for path in entries:
+            if path.suffix in _SUFFIXES and path.is_file():
+                here.setdefault(path.stem, path)
+        for name, path in here.items():
+            files.setdefault(name, path)
+    return files
+
+
+def _find(name: str) -> Path:
+    files = _robot_files()
+    if not _NAME.fullmatch(name) or name not in files:
+        raise UnknownRobotError(name, sorted(files))
+    return files[name]
+
+
+def _from_file(path: Path) -> RobotDescription:
+    where = str(path)
+    suffix = path.suffix.lower()
+    if suffix == ".xacro":
+        why = "xacro must be expanded first, with `xacro model.xacro > model.urdf`"
+        raise RobotDescriptionError(where, why)
+    if suffix not in _SUFFIXES:
+        raise RobotDescriptionError(where, f"expected a file named {', '.join(_SUFFIXES)}")
+    if suffix != ".urdf":
+        return description_from_yaml(_read(path, LARGEST_YAML), where)
+    description = description_from_urdf(_read(path, LARGEST_XML), where)
+    for beside in (path.with_suffix(".yaml"), path.with_suffix(".yml")):
+        if beside.is_file():
+            return with_yaml_limits(description, _read(beside, LARGEST_YAML), str(beside))
+    return description
+
+
+def _read(path: Path, largest: int) -> bytes:
+    """Read a regular file of at most so many bytes."""
+    try:
+        if not path.exists():
+            raise RobotDescriptionError(str(path), "no such file")
+        if not path.is_file():
+            raise RobotDescriptionError(str(path), "not a regular file")
+        with path.open("rb") as file:
+            data = file.read(largest + 1)
+    except RobotDescriptionError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else None
+        raise RobotDescriptionError(str(path), reason or str(error)) from None
+    if len(data) > largest:
+        raise RobotDescriptionError(str(path), f"more than {largest} bytes, the most allowed")
+    return data

@@ -1,0 +1,191 @@
+"""Robots by name, path and text; what every robot of ours must have."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
+from robomech_ros.robots import list_robots, load_description, load_robot, robot_folders
+
+ROBOTS = pytest.mark.parametrize("robot", list_robots())
+EXPECTED = {
+    "diestro": 6,
+    "fanuc_arcmate": 6,
+    "general6r": 6,
+    "irb120": 6,
+    "panda": 7,
+    "planar3r": 3,
+    "puma560": 6,
+    "scara": 4,
+    "stanford": 6,
+    "ur10e": 6,
+    "ur5e": 6,
+}
+ARM = """
+name: arm
+source: a test
+joints:
+  - {name: only, type: revolute, a: 1, b: 0, alpha: 0, lower: -1, upper: 1e0}
+"""
+
+
+def test_the_robots_that_are_promised():
+    assert set(EXPECTED) <= set(list_robots())
+    assert list(list_robots()) == sorted(list_robots())
+    for name, joints in EXPECTED.items():
+        assert load_robot(name).n == joints
+    assert load_robot("stanford").types.tolist() == [0, 0, 1, 0, 0, 0]
+    assert load_robot("scara").types.tolist() == [0, 0, 1, 0]
+
+
+@ROBOTS
+def test_every_robot_cites_its_source_and_can_be_planned_for(robot):
+    description = load_description(robot)
+    assert len(description.source) > 20
+    assert description.name == robot
+    chain = description.chain()
+    for kind in ("position", "velocity", "acceleration", "jerk"):
+        chain.require_limits(kind)
+    assert (chain.lower < chain.upper).all()
+    rotations = chain.packed[:, 1:10].reshape(-1, 3, 3)
+    error = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max()
+    assert error < 1e-15
+
+
+def test_published_limits():
+    panda = load_robot("panda")
+    assert panda.upper.tolist() == [2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]
+    assert panda.acceleration.tolist() == [15, 7.5, 10, 12.5, 15, 20, 20]
+    assert panda.jerk.tolist() == [7500, 3750, 5000, 6250, 7500, 10000, 10000]
+    np.testing.assert_allclose(np.degrees(load_robot("ur10e").velocity), [120] * 2 + [180] * 4)
+    np.testing.assert_allclose(np.degrees(load_robot("puma560").lower[:2]), [-160, -45])
+
+
+def test_published_poses():
+    """Corke's ready-to-pick posture, and Panda's flange with all joints at zero."""
+    from robomech_ros.kinematics import forward_kinematics
+
+    q = np.array([0, 0.25, 1, 0, 0.25, 0]) * np.pi
+    T = forward_kinematics(load_robot("puma560"), q)
+    np.testing.assert_allclose(T[:3, :3], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(T[:3, 3], [0.5963, -0.15005, -0.01435], atol=5e-5)
+    T = forward_kinematics(load_robot("panda"), np.zeros(7))
+    np.testing.assert_allclose(T[:3, 3], [0.088, 0, 0.926], atol=1e-15)
+
+
+def test_a_name_a_path_and_a_text_give_the_same_chain(tmp_path):
+    where = load_description("ur10e").where
+    with open(where, encoding="utf-8") as file:
+        text = file.read()
+    packed = load_robot("ur10e").packed.tobytes()
+    assert load_robot(where).packed.tobytes() == packed
+    assert load_robot(tmp_path.__class__(where)).packed.tobytes() == packed
+    assert load_robot(text).packed.tobytes() == packed
+    urdf = load_description("ur5e").where
+    with open(urdf, encoding="utf-8") as file:
+        text = file.read()
+    from_text = load_robot(f"\ufeff\n  {text}")
+    assert from_text.packed.tobytes() == load_robot(urdf).packed.tobytes()
+    assert np.isnan(from_text.jerk).all()
+    assert load_robot(" ur5e\n").joint_names == from_text.joint_names
+
+
+def test_folders_of_the_environment_come_first(tmp_path, monkeypatch):
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder, reach in ((first, 2.0), (second, 3.0)):
+        folder.mkdir()
+        (folder / "arm.yaml").write_text(ARM.replace("a: 1,", f"a: {reach},"))
+    (second / "puma560.yaml").write_text(ARM)
+    paths = os.pathsep.join(["", str(first), str(tmp_path / "missing"), str(second)])
+    monkeypatch.setenv("ROBOMECH_ROBOTS_PATH", paths)
+    assert robot_folders()[:2] == (first, second)
+    assert "arm" in list_robots()
+    assert load_robot("arm").packed[1, 10] == 2.0
+    assert load_robot("puma560").n == 1
+
+
+def test_installed_robots_are_found_by_prefix(tmp_path, monkeypatch):
+    folder = tmp_path / "share" / "robomech_ros" / "config" / "robots"
+    folder.mkdir(parents=True)
+    (folder / "installed_arm.yml").write_text(ARM)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere{os.pathsep}{tmp_path}")
+    assert load_robot("installed_arm").n == 1
+
+
+def test_a_urdf_takes_its_limits_from_the_yaml_beside_it(tmp_path):
+    with open(load_description("ur5e").where, encoding="utf-8") as file:
+        (tmp_path / "mine.urdf").write_text(file.read())
+    assert np.isnan(load_robot(tmp_path / "mine.urdf").jerk).all()
+    (tmp_path / "mine.yaml").write_text(
+        "source: a test\njoints:\n  elbow_joint: {acceleration: 2, jerk: 3.5}\n"
+    )
+    chain = load_robot(tmp_path / "mine.urdf")
+    assert chain.acceleration[2] == 2.0
+    assert chain.jerk[2] == 3.5
+    assert np.isnan(chain.jerk[[0, 1, 3, 4, 5]]).all()
+    assert load_description(tmp_path / "mine.urdf").source == "a test"
+
+
+def test_an_unknown_name_is_answered_with_the_known_ones():
+    with pytest.raises(UnknownRobotError) as caught:
+        load_robot("puma56")
+    assert caught.value.name == "puma56"
+    assert "puma560" in caught.value.available
+    assert "did you mean 'puma560'?" in str(caught.value)
+    with pytest.raises(UnknownRobotError, match=r"unknown robot '\.\.'"):
+        load_robot("..")
+
+
+@pytest.mark.parametrize("given", [None, 3, b"<robot/>", "", "  \n", ["ur5e"]])
+def test_what_is_no_robot_at_all(given):
+    with pytest.raises(BadValueError, match="expected a robot's name, a path, or the text"):
+        load_robot(given)
+
+
+def test_paths_that_are_no_robot(tmp_path):
+    (tmp_path / "folder.urdf").mkdir()
+    (tmp_path / "arm.xacro").write_text("<robot/>")
+    (tmp_path / "arm.sdf").write_text("<sdf/>")
+    (tmp_path / "empty.urdf").write_text("")
+    (tmp_path / "long.yaml").write_bytes(b"#" * 300_000)
+    os.mkfifo(tmp_path / "pipe.yaml")
+    cases = {
+        "missing.urdf": "no such file",
+        "folder.urdf": "not a regular file",
+        "pipe.yaml": "not a regular file",
+        "arm.xacro": "xacro must be expanded first",
+        "arm.sdf": "expected a file named .urdf, .yaml, .yml",
+        "empty.urdf": "not well-formed XML: no element found",
+        "long.yaml": "more than 262144 bytes",
+    }
+    for name, text in cases.items():
+        with pytest.raises(RobotDescriptionError, match=text) as caught:
+            load_robot(str(tmp_path / name))
+        assert name in caught.value.where
+    for strange in ("a\0b.urdf", "/dev/zero.urdf", "x" * 5000 + ".urdf", "~nobody_here/x.urdf"):
+        with pytest.raises(RobotDescriptionError):
+            load_robot(strange)
+
+
+def test_an_unreadable_file(tmp_path, monkeypatch):
+    path = tmp_path / "arm.yaml"
+    path.write_text(ARM)
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(type(path), "open", refuse)
+    with pytest.raises(RobotDescriptionError, match=r"arm\.yaml: Permission denied"):
+        load_robot(path)
+
+
+def test_importing_the_package_or_loading_a_robot_needs_neither_ros_nor_numba():
+    code = (
+        "import sys, robomech_ros; assert 'numpy' not in sys.modules; "
+        "from robomech_ros.robots import load_robot; load_robot('ur5e').dh; "
+        "assert not {'numba', 'rclpy', 'scipy'} & set(sys.modules), 'too much'"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
