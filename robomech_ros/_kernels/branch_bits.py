@@ -1,0 +1,18 @@
+"""What the bits of a solution's branch mean."""
+
+SHOULDER_RIGHT = 1 << 0
+ELBOW_DOWN = 1 << 1
+WRIST_FLIP = 1 << 2
+# Arms without shoulder and elbow number their solutions instead.
+ARM_NUMBERED = 1 << 3
+ARM_SHIFT = 4
+ARM_MASK = 0xF << ARM_SHIFT
+# The solution stands for a continuum: joints move while the pose stays.
+SHOULDER_SINGULAR = 1 << 8
+ELBOW_SINGULAR = 1 << 9
+WRIST_SINGULAR = 1 << 10
+CONTINUUM = SHOULDER_SINGULAR | ELBOW_SINGULAR | WRIST_SINGULAR
+# A singular posture without a continuum: two solutions have become one.
+BOUNDARY = 1 << 11
+# Axes 4 and 6 of a singular spherical wrist point in opposite directions.
+WRIST_OPPOSED = 1 << 12

@@ -1,0 +1,213 @@
+"""All families behind one kernel: solutions, ranked; one pose or many."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels import branch_bits as bit
+from robomech_ros._kernels._jit import (
+    IIN1,
+    IN1,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT2,
+    OUT3,
+    b1,
+    i8,
+    inline,
+    kernel,
+)
+from robomech_ros._kernels.continuum import free_value, settle_wrist
+from robomech_ros._kernels.inverse_decoupled import solve_decoupled
+from robomech_ros._kernels.inverse_iterative import solve_iterative
+from robomech_ros._kernels.inverse_parallel import solve_parallel
+from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
+
+__all__ = [
+    "DECOUPLED",
+    "ITERATIVE",
+    "MAX_SOLUTIONS",
+    "NONE_EXISTS",
+    "STATE",
+    "THREE_PARALLEL",
+    "solve",
+]
+
+DECOUPLED = 0
+THREE_PARALLEL = 1
+ITERATIVE = 2
+
+MAX_SOLUTIONS = 16
+# In place of a count: there is no solution, with limits or without.
+NONE_EXISTS = -1
+
+# Entries of ``state``: how many bare solutions there are, branches of continua without a posture
+# inside the limits, ranked solutions, and bare ones that stand for a continuum.
+BARE = 0
+MISSING = 1
+RANKED = 2
+SINGULAR = 3
+STATE = 4
+
+# Values of the free joints that are tried where the seed's leads out of the limits.
+_FREE_VALUES = 96
+
+
+@inline
+def _settle(family, lower, upper, seed, q, branch, total):
+    """Choose among the postures of singular spherical wrists those that limits allow."""
+    if family == DECOUPLED:
+        for k in range(total):
+            if branch[k] & bit.WRIST_SINGULAR:
+                settle_wrist(branch[k] & bit.WRIST_OPPOSED != 0, lower, upper, seed, q[k])
+
+
+@inline
+def _count_continua(branch, total):
+    """Count the solutions that stand for a continuum."""
+    count = 0
+    for k in range(total):
+        if branch[k] & bit.CONTINUUM:
+            count += 1
+    return count
+
+
+@inline
+def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
+    """List the branches of continua whose representatives limits exclude; return how many."""
+    count = 0
+    for k in range(total):
+        if branch[k] & bit.CONTINUUM:
+            if not place(turns, lower, upper, seed, True, q[k], placed):
+                missing[count] = branch[k]
+                count += 1
+    return count
+
+
+@inline
+def _add_missing(
+    turns, lower, upper, seed, metric, q, branch, placed, missing, ranked, names, distances, state
+):
+    """Add the postures of missing branches that are inside the limits to the ranked ones.
+
+    ``state`` holds how many postures there are in q, branches missing, and ranked ones.
+    """
+    for m in range(state[BARE]):
+        for j in range(state[MISSING]):
+            if missing[j] != branch[m]:
+                continue
+            if place(turns, lower, upper, seed, True, q[m], placed):
+                distance = distance_from(placed, seed, metric)
+                state[RANKED] = insert(
+                    placed, branch[m], distance, state[RANKED], ranked, names, distances
+                )
+                state[MISSING] -= 1
+                missing[j] = missing[state[MISSING]]
+            break
+
+
+@inline
+def _clear(rows, first):
+    """Fill the rows from ``first`` on with NaN."""
+    for k in range(first, rows.shape[0]):
+        for i in range(rows.shape[1]):
+            rows[k, i] = math.nan
+
+
+@kernel(i8(i8, IN1, IN3, IIN1, IN1, IN1, IN1, i8, b1, OUT2, IOUT1, OUT3, IOUT1, OUT1, IOUT1, IOUT1))
+def solve(
+    family,
+    data,
+    T,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    ranked,
+    names,
+    distances,
+    counts,
+    state,
+):
+    """Solve the poses T (m, 4, 4) one after another.
+
+    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
+    NONE_EXISTS where there is no solution even outside the limits.  Where limits exclude a
+    representative of a continuum, others are tried, with other values of the free joints.
+
+    Of the last pose, q (16, n) and ``branch`` (16,) get the bare solutions, ``names`` (16,) and
+    ``distances`` (16,) the branches of the ranked ones and their distances, and ``state`` (STATE,)
+    the numbers of each.
+    """
+    # One kernel for all: each that holds the solvers would cost their compilation again.
+    missing = np.empty(MAX_SOLUTIONS, np.int64)
+    others = np.empty((MAX_SOLUTIONS, seed.shape[0]))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    placed = np.empty(seed.shape[0])
+    start = seed.copy()
+    for m in range(T.shape[0]):
+        found = 0
+        for k in range(_FREE_VALUES + 1):
+            p, b = (q, branch) if k == 0 else (others, marks)
+            if family == DECOUPLED:
+                total = solve_decoupled(data, T[m], start, p, b)
+            elif family == THREE_PARALLEL:
+                total = solve_parallel(data, T[m], start, p, b)
+            else:
+                total = solve_iterative(data, T[m], start, p, b)
+            if bounded:
+                _settle(family, lower, upper, seed, p, b, total)
+            state[BARE] = total
+            if k == 0:
+                found = total
+                state[MISSING] = 0
+                state[SINGULAR] = _count_continua(branch, total)
+                state[RANKED] = rank_body(
+                    turns,
+                    lower,
+                    upper,
+                    seed,
+                    metric,
+                    bounded,
+                    q[:total],
+                    branch,
+                    ranked[m],
+                    names,
+                    distances,
+                )
+                if bounded and state[SINGULAR] > 0:
+                    state[MISSING] = _excluded(
+                        turns, lower, upper, seed, q, branch, total, placed, missing
+                    )
+            else:
+                _add_missing(
+                    turns,
+                    lower,
+                    upper,
+                    seed,
+                    metric,
+                    p,
+                    b,
+                    placed,
+                    missing,
+                    ranked[m],
+                    names,
+                    distances,
+                    state,
+                )
+            if state[MISSING] == 0:
+                break
+            for i in range(seed.shape[0]):
+                start[i] = free_value(lower[i], upper[i], seed[i], k + 1, _FREE_VALUES)
+        for i in range(seed.shape[0]):
+            start[i] = seed[i]
+        counts[m] = state[RANKED] if found > 0 else NONE_EXISTS
+        _clear(ranked[m], state[RANKED])
+        state[BARE] = found
+    return 0

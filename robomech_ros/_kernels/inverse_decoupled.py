@@ -1,0 +1,286 @@
+"""All solutions of an arm whose last three revolute axes meet in one point.
+
+The wrist centre gives the first three joints, the rotation left over the last three.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels import branch_bits as bit
+from robomech_ros._kernels import decoupled_layout as at
+from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels.decoupled_arm import (
+    MOST_ARMS,
+    arm_error,
+    arm_postures,
+    is_among,
+    step_aside,
+)
+from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.polynomials import order_one_roots
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    FOLD_APART,
+    IDEALISED_SLACK,
+    NEAR_SINGULAR,
+    SHARP,
+)
+from robomech_ros._kernels.wrist import WRIST_BOUNDARY, WRIST_FREE, WRIST_OPPOSED, spherical_wrist
+
+__all__ = ["solve_decoupled"]
+
+# Values of a free joint that are tried where its own leads to no reachable orientation.
+_TRIES = 24
+# Distance (rad) of the starts from a fold for the whole chain, where no error tells it.
+_FOLD = 5e-3
+# Typed, since numba compiles a function anew for each literal that it is called with.
+_STEPS = np.int64(30)
+
+
+@inline
+def _turn(Q, angle):
+    """Rz(-angle) Q."""
+    c = math.cos(angle)
+    s = math.sin(angle)
+    return (
+        c * Q[0] + s * Q[3],
+        c * Q[1] + s * Q[4],
+        c * Q[2] + s * Q[5],
+        c * Q[3] - s * Q[0],
+        c * Q[4] - s * Q[1],
+        c * Q[5] - s * Q[2],
+        Q[6],
+        Q[7],
+        Q[8],
+    )
+
+
+@inline
+def _unturn(data, k, Q):
+    """R^T Q with R the rotation of the 3x4 transform at k."""
+    j = k + 4
+    i = k + 8
+    return (
+        data[k] * Q[0] + data[j] * Q[3] + data[i] * Q[6],
+        data[k] * Q[1] + data[j] * Q[4] + data[i] * Q[7],
+        data[k] * Q[2] + data[j] * Q[5] + data[i] * Q[8],
+        data[k + 1] * Q[0] + data[j + 1] * Q[3] + data[i + 1] * Q[6],
+        data[k + 1] * Q[1] + data[j + 1] * Q[4] + data[i + 1] * Q[7],
+        data[k + 1] * Q[2] + data[j + 1] * Q[5] + data[i + 1] * Q[8],
+        data[k + 2] * Q[0] + data[j + 2] * Q[3] + data[i + 2] * Q[6],
+        data[k + 2] * Q[1] + data[j + 2] * Q[4] + data[i + 2] * Q[7],
+        data[k + 2] * Q[2] + data[j + 2] * Q[5] + data[i + 2] * Q[8],
+    )
+
+
+@inline
+def _reduced_target(data, T):
+    """Give the wrist centre in frame 1 (units of SIZE) and the rotation between joints 1 and 6."""
+    hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
+    k = at.BASE
+    px = T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - data[k + 3]
+    py = T[1, 0] * hx + T[1, 1] * hy + T[1, 2] * hz + T[1, 3] - data[k + 7]
+    pz = T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - data[k + 11]
+    unit = 1.0 / data[at.SIZE]
+    c = (
+        unit * (data[k] * px + data[k + 4] * py + data[k + 8] * pz),
+        unit * (data[k + 1] * px + data[k + 5] * py + data[k + 9] * pz),
+        unit * (data[k + 2] * px + data[k + 6] * py + data[k + 10] * pz),
+    )
+    j = at.TIP
+    Q = (
+        T[0, 0] * data[j] + T[0, 1] * data[j + 3] + T[0, 2] * data[j + 6],
+        T[0, 0] * data[j + 1] + T[0, 1] * data[j + 4] + T[0, 2] * data[j + 7],
+        T[0, 0] * data[j + 2] + T[0, 1] * data[j + 5] + T[0, 2] * data[j + 8],
+        T[1, 0] * data[j] + T[1, 1] * data[j + 3] + T[1, 2] * data[j + 6],
+        T[1, 0] * data[j + 1] + T[1, 1] * data[j + 4] + T[1, 2] * data[j + 7],
+        T[1, 0] * data[j + 2] + T[1, 1] * data[j + 5] + T[1, 2] * data[j + 8],
+        T[2, 0] * data[j] + T[2, 1] * data[j + 3] + T[2, 2] * data[j + 6],
+        T[2, 0] * data[j + 1] + T[2, 1] * data[j + 4] + T[2, 2] * data[j + 7],
+        T[2, 0] * data[j + 2] + T[2, 1] * data[j + 5] + T[2, 2] * data[j + 8],
+    )
+    return c, _unturn(data, k, Q)
+
+
+@inline
+def _left_over(data, arm, Q, after):
+    """Turn Q back through the joints and links 1 to ``after``."""
+    if data[at.TYPES] == 0.0:
+        Q = _turn(Q, arm[0])
+    Q = _unturn(data, at.C1, Q)
+    if data[at.TYPES + 1] == 0.0:
+        Q = _turn(Q, arm[1])
+    Q = _unturn(data, at.C2, Q)
+    if data[at.TYPES + 2] == 0.0:
+        Q = _turn(Q, arm[2])
+    return _unturn(data, at.C3, Q)
+
+
+@inline
+def _reachable_angle(data, arm, Q, j):
+    """Turn free joint j to the value nearest its present one that the wrist can make up for.
+
+    The cosine of the angle between axes 4 and 6 is of first order in the joint; it must not
+    leave the wrist's range.  Returns False where it never comes into it.
+    """
+    before = _turn(Q, arm[0]) if j > 0 and data[at.TYPES] == 0.0 else Q
+    if j > 0:
+        before = _unturn(data, at.C1, before)
+    if j > 1:
+        before = _turn(before, arm[1]) if data[at.TYPES + 1] == 0.0 else before
+        before = _unturn(data, at.C2, before)
+    x, y, z = before[2], before[5], before[8]
+    ax, ay, az = data[at.C3 + 2], data[at.C3 + 6], data[at.C3 + 10]
+    for i in range(2, j, -1):
+        if data[at.TYPES + i] == 0.0:
+            c, s = math.cos(arm[i]), math.sin(arm[i])
+            ax, ay = c * ax - s * ay, s * ax + c * ay
+        k = at.C2 if i == 2 else at.C1
+        ax, ay, az = (
+            data[k] * ax + data[k + 1] * ay + data[k + 2] * az,
+            data[k + 4] * ax + data[k + 5] * ay + data[k + 6] * az,
+            data[k + 8] * ax + data[k + 9] * ay + data[k + 10] * az,
+        )
+    constant, c, s = z * az, x * ax + y * ay, y * ax - x * ay
+    best = math.inf
+    value = arm[j]
+    for side in range(2):
+        bound = math.cos(data[at.NEAREST + side])
+        found, c1, s1, c2, s2 = order_one_roots(constant - bound, c, s, 0.0)
+        for i in range(found):
+            angle = math.atan2(s1 if i == 0 else s2, c1 if i == 0 else c2)
+            turn = wrapped(angle - arm[j])
+            if abs(turn) < best:
+                best = abs(turn)
+                value = arm[j] + turn
+    arm[j] = value
+    return best < math.inf
+
+
+@inline
+def _wrist_of(data, arm, Q, free_angle, slack, angles):
+    """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
+    count, flags = spherical_wrist(data, _left_over(data, arm, Q, 3), free_angle, slack, angles)
+    free = int(arm[3])
+    if count > 0 or free == 0:
+        return count, flags
+    for j in range(3):
+        if free & (1 << j) and data[at.TYPES + j] == 0.0:
+            before = arm[j]
+            if _reachable_angle(data, arm, Q, j):
+                count, flags = spherical_wrist(
+                    data, _left_over(data, arm, Q, 3), free_angle, ACCEPTED, angles
+                )
+            if count > 0:
+                break
+            arm[j] = before
+    return count, flags
+
+
+@inline
+def _enter(data, arm, angles, q):
+    """Write a solution in joint values, revolute ones in (-pi, pi]."""
+    for j in range(3):
+        q[j] = wrapped(arm[j]) if data[at.TYPES + j] == 0.0 else arm[j] * data[at.SIZE]
+        q[3 + j] = wrapped(angles[j] - data[at.ANGLES + j])
+
+
+@inline
+def _polished(data, T, posture, others, limit):
+    """Take an idealised solution to the true chain; False where that fails or repeats one."""
+    packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
+    if not polish(packed, T, posture, _STEPS) <= limit:
+        return False
+    for j in range(6):
+        if j > 2 or data[at.TYPES + j] == 0.0:
+            posture[j] = wrapped(posture[j])
+    return not is_among(data, posture, others, FOLD_APART)
+
+
+@inline
+def _name(data, bits, flags, angle5):
+    """Complete the name of an arm's branch by that of the wrist."""
+    if math.sin(angle5) * data[at.UNFLIPPED] < 0.0:
+        bits |= bit.WRIST_FLIP
+    if flags & WRIST_FREE:
+        bits |= bit.WRIST_SINGULAR
+    if flags & WRIST_OPPOSED:
+        bits |= bit.WRIST_OPPOSED
+    if flags & WRIST_BOUNDARY:
+        bits |= bit.BOUNDARY
+    return bits
+
+
+@inline
+def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, count):
+    """Enter the solutions for an arm's posture that is not accurate enough for the wrist.
+
+    Either the wrist axes only nearly meet, so that the true chain has its folds elsewhere, or the
+    arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
+    are sought from both its sides.
+    """
+    J = np.empty((3, 3))
+    e = np.empty(3)
+    trial = np.empty(4)
+    starts = 1
+    start = 0
+    while start < starts:
+        for j in range(4):
+            trial[j] = arm[j]
+        side = 0.0 if start == 0 else _FOLD * (1.0 - 2.0 * (start & 1))
+        if start == 1 or start == 2:
+            arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
+            step_aside(trial, J, side)
+        n, _ = _wrist_of(data, trial, Q, free_angle, slack, angles)
+        for k in range(n):
+            if count == q.shape[0]:
+                return count
+            if start > 2:
+                angles[k, 1] += side
+            _enter(data, trial, angles[k], q[count])
+            if _polished(data, T, q[count], q[:count], ACCEPTED if start == 0 else SHARP):
+                count += 1
+            if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < _FOLD:
+                starts = 5
+        start += 1
+    return count
+
+
+@inline
+def solve_decoupled(data, T, seed, q, branch):
+    """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
+
+    Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
+    ``seed`` (6,), or the nearest that leads to a solution.  Returns how many.
+    """
+    c, Q = _reduced_target(data, T)
+    arms = np.empty((MOST_ARMS + 1, 5))
+    bits = np.empty(MOST_ARMS, np.int64)
+    angles = np.empty((2, 3))
+    slack = 0.5 * ACCEPTED if data[at.EXACT] == 1.0 else data[at.SLACK]
+    free_angle = seed[3] + data[at.ANGLES]
+    count = 0
+    for attempt in range(_TRIES):
+        shift = 2.0 * math.pi / _TRIES * ((attempt + 1) // 2) * (1 - 2 * (attempt % 2))
+        found = arm_postures(data, c, seed, shift, arms, bits)
+        any_free = False
+        for i in range(found):
+            any_free = any_free or arms[i, 3] > 0.0
+            n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, angles)
+            before = count
+            fold = arms[i, 4] <= NEAR_SINGULAR
+            if data[at.EXACT] == 1.0 and (n > 0 or not fold):
+                for k in range(n):
+                    _enter(data, arms[i], angles[k], q[count])
+                    count += 1
+            else:
+                count = _add_near_fold(
+                    data, T, arms[i], Q, free_angle, IDEALISED_SLACK, angles, fold, q, count
+                )
+            for k in range(before, count):
+                branch[k] = _name(data, bits[i], flags, q[k, 4] + data[at.ANGLES + 1])
+        if count > 0 or not any_free:
+            break
+    return count

@@ -1,0 +1,24 @@
+"""Where the constants of the iterative solver stand in its data array of a chain of n joints."""
+
+JOINTS = 0  # n
+UNIT = 1  # weight of the squared position error against the squared angle (1/m^2)
+POSITION_TOLERANCE = 2  # m
+ORIENTATION_TOLERANCE = 3  # rad
+ITERATIONS = 4  # steps of one attempt at most
+RESTARTS = 5  # attempts of one call of solve_iterative
+WANTED = 6  # solutions after which to stop
+PATIENCE = 7  # attempts in a row without a new solution after which to stop, once there is one
+APART = 8  # least distance (rad or m, largest over the joints) of two solutions
+STALL = 9  # an attempt ends when six steps leave more than this part of the squared error
+WEIGHTS = 10  # six of 0 or 1: rotation about x y z, position x y z of the base
+ROWS = 16  # from here n numbers each: lower, upper, start, width, stride, turns
+# lower and upper bound the search; starts lie in [start, start + width], advanced by the
+# stride, a fraction of the width; turns is 1 for a joint whose angle may be wrapped.
+N_ROWS = 6  # then the packed chain, n + 1 rows of 13
+
+# Where the numbers stand that one search hands on to its continuation.
+IDLE = 0  # attempts since the last new solution
+BEST_SCORE = 1  # least error so far, in units of the tolerances
+BEST_POSITION = 2  # its position error (m) and orientation error (rad)
+BEST_ORIENTATION = 3
+BEST_Q = 4  # and its n joint values

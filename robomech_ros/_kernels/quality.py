@@ -1,0 +1,111 @@
+"""What solutions are worth: errors, distance from the limits, conditioning."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels._jit import IN1, IN2, OUT2, i8, inline, kernel
+from robomech_ros._kernels.polishing import pose_difference
+from robomech_ros._kernels.serial import jacobian_body
+from robomech_ros._kernels.tolerances import ROWS_ORTHOGONAL, SINGULAR
+
+__all__ = ["CONDITION", "MARGIN", "ORIENTATION", "POSITION", "condition_body", "measure"]
+
+# Rows of the answer.
+POSITION = 0
+ORIENTATION = 1
+MARGIN = 2
+CONDITION = 3
+
+# Sweeps over all pairs of rows; six rows need about five.
+_SWEEPS = 30
+
+
+@inline
+def _rotate(W, i, j, a, b, c):
+    """Turn rows i and j of W, with squared norms a, b and product c, until they are orthogonal."""
+    ratio = (b - a) / (2.0 * c)
+    t = 1.0 / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    if ratio < 0.0:
+        t = -t
+    cosine = 1.0 / math.sqrt(1.0 + t * t)
+    sine = cosine * t
+    for k in range(W.shape[1]):
+        x, y = W[i, k], W[j, k]
+        W[i, k] = cosine * x - sine * y
+        W[j, k] = sine * x + cosine * y
+
+
+@inline
+def condition_body(W):
+    """Ratio of the largest to the least singular value of W (r, c), r <= c, which is spoilt.
+
+    One-sided Jacobi rotations make the rows orthogonal; their lengths are the singular values,
+    the small ones as accurate as the large ones.  Infinite where W is singular.
+    """
+    for _ in range(_SWEEPS):
+        done = True
+        for i in range(W.shape[0]):
+            for j in range(i):
+                a, b, c = 0.0, 0.0, 0.0
+                for k in range(W.shape[1]):
+                    a += W[i, k] * W[i, k]
+                    b += W[j, k] * W[j, k]
+                    c += W[i, k] * W[j, k]
+                if abs(c) > ROWS_ORTHOGONAL * math.sqrt(a * b):
+                    done = False
+                    _rotate(W, i, j, a, b, c)
+        if done:
+            break
+    largest = 0.0
+    least = math.inf
+    for i in range(W.shape[0]):
+        square = 0.0
+        for k in range(W.shape[1]):
+            square += W[i, k] * W[i, k]
+        largest = max(largest, square)
+        least = min(least, square)
+    largest, least = math.sqrt(largest), math.sqrt(least)
+    return largest / least if least > SINGULAR * largest else math.inf
+
+
+@inline
+def _task_norm(T, weights, e, first):
+    """Norm of three components of e, taken along the axes of T, that the task counts."""
+    squares = 0.0
+    for k in range(3):
+        value = T[0, k] * e[first] + T[1, k] * e[first + 1] + T[2, k] * e[first + 2]
+        squares += weights[first + k] * value * value
+    return math.sqrt(squares)
+
+
+@kernel(i8(IN2, IN2, IN1, IN1, IN1, IN2, OUT2))
+def measure(packed, T, weights, lower, upper, q, out):
+    """Measure the solutions q (k, n) of the pose T (4, 4) into out (4, k).
+
+    Row POSITION: error (m); ORIENTATION: error (rad); MARGIN: least distance of a joint from a
+    limit; CONDITION: of the Jacobian in SI units.  ``weights`` (6,) is 1 for the components of
+    the error that count, about and then along the axes of T.
+    """
+    n = q.shape[1]
+    current = np.empty((4, 4))
+    e = np.empty(6)
+    J = np.empty((6, n))
+    wide = n >= 6
+    W = np.empty((6, n)) if wide else np.empty((n, 6))
+    for k in range(q.shape[0]):
+        jacobian_body(packed, q[k], J, current)
+        pose_difference(T, current, e)
+        out[ORIENTATION, k] = _task_norm(T, weights, e, 0)
+        out[POSITION, k] = _task_norm(T, weights, e, 3)
+        margin = math.inf
+        for i in range(n):
+            margin = min(margin, q[k, i] - lower[i], upper[i] - q[k, i])
+            for r in range(6):
+                if wide:
+                    W[r, i] = J[r, i]
+                else:
+                    W[i, r] = J[r, i]
+        out[MARGIN, k] = margin
+        out[CONDITION, k] = condition_body(W) if n > 0 else math.inf
+    return 0

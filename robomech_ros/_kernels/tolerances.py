@@ -1,0 +1,186 @@
+"""All tolerances of the solvers, each with its reason.
+
+Lengths are metres and angles radians unless a comment says otherwise.
+"""
+
+# --- Geometry of a chain (Denavit-Hartenberg recovery) ---
+# Below this sine two axes count as parallel: the foot of their common normal would lie so far
+# away (distance / sine) that rounding spoils more digits than the neglected angle does.
+PARALLEL_SINE = 1e-8
+# A joint axis must be given with at least this length before it is normalised.
+AXIS_LENGTH = 1e-9
+# Axes that pass each other by less than this (m) meet: it is rounding for an arm of metre size.
+INTERSECTING = 1e-12
+
+# --- Rotations from outside ---
+# Deviation of a quaternion's norm from 1 that is taken for rounding: messages written by hand
+# carry four digits or more.
+QUATERNION_NORM = 1e-3
+# Largest entry of |Q^T Q - 1| of a rotation matrix that is taken for rounding: six digits.
+ROTATION_ERROR = 1e-6
+
+# Below this the columns of a rotation are orthonormal up to rounding, and it is left as it is.
+ORTHOGONAL = 2e-15
+
+# --- Polishing of a solution on the pose ---
+# Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
+POLISHED = 1e-14
+# Least damping added to J^T J: its rounding is some 1e-16, so nothing smaller would protect the
+# Cholesky factor at a singular posture, and at a regular one 1e-16 costs no digit of a step.
+POLISH_DAMPING = 1e-16
+
+# --- Trajectories ---
+# No trajectory lasts less (s): its times stay distinct in whole nanoseconds, and derivatives
+# computed from its samples keep about eight digits.
+SHORTEST_TRAJECTORY = 1e-3
+# A duration shorter than the shortest possible by no more than this (s, and relative) is the
+# shortest itself, rounded to the nanoseconds of a message.
+DURATION_ROUNDING = 1e-9
+# A start or goal this far (rad, m) outside the position limits still counts as on the limit:
+# encoders and text files carry about this resolution.
+POSITION_SLACK = 1e-6
+# Relative excess over a velocity, acceleration or jerk limit that counts as rounding.
+LIMIT_SLACK = 1e-6
+# Peaks between samples are located to this part of the largest Bernstein coefficient.
+PEAK_ACCURACY = 1e-11
+
+# --- Three parallel axes: recognition ---
+# Largest sine between axes taken as parallel: nine printed digits of an angle keep within it, a
+# calibrated arm does not.  What is neglected here the polish on the true pose puts back.
+PARALLEL_ANGLE = 1e-8
+# Largest distance (of the arm's size) between axes 5 and 6 taken as meeting; beyond, the general
+# equations are accurate although nearly separate.
+PARALLEL_MEETING = 1e-10
+# Up to here the same deviations are rounding, and algebraic residuals need no second look.
+PARALLEL_EXACT = 1e-14
+# Axes of the parallel three nearer to each other than this (of the arm's size), or other axes
+# with a smaller sine to them, make an arm that loses a degree of freedom: not this family.
+PARALLEL_DISTANCE = 1e-5
+# Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
+PARALLEL_RANK = 1e-7
+
+# --- Three parallel axes: solution ---
+# A target beyond a boundary by no more than this (of the arm's size, or a cosine) counts as on
+# it at first: where double roots follow each other, the rounding of one is the square root of
+# the other's, and its root again.  The polish then decides by the error of the pose.
+PARALLEL_SLACK = 1e-6
+# Below this (sine, or distance over size) a direction is rounding: the joint is free to turn.
+PARALLEL_FREE = 1e-10
+# Steps to either side in which a free shoulder is scanned for the nearest angle in reach; narrower
+# ranges are found by the minimum between three steps.
+CONTINUUM_STEPS = 48
+# Steps per length of the arm in which a free slide is scanned where a turn is free as well.
+SLIDE_STEPS = 32
+# Half the distance (rad) of two roots below which they are flagged as one double root.
+NEAR_DOUBLE = 1e-6
+# Postures nearer to each other than this (rad) in every joint are one solution.
+SAME_POSTURE = 1e-6
+# Algebraic residual above which a solution is polished on the pose.
+POLISH_ABOVE = 2e-13
+# Error (rad, and m over the size) a solution may keep at most.
+ACCEPTED = 1e-9
+# Error of its two equations (of order one) that a pair (q_a, q_5) may keep: rounding, with room.
+PAIR_ERROR = 1e-12
+# Ratio of the factors of these equations below which the roots of the polynomial crowd together,
+# and starts are taken from the equations as if they separated, too.
+NEARLY_SEPARATE = 1e-2
+# An extremum of the polynomial for q_a this near to zero (of its largest value) is tried as a
+# double root: half the digits, with room; what is none fails the accuracy asked of the pair.
+PARALLEL_TOUCHING = 1e-7
+
+# --- Iterative solver ---
+# Damping at the start of an attempt, as a part of the squared error that is left: the step then
+# goes over from a short one down the gradient to Newton's as the error vanishes.
+ATTEMPT_DAMPING = 0.1
+# and what it may sink to after successful steps; the factors of its changes are usual ones.
+ATTEMPT_LEAST_DAMPING = 1e-4
+# Longest change of a joint (rad or m) in one step: beyond a radian linearisation says nothing.
+ATTEMPT_STEP = 1.0
+# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length.
+CONVERGED = 1e-26
+# An attempt is given up when six steps have not lowered the squared error by this factor.
+STALLED = 0.5
+# Steps of an attempt at most; those that succeed need 8 in the middle, 30 at the most.
+ATTEMPT_ITERATIONS = 40
+# Attempts for one target: nine in ten targets need one or two, the worst of thousands some 100;
+# without success they take some 10 ms.
+ITERATIVE_RESTARTS = 400
+# Attempts without a new solution after which the search ends.
+ITERATIVE_PATIENCE = 60
+# Where solutions form a continuum: how many to collect, and how far apart (rad or m).
+ITERATIVE_WANTED_REDUNDANT = 8
+ITERATIVE_APART_REDUNDANT = 0.1
+# Isolated solutions nearer to each other than this (rad or m) are one, found at the accuracy
+# that a singular posture leaves (the square root of the tolerances).
+ITERATIVE_APART = 1e-4
+# Default tolerances of a pose: what an outside check may ask of every solution (m, rad).
+POSITION_TOLERANCE = 1e-9
+ORIENTATION_TOLERANCE = 1e-9
+
+# --- Real roots ---
+# A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
+# The two roots it merges lie within its square root of each other.
+DOUBLE_ROOT = 1e-14
+# Coefficients this small where the largest is of order one are rounding: the equation is void.
+VANISHING = 1e-12
+
+# --- Arms with a spherical wrist: recognition (of the arm's size, or a sine) ---
+# Wrist axes that pass each other by no more than this are taken as meeting: angles written with
+# five digits, as 1.5708, move an axis by some 4e-6.  The polish on the true pose makes up for it.
+CONCURRENT = 1e-5
+# Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.
+CONCURRENT_EXACT = 1e-11
+# Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
+# the general equations lose as many digits; the posture is improved afterwards.
+NEARLY_SPECIAL = 1e-5
+# Least determinant of the arm's Jacobian (lengths over the size) at the best of some postures,
+# and least sine between neighbouring wrist axes, of an arm that moves in all directions.
+ARM_RANK = 1e-7
+
+# --- Arms with a spherical wrist: solution ---
+# How far beyond a boundary (relative) a candidate is kept, to be judged by its residual: with an
+# exact geometry, and with one that was idealised by up to NEARLY_SPECIAL.
+CANDIDATE_SLACK = 1e-9
+IDEALISED_SLACK = 1e-4
+# A wrist centre this near to a joint axis (of the size) is on it: any angle of that joint keeps it
+# in place to better than ACCEPTED.
+ON_AXIS = 1e-11
+# The same for the sine between axes 4 and 6 of the wrist.
+PARALLEL_AXES = 1e-11
+
+# Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
+# two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).
+NEAR_SINGULAR = 3e-2
+# A second solution beside a fold must be this good (rad, and lengths over the size) ...
+SHARP = 1e-12
+# ... and this far from the first (rad), some ten times what such an error leaves open.
+FOLD_APART = 1e-5
+
+# --- Reach ---
+# A point this near (m) is reached: below what the message that names the distance shows, above
+# what the search attains at a point of the boundary, where its convergence is slow.
+REACHED = 1e-7
+# Starts and Newton steps of each in the search for the least distance: every local minimum of
+# the arms in the tests has a basin found within a dozen starts.
+REACH_STARTS = 64
+REACH_ITERATIONS = 60
+# The same in the search for the least orientation error, and the weight of the position there:
+# so large that the position keeps its place to some 1e-6 of the arm's length.
+REACH_ATTEMPTS = 40
+REACH_ATTEMPT_ITERATIONS = 80
+REACH_LAST_ITERATIONS = 1000
+REACH_POSITION_WEIGHT = 1e6
+
+# --- Limits and order of solutions ---
+# A joint beyond its limit by no more than this (rad or m) is on it: rounding of a posture that was
+# put on the limit, and too little to spoil the pose.
+AT_LIMIT = 1e-10
+# Least singular value of a Jacobian (of its largest) of a posture that is not called singular.
+SINGULAR = 1e-12
+# Cosine between two rows that counts as zero when singular values are computed.
+ROWS_ORTHOGONAL = 1e-15
+# Part in the motion of a continuum (a unit vector, rad or m) below which a joint stands still.
+MOVES_IN_CONTINUUM = 1e-6
+# Windings listed for one pose, at most: eight solutions of six joints with three windings each
+# are 5832; a file of limits in thousands of turns must not fill the memory.
+MOST_WINDINGS = 8192

@@ -1,0 +1,103 @@
+"""Where compiled kernels are kept, and that trouble with it never stops anybody."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+CODE = """
+import numpy as np
+from robomech_ros._kernels import _jit
+{before}
+from robomech_ros._kernels.serial import forward_one
+from robomech_ros.robots import chain_from_dh
+pose = np.empty((4, 4))
+assert forward_one(chain_from_dh([1], [0], [0]).packed, np.zeros(1), pose) == 0
+assert pose[0, 3] == 1.0
+print(_jit.cache_directory())
+"""
+
+
+def run(before="", **environment):
+    """Move a one-joint arm in a process of its own; return its cache directory."""
+    inherited = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("ROBOMECH_CACHE_DIR", "XDG_CACHE_HOME")
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", CODE.format(before=before)],
+        env={**inherited, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    """A cache that one process has filled."""
+    root = tmp_path_factory.mktemp("cache")
+    return root, run(ROBOMECH_CACHE_DIR=str(root))
+
+
+def compiled(root):
+    return {path: path.stat().st_mtime_ns for path in root.rglob("*.nbc")}
+
+
+def test_a_second_process_loads_what_the_first_compiled(filled):
+    root, directory = filled
+    assert directory.startswith(f"{root}/")
+    before = compiled(root)
+    assert before
+    assert run(ROBOMECH_CACHE_DIR=str(root)) == directory
+    assert compiled(root) == before
+    assert os.stat(directory).st_mode & 0o077 == 0
+
+
+def test_a_change_of_any_kernel_source_leads_to_another_directory(tmp_path, monkeypatch):
+    from robomech_ros._kernels import _jit
+
+    (tmp_path / "a.py").write_text("x = 1")
+    monkeypatch.setattr(_jit, "__file__", str(tmp_path / "_jit.py"))
+    first = _jit._source_digest()
+    (tmp_path / "a.py").write_text("x = 2")
+    second = _jit._source_digest()
+    (tmp_path / "a.py").rename(tmp_path / "b.py")
+    assert len({first, second, _jit._source_digest()}) == 3
+
+
+def test_a_damaged_cache_costs_time_only(filled):
+    root, directory = filled
+    for path in root.rglob("*.nb[ci]"):
+        path.write_bytes(b"damaged")
+    assert run(ROBOMECH_CACHE_DIR=str(root)) == directory
+
+
+def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    found = run(ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere))
+    assert found.startswith(f"{elsewhere}/robomech_ros-")
+    elsewhere = tmp_path / "open"
+    (elsewhere / f"robomech_ros-{os.getuid()}").mkdir(parents=True)
+    (elsewhere / f"robomech_ros-{os.getuid()}").chmod(0o777)
+    found = run(ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere))
+    assert found == "None"
+
+
+def test_it_works_without_compilation(tmp_path):
+    run(NUMBA_DISABLE_JIT="1", ROBOMECH_CACHE_DIR=str(tmp_path))
+
+
+def test_numba_keeps_its_own_setting():
+    run(
+        before="import numba; numba.config.CACHE_DIR = 'mine'; "
+        "import robomech_ros._kernels.serial; assert numba.config.CACHE_DIR == 'mine'"
+    )
