@@ -1,0 +1,44 @@
+"""Kinematics of serial chains.
+
+Each part is loaded when first asked for: compiled kernels take memory and time to load, and who
+needs poses only, such as a planner, does without most of them or all.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robomech_ros.kinematics.forward import forward_kinematics, link_poses
+    from robomech_ros.kinematics.inverse import inverse_kinematics, inverse_kinematics_batch
+    from robomech_ros.kinematics.result import InverseKinematicsResult
+    from robomech_ros.kinematics.status import Status
+    from robomech_ros.kinematics.uncompiled import tip_poses
+
+__all__ = [
+    "InverseKinematicsResult",
+    "Status",
+    "forward_kinematics",
+    "inverse_kinematics",
+    "inverse_kinematics_batch",
+    "link_poses",
+    "tip_poses",
+]
+
+_MODULES = {
+    "InverseKinematicsResult": "result",
+    "Status": "status",
+    "forward_kinematics": "forward",
+    "inverse_kinematics": "inverse",
+    "inverse_kinematics_batch": "inverse",
+    "link_poses": "forward",
+    "tip_poses": "uncompiled",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value

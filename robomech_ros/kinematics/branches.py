@@ -1,0 +1,35 @@
+"""Names of postures, from the bits that the solvers give them."""
+
+from functools import lru_cache
+
+from robomech_ros._kernels import branch_bits as bit
+
+__all__ = ["branch_name"]
+
+_SINGULAR = (
+    (bit.SHOULDER_SINGULAR, "shoulder-singular"),
+    (bit.ELBOW_SINGULAR, "elbow-singular"),
+    (bit.WRIST_SINGULAR, "wrist-singular"),
+    (bit.BOUNDARY, "at-boundary"),
+)
+
+
+@lru_cache(maxsize=1024)
+def branch_name(branch: int) -> str:
+    """Name a posture, such as ``"shoulder-left elbow-up wrist-flip"``.
+
+    Parameters
+    ----------
+    branch : int
+        Bits of ``_kernels.branch_bits``.
+    """
+    if branch & bit.ARM_NUMBERED:
+        words = [f"arm-{((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1}"]
+    else:
+        words = [
+            "shoulder-right" if branch & bit.SHOULDER_RIGHT else "shoulder-left",
+            "elbow-down" if branch & bit.ELBOW_DOWN else "elbow-up",
+        ]
+    words.append("wrist-flip" if branch & bit.WRIST_FLIP else "wrist-noflip")
+    words += [word for mark, word in _SINGULAR if branch & mark]
+    return " ".join(words)

@@ -1,0 +1,79 @@
+"""Which solver an arm gets: decided once for a chain, by its geometry."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels import decoupled_layout
+from robomech_ros._kernels.inverse import DECOUPLED, ITERATIVE, THREE_PARALLEL
+from robomech_ros.kinematics import decoupled, iterative, three_parallel
+from robomech_ros.robots.chain import REVOLUTE, SerialChain
+
+__all__ = ["Family", "family_of", "iterative_family"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A solver family with the constants it needs of one chain.
+
+    Parameters
+    ----------
+    name : str
+        ``"decoupled"``, ``"three-parallel"`` or ``"iterative"``.
+    number : int
+        The family in the kernels.
+    data : ndarray
+        The constants, as the family's kernel reads them.
+    turns : ndarray of int, shape (n,)
+        1 for revolute joints.
+    """
+
+    name: str
+    number: int
+    data: Array
+    turns: NDArray[np.int64]
+
+    @property
+    def closed_form(self) -> bool:
+        """Whether the family finds all solutions."""
+        return self.number != ITERATIVE
+
+    @property
+    def exact(self) -> bool:
+        """Whether that is certain: no wrist whose axes meet but for some micrometres."""
+        return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+
+
+_CLOSED_FORMS = (
+    ("decoupled", DECOUPLED, decoupled.match),
+    ("three-parallel", THREE_PARALLEL, three_parallel.match),
+)
+
+
+@lru_cache(maxsize=128)
+def family_of(chain: SerialChain) -> Family:
+    """Find the first family whose geometry a chain has; the iterative one takes what is left.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    """
+    for name, number, match in _CLOSED_FORMS:
+        data = match(chain)
+        if data is not None:
+            return Family(name, number, data, _turns(chain))
+    return iterative_family(chain, iterative.iterative_data(chain))
+
+
+def iterative_family(chain: SerialChain, data: Array) -> Family:
+    """Give the iterative family with constants made for a request of its own."""
+    return Family("iterative", ITERATIVE, data, _turns(chain))
+
+
+def _turns(chain: SerialChain) -> NDArray[np.int64]:
+    turns: NDArray[np.int64] = (chain.types == REVOLUTE).astype(np.int64)
+    return turns

@@ -1,0 +1,86 @@
+"""Forward kinematics of serial chains."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.serial import forward, forward_one
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["forward_kinematics", "link_poses"]
+
+Array = NDArray[np.float64]
+
+
+def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
+    """Compute the pose of the tip in the base.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
+
+    Returns
+    -------
+    ndarray, shape (4, 4) or (..., 4, 4)
+        ``T_base_tip`` (m).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not an array of n finite real numbers, or of rows of them.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+    """
+    q = as_joint_values(chain, q)
+    if q.ndim == 1:
+        pose = np.empty((4, 4))
+        if forward_one(chain.packed, q, pose):
+            raise_not_finite(chain, q)
+        return pose
+    rows = as_rows(q)
+    poses = np.empty((len(rows), 4, 4))
+    if forward(chain.packed, rows, poses):
+        raise_not_finite(chain, q)
+    return poses.reshape(*q.shape[:-1], 4, 4)
+
+
+def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = None) -> Array:
+    """Compute the poses of several links in the base.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    links : sequence of str, optional
+        Links along the chain, or fixed to one that is; default all links along the chain.
+
+    Returns
+    -------
+    ndarray, shape (..., len(links), 4, 4)
+        ``T_base_link`` of each (m).
+
+    Raises
+    ------
+    UnknownLinkError
+        A link that the chain has not.
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_kinematics`.
+    """
+    q = as_joint_values(chain, q)
+    if not np.isfinite(q).all():
+        raise_not_finite(chain, q)
+    names = chain.links if links is None else tuple(links)
+    poses = np.empty((*q.shape[:-1], len(names), 4, 4))
+    for i, name in enumerate(names):
+        part = chain.with_tip(name)
+        poses[..., i, :, :] = forward_kinematics(part, q[..., : part.n])
+    return poses

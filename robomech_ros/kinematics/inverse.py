@@ -1,0 +1,207 @@
+"""Inverse kinematics of any serial chain: all solutions, or the reason why there is none."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.inverse import MAX_SOLUTIONS, NONE_EXISTS, STATE, solve
+from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.closed_form import solve_closed_form
+from robomech_ros.kinematics.families import family_of
+from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
+from robomech_ros.kinematics.reach import out_of_reach
+from robomech_ros.kinematics.request import (
+    Request,
+    as_cap,
+    as_metric,
+    as_seed,
+    as_task,
+    as_timeout,
+    as_tolerance,
+)
+from robomech_ros.kinematics.result import InverseKinematicsResult
+from robomech_ros.kinematics.search import solve_by_search
+from robomech_ros.kinematics.status import Status
+from robomech_ros.kinematics.target import as_targets
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["inverse_kinematics", "inverse_kinematics_batch"]
+
+Array = NDArray[np.float64]
+
+
+def inverse_kinematics(
+    chain: SerialChain,
+    T: ArrayLike,
+    *,
+    seed: ArrayLike | None = None,
+    respect_limits: bool = True,
+    include_windings: bool = False,
+    metric: str = "linf",
+    max_solutions: int | None = None,
+    task_mask: Sequence[bool] | None = None,
+    position_tolerance: float | None = None,
+    orientation_tolerance: float | None = None,
+    timeout: float | None = None,
+) -> InverseKinematicsResult:
+    """Find the joint values that bring the tip to a pose, nearest to the seed first.
+
+    An arm with a spherical wrist, whatever its first three joints, and an arm with three
+    parallel axes next to each other get all their real solutions in closed form; any other chain
+    is searched iteratively (``complete`` is False then). At a pose where joints can move while
+    the tip stays, each branch is represented by one posture, with the free joint at the seed's
+    value where that is possible, and the result is marked as a continuum.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : array_like, shape (4, 4)
+        Wanted ``T_base_tip`` (m); a rotation off by rounding is made orthogonal.
+    seed : array_like, shape (n,), optional
+        Where distances are measured from and searches begin (rad or m); default mid-range.
+    respect_limits : bool, optional
+        Whether solutions outside the joint limits are left out.
+    include_windings : bool, optional
+        Whether a joint whose range exceeds a turn is listed in every winding inside its limits;
+        else each solution stands once, in the winding nearest to the seed.
+    metric : {"linf", "l2"}, optional
+        Distance from the seed: the largest move of a joint, or the root of the sum of squares.
+    max_solutions : int, optional
+        Keep at most so many, the nearest.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz matter, along and about the axes of the target pose; default
+        (and all False) the full pose. A partial task is searched iteratively.
+    position_tolerance, orientation_tolerance : float, optional
+        Errors (m, rad) that are accepted; default those of the solvers, 1e-9.
+    timeout : float, optional
+        Time (s) after which an iterative search ends; default none.
+
+    Returns
+    -------
+    InverseKinematicsResult
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A target or option that is none, or more windings than can be listed.
+    SeedOutsideLimitsError
+        A joint of the seed is outside its limits, and limits are respected.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.
+    """
+    targets = as_targets(T)
+    if np.ndim(T) != 2:
+        raise WrongSizeError("T", np.shape(T), "(4, 4); inverse_kinematics_batch takes many")
+    request = Request(
+        seed=as_seed(chain, seed, respect_limits),
+        respect_limits=bool(respect_limits),
+        include_windings=bool(include_windings),
+        metric=as_metric(metric),
+        max_solutions=as_cap(max_solutions),
+        task=as_task(task_mask),
+        position_tolerance=as_tolerance(
+            "position_tolerance", position_tolerance, POSITION_TOLERANCE
+        ),
+        orientation_tolerance=as_tolerance(
+            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
+        ),
+        timeout=as_timeout(timeout),
+    )
+    family = family_of(chain)
+    if not family.closed_form or request.task != FULL_TASK:
+        return solve_by_search(chain, targets[0], request)
+    result = solve_closed_form(chain, targets[0], request, family)
+    undecided = result.status is Status.NOT_CONVERGED
+    if len(result) or not (request.is_loose or undecided):
+        return result
+    near = solve_by_search(chain, targets[0], request)
+    return near if len(near) else result
+
+
+def inverse_kinematics_batch(
+    chain: SerialChain,
+    T: ArrayLike,
+    *,
+    seed: ArrayLike | None = None,
+    respect_limits: bool = True,
+    metric: str = "linf",
+    max_solutions: int | None = None,
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Solve many poses in one compiled loop.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : array_like, shape (m, 4, 4)
+        Wanted ``T_base_tip`` (m).
+    seed, respect_limits, metric, max_solutions
+        As for :func:`inverse_kinematics`; the seed (n,) serves every pose.
+
+    Returns
+    -------
+    q : ndarray, shape (m, 16, n)
+        Solutions (rad or m), nearest to the seed first, NaN after the last. The second axis is
+        ``max_solutions`` long where that is less than 16.
+    count : ndarray of int, shape (m,)
+        How many each pose has.
+    status : ndarray of int, shape (m,)
+        :class:`Status` of each. A pose without a solution takes some milliseconds, to tell
+        whether its position or its orientation is out of reach.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+        As for :func:`inverse_kinematics`; of a target at fault the message names the index.
+    """
+    if np.ndim(T) != 3:
+        raise WrongSizeError("T", np.shape(T), "(m, 4, 4)")
+    targets = as_targets(T)
+    family = family_of(chain)
+    start = as_seed(chain, seed, respect_limits)
+    data = family.data
+    if not family.closed_form:
+        data = iterative_data(chain, respect_limits=bool(respect_limits))
+    room = min(as_cap(max_solutions) or MAX_SOLUTIONS, MAX_SOLUTIONS)
+    q = np.empty((len(targets), room, chain.n))
+    count = np.empty(len(targets), np.int64)
+    spare, marks = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((3, MAX_SOLUTIONS), np.int64)
+    solve(
+        family.number,
+        data,
+        targets,
+        family.turns,
+        chain.lower,
+        chain.upper,
+        start,
+        as_metric(metric),
+        bool(respect_limits),
+        spare,
+        marks[0],
+        q,
+        marks[1],
+        np.empty(MAX_SOLUTIONS),
+        count,
+        marks[2, :STATE],
+    )
+    status = np.zeros(len(targets), np.int64)
+    status[count == 0] = Status.LIMITS_EXCLUDE_ALL
+    for index in np.flatnonzero(count == NONE_EXISTS):
+        status[index] = _status_of_none(chain, targets[index], family.closed_form, respect_limits)
+    np.maximum(count, 0, out=count)
+    return q, count, status
+
+
+def _status_of_none(
+    chain: SerialChain, T: Array, closed_form: bool, respect_limits: bool
+) -> Status:
+    """Tell why a pose of a batch has no solution."""
+    if closed_form:
+        reachable = out_of_reach(chain, T) == 0.0
+        return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH
+    return inverse_kinematics(chain, T, respect_limits=respect_limits).status

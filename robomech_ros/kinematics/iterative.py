@@ -1,0 +1,245 @@
+"""The iterative solver for chains without a closed form: its constants, and searching in time."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels import iterative_layout as at
+from robomech_ros._kernels.inverse_iterative import search
+from robomech_ros._kernels.tolerances import (
+    ATTEMPT_ITERATIONS,
+    ITERATIVE_APART,
+    ITERATIVE_APART_REDUNDANT,
+    ITERATIVE_PATIENCE,
+    ITERATIVE_RESTARTS,
+    ITERATIVE_WANTED_REDUNDANT,
+    ORIENTATION_TOLERANCE,
+    POSITION_TOLERANCE,
+    REACH_ATTEMPT_ITERATIONS,
+    REACH_ATTEMPTS,
+    REACH_LAST_ITERATIONS,
+    REACH_POSITION_WEIGHT,
+    STALLED,
+)
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+
+__all__ = [
+    "IterativeSearch",
+    "iterative_data",
+    "iterative_search",
+    "least_orientation_error",
+    "low_discrepancy_strides",
+    "reach_bound",
+]
+
+Array = NDArray[np.float64]
+
+MAX_SOLUTIONS = 16
+_CHUNK = 16
+FULL_TASK = (True, True, True, True, True, True)
+
+
+@dataclass(frozen=True, eq=False)
+class IterativeSearch:
+    """What a search found.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        Distinct solutions in the order of their discovery: that from the seed first.
+    best : ndarray, shape (n,)
+        The attempt with the least error, a solution or not.
+    position_error, orientation_error : float
+        Its errors (m, rad) in the components of the task.
+    attempts : int
+        Starts tried.
+    timed_out : bool
+        Whether the time ran out before the search was over.
+    """
+
+    q: Array
+    best: Array
+    position_error: float
+    orientation_error: float
+    attempts: int
+    timed_out: bool
+
+
+def low_discrepancy_strides(n: int) -> Array:
+    """Give the strides of an n-dimensional sequence that fills the unit cube evenly.
+
+    They are the powers of the inverse of the root of x^(n + 1) = x + 1.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Each in (0, 1).
+
+    References
+    ----------
+    M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018.
+    """
+    root = 1.5
+    for _ in range(64):
+        root = (1.0 + root) ** (1.0 / (n + 1))
+    return (root ** -np.arange(1.0, n + 1)) % 1.0
+
+
+def reach_bound(chain: SerialChain) -> float:
+    """Give an upper bound on the distance (m) between base and tip, prismatic travel included."""
+    fixed = float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum())
+    sliding = chain.types == PRISMATIC
+    travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[sliding]
+    return fixed + float(travel[np.isfinite(travel)].sum())
+
+
+@lru_cache(maxsize=64)
+def iterative_data(
+    chain: SerialChain,
+    *,
+    respect_limits: bool = True,
+    task: Sequence[bool] = FULL_TASK,
+    position_tolerance: float = POSITION_TOLERANCE,
+    orientation_tolerance: float = ORIENTATION_TOLERANCE,
+    wanted: int | None = None,
+) -> Array:
+    """Lay out the constants of a search as its kernel reads them.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    respect_limits : bool
+        Whether the position limits bound the search.
+    task : tuple of six bool
+        Which components of the pose count: x, y, z, then the components of the rotation vector
+        of the error, all in the base frame.
+    position_tolerance : float
+        Accepted position error (m).
+    orientation_tolerance : float
+        Accepted orientation error (rad).
+    wanted : int, optional
+        Number of solutions after which to stop; by default all of 16 where solutions are
+        isolated, few where they form a continuum.
+
+    Returns
+    -------
+    ndarray
+        See ``_kernels.iterative_layout``.
+    """
+    n = chain.n
+    redundant = n > sum(task)
+    if wanted is None:
+        wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS
+    size = max(reach_bound(chain), 1e-3)
+    turns = chain.types != PRISMATIC
+    lower = np.where(respect_limits, chain.lower, -np.inf)
+    upper = np.where(respect_limits, chain.upper, np.inf)
+    # A joint that can turn all the way round reaches every angle within its limits.
+    all_round = turns & (upper - lower >= 2.0 * np.pi)
+    lower, upper = np.where(all_round, -np.inf, lower), np.where(all_round, np.inf, upper)
+    half = np.where(turns, np.pi, size)
+    start = np.where(
+        np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - 2.0 * half, -half)
+    )
+    end = np.where(np.isfinite(upper), upper, start + 2.0 * half)
+
+    data = np.zeros(at.ROWS + at.N_ROWS * n + 13 * (n + 1))
+    data[at.JOINTS], data[at.UNIT] = n, (2.0 / size) ** 2
+    data[at.POSITION_TOLERANCE] = position_tolerance
+    data[at.ORIENTATION_TOLERANCE] = orientation_tolerance
+    data[at.ITERATIONS], data[at.RESTARTS] = ATTEMPT_ITERATIONS, ITERATIVE_RESTARTS
+    data[at.WANTED], data[at.PATIENCE] = wanted, ITERATIVE_PATIENCE
+    data[at.STALL] = STALLED
+    data[at.APART] = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
+    data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(task, dtype=float), 3)
+    rows = np.stack([lower, upper, start, end - start, low_discrepancy_strides(n), turns])
+    data[at.ROWS : at.ROWS + at.N_ROWS * n] = rows.ravel()
+    data[at.ROWS + at.N_ROWS * n :] = chain.packed.ravel()
+    data.setflags(write=False)
+    return data
+
+
+def iterative_search(
+    data: Array, T: Array, seed: Array, *, timeout: float | None = None
+) -> IterativeSearch:
+    """Search from the seed and from evenly spread starts, as long as the time allows.
+
+    Parameters
+    ----------
+    data : ndarray
+        From :func:`iterative_data`.
+    T : ndarray, shape (4, 4)
+        Pose of the tip in the base (m).
+    seed : ndarray, shape (n,)
+        First start (rad or m).
+    timeout : float, optional
+        Time (s) after which to stop between attempts; at least a first few are made.
+
+    Returns
+    -------
+    IterativeSearch
+        The same for the same arguments, unless the time ran out.
+    """
+    n = int(data[at.JOINTS])
+    restarts = int(data[at.RESTARTS])
+    q = np.empty((MAX_SOLUTIONS, n))
+    state = np.zeros(at.BEST_Q + n)
+    state[at.BEST_SCORE] = np.inf
+    deadline = None if timeout is None else time.monotonic() + timeout
+    chunk = restarts if deadline is None else _CHUNK
+    found = 0
+    done = 0
+    timed_out = False
+    while done < restarts:
+        count = min(chunk, restarts - done)
+        found = search(data, T, seed, done, count, q, found, state)
+        done += count
+        if found >= data[at.WANTED] or (found and state[at.IDLE] >= data[at.PATIENCE]):
+            break
+        if deadline is not None and time.monotonic() >= deadline:
+            timed_out = done < restarts
+            break
+    return IterativeSearch(
+        q=q[:found].copy(),
+        best=state[at.BEST_Q :].copy(),
+        position_error=float(state[at.BEST_POSITION]),
+        orientation_error=float(state[at.BEST_ORIENTATION]),
+        attempts=done,
+        timed_out=timed_out,
+    )
+
+
+def least_orientation_error(chain: SerialChain, T: Array, start: Array) -> float:
+    """Minimise the orientation error over the postures that put the tip at T's position.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Its position limits are ignored.
+    T : ndarray, shape (4, 4)
+        Target pose of the tip in the base (m); its position must be in reach.
+    start : ndarray, shape (n,)
+        A posture that reaches the position.
+
+    Returns
+    -------
+    float
+        The angle (rad).
+    """
+    data = iterative_data(chain, respect_limits=False, wanted=1).copy()
+    data[at.UNIT] *= REACH_POSITION_WEIGHT
+    data[at.POSITION_TOLERANCE] = data[at.ORIENTATION_TOLERANCE] = 1e-7
+    data[at.ITERATIONS], data[at.RESTARTS] = REACH_ATTEMPT_ITERATIONS, REACH_ATTEMPTS
+    data[at.STALL] = 1.0 - 1e-7
+    rough = iterative_search(data, T, start)
+    data[at.ITERATIONS], data[at.RESTARTS] = REACH_LAST_ITERATIONS, 1
+    return iterative_search(data, T, rough.best).orientation_error

@@ -1,0 +1,138 @@
+"""Why there is no solution, or no complete list of them, in words and numbers."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels import branch_bits as bit
+from robomech_ros._kernels.ranking import excesses
+from robomech_ros._kernels.serial import jacobian_one
+from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
+from robomech_ros.kinematics.families import Family
+from robomech_ros.kinematics.reach import ReachGap, reach_gap
+from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.status import Status
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+
+__all__ = [
+    "NO_EXCESS",
+    "NO_GAP",
+    "describe_continuum",
+    "explain_limits",
+    "explain_nothing",
+    "nothing",
+    "reach_outcome",
+]
+
+Array = NDArray[np.float64]
+
+# Orientation errors up to this (rad) explain nothing: a search at a singularity leaves as much.
+NO_GAP = 1e-6
+
+NO_EXCESS = np.empty(0)
+NO_EXCESS.setflags(write=False)
+
+
+def nothing(
+    chain: SerialChain,
+    T: Array,
+    family: Family,
+    status: Status,
+    reason: str,
+    blocking: tuple[tuple[str, ...], Array] = ((), NO_EXCESS),
+) -> InverseKinematicsResult:
+    """Give the result without solutions."""
+    certain = status in (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE)
+    certain = certain or status is Status.LIMITS_EXCLUDE_ALL
+    return InverseKinematicsResult(
+        chain=chain,
+        target=T,
+        q=np.empty((0, chain.n)),
+        seed_distance=np.empty(0),
+        family=family.name,
+        complete=certain and family.closed_form,
+        status=status,
+        reason=reason,
+        blocking_joints=blocking[0],
+        blocking_excess=blocking[1],
+        branch_bits=np.empty(0, np.int64),
+        task=WHOLE_POSE,
+    )
+
+
+def explain_limits(
+    chain: SerialChain, T: Array, q: Array, family: Family, continuum: bool
+) -> InverseKinematicsResult:
+    """Say which joints keep the solutions q (k, n) from being inside the limits, and by how much.
+
+    Of a continuum only representatives were tried, so that limits may still admit another.
+    """
+    excess = np.empty_like(q)
+    best = excesses(family.turns, chain.lower, chain.upper, q, excess)
+    outside = np.flatnonzero(excess[best]).tolist()
+    joints = tuple(chain.joint_names[i] for i in outside)
+    amounts = excess[best, outside]
+    parts = [
+        f"joint '{name}' by {amount:.6g} {_unit(chain, i)}"
+        for name, amount, i in zip(joints, amounts, outside, strict=True)
+    ]
+    noun = "1 solution exists" if len(q) == 1 else f"{len(q)} solutions exist"
+    reason = f"{noun}, none inside the limits; the least offending is outside with {_and(parts)}"
+    status = Status.LIMITS_EXCLUDE_ALL
+    if continuum:
+        status = Status.SINGULAR_CONTINUUM
+        reason = f"a continuum of postures exists, none found inside the limits: {reason}"
+    return nothing(chain, T, family, status, reason, (joints, amounts))
+
+
+def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
+    """Say how far the target is out of reach, or by how much its orientation is."""
+    status, reason = reach_outcome(chain, T, reach_gap(chain, T))
+    return nothing(chain, T, family, status, reason)
+
+
+def reach_outcome(chain: SerialChain, T: Array, gap: ReachGap) -> tuple[Status, str]:
+    """Put a gap of reach into a status and words."""
+    position = ", ".join(f"{value:.6g}" for value in T[:3, 3])
+    if gap.distance > 0.0:
+        return Status.OUT_OF_REACH, (
+            f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is out of reach "
+            f"by {gap.distance:.6g} m"
+        )
+    if gap.orientation_error <= NO_GAP:
+        return Status.NOT_CONVERGED, (
+            f"the pose at ({position}) m of '{chain.tip}' in '{chain.base}' is in reach to "
+            f"{gap.orientation_error:.3g} rad, but no posture was found"
+        )
+    return Status.ORIENTATION_UNREACHABLE, (
+        f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is in reach, but not in "
+        f"this orientation: the nearest attainable one there is {gap.orientation_error:.6g} rad "
+        "away"
+    )
+
+
+def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) -> str:
+    """Say which joints of the solutions q (k, n) move while the tip stays."""
+    moving: dict[str, None] = {}
+    J = np.empty((6, chain.n))
+    pose = np.empty((4, 4))
+    for k in np.flatnonzero(branch & bit.CONTINUUM):
+        jacobian_one(chain.packed, q[k], J, pose)
+        _, values, rows = np.linalg.svd(J)
+        motion = rows[len(values) - 1]
+        for i in np.flatnonzero(np.abs(motion) > MOVES_IN_CONTINUUM):
+            moving[chain.joint_names[i]] = None
+    joints = [f"'{name}'" for name in chain.joint_names if name in moving]
+    return (
+        f"singular: joints {_and(joints)} can move while the tip stays; every branch of this "
+        "continuum is represented by one posture"
+    )
+
+
+def _unit(chain: SerialChain, joint: int) -> str:
+    return "m" if chain.types[joint] == PRISMATIC else "rad"
+
+
+def _and(parts: list[str]) -> str:
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"

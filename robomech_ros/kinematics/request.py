@@ -1,0 +1,128 @@
+"""What a caller of inverse kinematics asks for, checked."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.ranking import INSIDE, first_outside
+from robomech_ros._kernels.tolerances import (
+    ORIENTATION_TOLERANCE,
+    POSITION_SLACK,
+    POSITION_TOLERANCE,
+)
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    SeedOutsideLimitsError,
+    WrongSizeError,
+)
+from robomech_ros.kinematics.iterative import FULL_TASK
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["METRICS", "Request", "as_metric", "as_seed", "as_task", "as_timeout", "as_tolerance"]
+
+Array = NDArray[np.float64]
+Task = tuple[bool, bool, bool, bool, bool, bool]
+
+METRICS = {"linf": 0, "l2": 1}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Request:
+    """A checked request; the fields are those of :func:`inverse_kinematics`."""
+
+    seed: Array
+    respect_limits: bool
+    include_windings: bool
+    metric: int
+    max_solutions: int | None
+    task: Task
+    position_tolerance: float
+    orientation_tolerance: float
+    timeout: float | None
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether more error is accepted than the closed forms leave."""
+        return (
+            self.position_tolerance > POSITION_TOLERANCE
+            or self.orientation_tolerance > ORIENTATION_TOLERANCE
+        )
+
+
+def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) -> Array:
+    """Check a seed, shape (n,); None is mid-range.
+
+    Raises
+    ------
+    SeedOutsideLimitsError
+        A joint is outside its limits, and limits are respected.
+    """
+    if seed is None:
+        return chain.midrange()
+    q = as_joint_values(chain, seed, "seed")
+    if q.ndim != 1:
+        raise WrongSizeError("seed", q.shape, f"({chain.n},)")
+    i = first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
+    if i != INSIDE:
+        if not np.isfinite(q).all():
+            raise_not_finite(chain, q, "seed")
+        if respect_limits:
+            raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
+    return q
+
+
+def as_metric(metric: str) -> int:
+    """Give the number of a metric in the kernels."""
+    number = METRICS.get(metric) if isinstance(metric, str) else None
+    if number is None:
+        raise BadValueError("metric", metric, " or ".join(repr(name) for name in METRICS))
+    return number
+
+
+def as_task(mask: Sequence[bool] | None) -> Task:
+    """Check a task mask; None and all False are the full pose."""
+    if mask is None:
+        return FULL_TASK
+    entries = tuple(bool(entry) for entry in mask)
+    if len(entries) != 6:
+        raise WrongSizeError("task_mask", len(entries), "6: x, y, z, rx, ry, rz")
+    x, y, z, rx, ry, rz = entries
+    return (x, y, z, rx, ry, rz) if any(entries) else FULL_TASK
+
+
+def as_tolerance(what: str, value: float | None, default: float) -> float:
+    """Check a tolerance; None is the default."""
+    return default if value is None else _positive(what, value)
+
+
+def as_timeout(timeout: float | None) -> float | None:
+    """Check a timeout (s)."""
+    return None if timeout is None else _positive("timeout", timeout)
+
+
+def as_cap(max_solutions: int | None) -> int | None:
+    """Check a cap on the number of solutions."""
+    if max_solutions is None:
+        return None
+    if isinstance(max_solutions, bool) or not isinstance(max_solutions, int | np.integer):
+        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
+    if max_solutions < 1:
+        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
+    return int(max_solutions)
+
+
+def _positive(what: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise BadValueError(what, value, "a positive number") from None
+    if math.isnan(number):
+        raise NonFiniteError(what, number)
+    if number <= 0.0:
+        raise BadValueError(what, number, "a positive number")
+    return number

@@ -1,0 +1,64 @@
+"""Target poses as they come from a caller, checked and laid out for the kernels."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.poses import IMPROPER, NOT_FINITE, NOT_RIGID, clean_poses
+from robomech_ros._kernels.tolerances import ROTATION_ERROR
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.matrices import rotation_error
+
+__all__ = ["as_targets"]
+
+Array = NDArray[np.float64]
+
+
+def as_targets(T: ArrayLike, what: str = "T") -> Array:
+    """Give poses as contiguous float64 of shape (m, 4, 4), rotations made exactly orthogonal.
+
+    Parameters
+    ----------
+    T : array_like, shape (4, 4) or (m, 4, 4)
+        Poses (m).
+    what : str
+        Name of the quantity in messages.
+
+    Returns
+    -------
+    ndarray, shape (m, 4, 4)
+        A copy.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not real numbers, another shape, NaN or infinite, not a rotation by more than the
+        tolerance, or a last row other than 0 0 0 1; of a batch the message names the pose.
+    """
+    given = real_array(what, T)
+    if given.ndim not in (2, 3) or given.shape[-2:] != (4, 4):
+        raise WrongSizeError(what, given.shape, "(4, 4) or (m, 4, 4)")
+    poses = np.array(given, order="C").reshape(-1, 4, 4)
+    fault = clean_poses(poses, ROTATION_ERROR)
+    if fault:
+        _raise(poses, f"{what}[{{}}]" if given.ndim == 3 else what)
+    return poses
+
+
+def _raise(poses: Array, what: str) -> None:
+    """Raise the error of the first pose at fault."""
+    for index in range(len(poses)):
+        name = what.format(index)
+        pose = poses[index : index + 1].copy()
+        fault = clean_poses(pose, ROTATION_ERROR)
+        if fault == NOT_FINITE:
+            raise NonFiniteError(name, poses[index])
+        if fault == NOT_RIGID:
+            raise BadValueError(f"last row of {name}", poses[index, 3].tolist(), "0, 0, 0, 1")
+        if fault == IMPROPER:
+            off = float(rotation_error(poses[index, :3, :3]))
+            raise BadValueError(
+                f"rotation of {name}",
+                poses[index, :3, :3].tolist(),
+                f"a rotation matrix to {ROTATION_ERROR:g}; it is off by {off:.3g}",
+            )

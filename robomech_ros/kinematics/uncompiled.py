@@ -1,0 +1,49 @@
+"""Forward kinematics without compiled kernels, for who has many poses to compute, but seldom."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+
+__all__ = ["tip_poses"]
+
+Array = NDArray[np.float64]
+
+
+def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
+    """Compute the poses of the tip along a path, all poses joint by joint.
+
+    `forward_kinematics` gives the same and is faster; this takes 100 MB less to load.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        n joints.
+    q : array_like, shape (m, n)
+        Joint values, rad or m.
+
+    Returns
+    -------
+    ndarray, shape (m, 4, 4)
+        ``T_base_tip``, lengths in m.
+    """
+    values = np.asarray(q, dtype=np.float64)
+    T = np.broadcast_to(_constant(chain, 0), (len(values), 4, 4))
+    for joint in range(chain.n):
+        motion = np.broadcast_to(np.eye(4), T.shape).copy()
+        if chain.types[joint] == PRISMATIC:
+            motion[:, 2, 3] = values[:, joint]
+        else:
+            cosine, sine = np.cos(values[:, joint]), np.sin(values[:, joint])
+            motion[:, 0, 0] = motion[:, 1, 1] = cosine
+            motion[:, 1, 0], motion[:, 0, 1] = sine, -sine
+        T = T @ motion @ _constant(chain, joint + 1)
+    return T
+
+
+def _constant(chain: SerialChain, index: int) -> Array:
+    """Read the constant transform (4, 4) before joint `index` + 1 or, last, before the tip."""
+    transform = np.eye(4)
+    transform[:3, :3] = chain.packed[index, 1:10].reshape(3, 3)
+    transform[:3, 3] = chain.packed[index, 10:]
+    return transform

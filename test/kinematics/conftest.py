@@ -1,0 +1,117 @@
+"""Arms of the inverse-kinematics tests, and an independent search to compare with."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots import chain_from_dh, load_robot
+
+_FIRST = {"123": 0, "234": 1, "345": 2, "456": 3}
+_KINDS = ("skew", "meeting", "parallel", "square")
+
+
+def _three_parallel(name):
+    """An arm with the named three axes parallel and the named position of its outer two axes.
+
+    "234-meeting" has axes 5 and 6 (1 and 2 where the three are nearer to the tip) meeting in a
+    point, "-parallel" has them parallel, "-skew" neither; "-square" arms have right angles
+    throughout, and "-slide5" has a prismatic joint 5.
+    """
+    triple, kind = name.split("-")
+    first = _FIRST[triple]
+    slide = int(kind[-1]) - 1 if kind.startswith("slide") else None
+    rng = np.random.default_rng([first, _KINDS.index(kind) if slide is None else 10 + slide])
+    a, b = rng.uniform(0.1, 0.6, 6), rng.uniform(-0.4, 0.4, 6)
+    alpha = rng.uniform(0.4, 2.7, 6) * rng.choice([-1, 1], 6)
+    outer = 4 if triple in ("123", "234") else 0
+    if kind == "square":
+        alpha = rng.choice([-0.5, 0.5], 6) * np.pi
+    if kind in ("meeting", "square"):
+        a[outer] = 0.0
+    if kind == "parallel":
+        alpha[outer] = rng.choice([0.0, np.pi])
+    alpha[first : first + 2] = rng.choice([0.0, np.pi], 2)
+    types = None if slide is None else [int(joint == slide) for joint in range(6)]
+    return chain_from_dh(a, b, alpha, types=types)
+
+
+@pytest.fixture(scope="session")
+def three_parallel_arm():
+    """Make an arm with three parallel axes by name: a robot, "no-offset" or "<axes>-<kind>"."""
+    made = {}
+
+    def make(name):
+        if name not in made:
+            if name[0].isdigit():
+                made[name] = _three_parallel(name)
+            elif name == "no-offset":
+                made[name] = chain_from_dh(
+                    [0, -0.425, -0.392, 0, 0, 0],
+                    [0.089, 0, 0, 0, 0.095, 0.082],
+                    [np.pi / 2, 0, 0, np.pi / 2, -np.pi / 2, 0],
+                )
+            else:
+                made[name] = load_robot(name)
+        return made[name]
+
+    return make
+
+
+def turn_difference(chain, q, p):
+    """Largest difference of joint values, angles modulo a turn; shape of the leading axes."""
+    difference = np.asarray(q) - np.asarray(p)
+    turned = np.abs((difference + np.pi) % (2 * np.pi) - np.pi)
+    return np.where(chain.types == 1, np.abs(difference), turned).max(axis=-1, initial=0.0)
+
+
+@pytest.fixture(scope="session")
+def apart():
+    """Give the function that measures how far postures are from each other."""
+    return turn_difference
+
+
+@pytest.fixture(scope="session")
+def pose_errors():
+    """Give the function for the largest entry of the pose at each q minus T."""
+
+    def errors(chain, T, q):
+        poses = forward_kinematics(chain, np.ascontiguousarray(q))
+        return np.abs(poses - T).max(axis=(-2, -1))
+
+    return errors
+
+
+def _steps_to(chain, T, q):
+    """Newton steps from many postures at once, damped in proportion to the error."""
+    poses = forward_kinematics(chain, q)
+    turn = T[:3, :3] @ np.swapaxes(poses[:, :3, :3], 1, 2)
+    axial = 0.5 * (turn - np.swapaxes(turn, 1, 2))
+    e = np.stack(
+        [axial[:, 2, 1], axial[:, 0, 2], axial[:, 1, 0], *(T[:3, 3] - poses[:, :3, 3]).T], 1
+    )
+    J = jacobian(chain, q)
+    square = np.einsum("kij,kil->kjl", J, J)
+    square += (1e-3 * (e**2).sum(1) + 1e-16)[:, None, None] * np.eye(chain.n)
+    step = np.linalg.solve(square, np.einsum("kij,ki->kj", J, e)[:, :, None])[:, :, 0]
+    length = np.abs(step).max(axis=1, keepdims=True)
+    return step / np.maximum(1.0, length / 0.5)
+
+
+@pytest.fixture(scope="session")
+def search_everywhere():
+    """Give the oracle: distinct regular solutions from many random starts."""
+
+    def search(chain, T, seed=0, starts=300, steps=40):
+        rng = np.random.default_rng(seed)
+        q = rng.uniform(-np.pi, np.pi, (starts, chain.n))
+        for _ in range(steps):
+            q += _steps_to(chain, T, q)
+        found = []
+        good = np.abs(forward_kinematics(chain, q) - T).max(axis=(1, 2)) < 1e-10
+        for posture in q[good]:
+            if not found or turn_difference(chain, posture, np.array(found)).min() > 1e-4:
+                found.append(posture)
+        return np.array(found)
+
+    return search

@@ -1,0 +1,338 @@
+"""The door to inverse kinematics: options, order, limits, windings, reasons, refusals."""
+
+import time
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    SeedOutsideLimitsError,
+    WrongSizeError,
+)
+from robomech_ros.kinematics import (
+    Status,
+    forward_kinematics,
+    inverse_kinematics,
+    inverse_kinematics_batch,
+)
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots import chain_from_dh, list_robots, load_robot
+
+POSTURE = np.array([0.5, -1.2, 1.4, -0.7, 0.9, 0.3])
+
+
+@pytest.fixture(scope="module")
+def ur5e():
+    return load_robot("ur5e")
+
+
+@pytest.fixture(scope="module")
+def target(ur5e):
+    return forward_kinematics(ur5e, POSTURE)
+
+
+@pytest.mark.parametrize("name", list_robots())
+def test_every_robot_reaches_a_posture_of_its_own(name, pose_errors):
+    chain = load_robot(name)
+    q = chain.midrange() + 0.1 * np.linspace(0.5, 1.0, chain.n)
+    q = np.clip(q, chain.lower, chain.upper)
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, seed=q)
+    assert result.status is Status.SUCCESS and len(result) > 0
+    assert pose_errors(chain, T, result.q).max() < 2e-9
+    assert (result.q >= chain.lower).all() and (result.q <= chain.upper).all()
+    assert result.seed_distance[0] < 1e-4
+
+
+@pytest.mark.parametrize(("metric", "order"), [("linf", np.inf), ("l2", 2)])
+def test_nearest_to_the_seed_comes_first(ur5e, target, metric, order):
+    seed = POSTURE + 0.4
+    result = inverse_kinematics(ur5e, target, seed=seed, metric=metric)
+    distance = np.linalg.norm(result.q - seed, ord=order, axis=1)
+    np.testing.assert_allclose(result.seed_distance, distance, atol=1e-12)
+    assert (np.diff(distance) >= 0).all()
+    assert len(result.branches) == len(set(result.branches)) == 8
+
+
+def test_figures_of_a_solution(ur5e, target):
+    result = inverse_kinematics(ur5e, target)
+    assert result.complete and result.family == "three-parallel" and result.reason == ""
+    assert not result.continuum
+    assert result.position_error.max() < 1e-12 and result.orientation_error.max() < 1e-12
+    margin = np.minimum(result.q - ur5e.lower, ur5e.upper - result.q).min(axis=1)
+    np.testing.assert_allclose(result.limit_margin, margin)
+    values = np.linalg.svd(jacobian(ur5e, result.q), compute_uv=False)
+    np.testing.assert_allclose(result.condition_number, values[:, 0] / values[:, -1], rtol=1e-9)
+
+
+def test_windings_of_a_solution(ur5e, target, apart):
+    plain = inverse_kinematics(ur5e, target, seed=POSTURE)
+    wound = inverse_kinematics(ur5e, target, seed=POSTURE, include_windings=True)
+    inside = [
+        sum(ur5e.lower[i] <= q + 2 * np.pi * k <= ur5e.upper[i] for k in range(-3, 4))
+        for row in plain.q
+        for i, q in enumerate(row)
+    ]
+    counts = np.array(inside).reshape(-1, 6).prod(axis=1)
+    assert len(wound) == counts.sum() > 8 * len(plain)
+    assert len(np.unique(wound.q.round(6), axis=0)) == len(wound)
+    assert (np.diff(wound.seed_distance) >= 0).all()
+    assert (apart(ur5e, wound.q[:, None], plain.q[None]).min(axis=1) < 1e-9).all()
+    assert wound.complete
+
+
+def test_the_winding_nearest_to_the_seed(ur5e, target):
+    seed = POSTURE.copy()
+    seed[5] -= 2 * np.pi - 1.0
+    nearest = inverse_kinematics(ur5e, target, seed=seed, max_solutions=1)
+    assert len(nearest) == 1
+    np.testing.assert_allclose(nearest.q[0], [*POSTURE[:5], POSTURE[5] - 2 * np.pi], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "panda", "scara"])
+def test_the_same_request_gives_the_same_bytes(name):
+    chain = load_robot(name)
+    T = forward_kinematics(chain, chain.midrange() + 0.1)
+    first, second = (inverse_kinematics(chain, T, include_windings=True) for _ in range(2))
+    assert first.q.tobytes() == second.q.tobytes()
+    assert first.condition_number.tobytes() == second.condition_number.tobytes()
+    assert first.branches == second.branches
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "stanford", "irb120", "panda", "planar3r"])
+def test_out_of_reach_says_by_how_much(name):
+    chain = load_robot(name)
+    T = forward_kinematics(chain, chain.midrange())
+    T[:2, 3] += 20.0, 20.0
+    if name == "stanford":
+        assert inverse_kinematics(chain, T).status is Status.LIMITS_EXCLUDE_ALL
+        return
+    result = inverse_kinematics(chain, T)
+    assert result.status is Status.OUT_OF_REACH and len(result) == 0
+    said = float(result.reason.split("out of reach by ")[1].split(" m")[0])
+    rng = np.random.default_rng(0)
+    tips = forward_kinematics(chain, rng.uniform(-np.pi, np.pi, (20_000, chain.n)))[:, :3, 3]
+    nearest = np.linalg.norm(tips - T[:3, 3], axis=1).min()
+    assert nearest - 0.2 < said < nearest
+
+
+def test_orientation_out_of_reach():
+    # A tool that points inwards needs a longer arm than one that points outwards: on the way out
+    # the orientation fails first, the position later.
+    chain = load_robot("irb120")
+    T = forward_kinematics(chain, np.array([0.0, 1.2, -1.2, 0.0, 0.0, 0.0]))
+    T[:3, :3] = T[:3, :3] @ np.diag([1.0, -1.0, -1.0])
+    T[:3, 3] += 0.25 * T[:3, 2] * [1, 1, 0]
+    seen = []
+    for _ in range(200):
+        result = inverse_kinematics(chain, T, respect_limits=False)
+        if result.status not in seen:
+            seen.append(result.status)
+        if result.status is Status.ORIENTATION_UNREACHABLE:
+            assert "in reach, but not in this orientation" in result.reason
+            assert "rad away" in result.reason
+        T[:3, 3] += 5e-3 * T[:3, 2] * [-1, -1, 0]
+    assert seen == [Status.SUCCESS, Status.ORIENTATION_UNREACHABLE, Status.OUT_OF_REACH]
+
+
+def test_limits_that_exclude_all_are_named():
+    chain = load_robot("irb120")
+    postures = np.random.default_rng(4).uniform(-np.pi, np.pi, (300, 6))
+    excluded = 0
+    for T in forward_kinematics(chain, postures):
+        result = inverse_kinematics(chain, T)
+        free = inverse_kinematics(chain, T, respect_limits=False)
+        assert len(free) and (len(result) > 0) == (free.limit_margin >= -1e-10).any()
+        if len(result):
+            continue
+        excluded += 1
+        assert result.status is Status.LIMITS_EXCLUDE_ALL and result.complete
+        least = np.maximum(chain.lower - free.q, free.q - chain.upper).max(axis=1).min()
+        assert result.blocking_excess.max() == pytest.approx(least, abs=1e-9)
+        for joint, amount in zip(result.blocking_joints, result.blocking_excess, strict=True):
+            assert f"joint '{joint}' by {amount:.6g} rad" in result.reason
+    assert excluded > 20
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "irb120"])
+def test_a_continuum_is_told_and_stays_inside_the_limits(name, pose_errors):
+    chain = load_robot(name)
+    q = chain.midrange() + [0.3, -0.4, 0.5, 0.6, 0.0, -0.3]
+    q[4] = 0.0
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, seed=q)
+    assert result.status is Status.SUCCESS and result.continuum and not result.complete
+    assert "can move while the tip stays" in result.reason
+    assert any("wrist-singular" in branch for branch in result.branches)
+    assert np.isinf(result.condition_number).any() or result.condition_number.max() > 1e9
+    assert pose_errors(chain, T, result.q).max() < 1e-9
+    assert result.seed_distance[0] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "mask"),
+    [
+        ("puma560", (True, True, True, False, False, False)),
+        ("puma560", (True, True, True, True, True, False)),
+        ("scara", (True, True, True, False, False, True)),
+        ("planar3r", (True, True, False, False, False, True)),
+    ],
+)
+def test_partial_tasks_in_the_axes_of_the_target(name, mask):
+    chain = load_robot(name)
+    q = chain.midrange() + np.where(chain.types == 1, 0.01, 0.15)
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, task_mask=mask)
+    assert result.status is Status.SUCCESS and not result.complete
+    reached = np.linalg.inv(T) @ forward_kinematics(chain, result.q)
+    wanted = np.array(mask)
+    assert np.abs(reached[:, :3, 3][:, wanted[:3]]).max() < 1e-8
+    assert result.position_error.max() < 1e-8 and result.orientation_error.max() < 1e-8
+    if mask == (True, True, True, True, True, False):
+        # Free about the tool's own axis: the axis itself points where it should.
+        np.testing.assert_allclose(reached[:, :3, 2], [[0, 0, 1]] * len(result), atol=1e-7)
+        assert np.abs(reached[:, 0, 1]).max() > 0.1
+
+
+def test_a_tolerance_lets_a_near_miss_through():
+    chain = load_robot("puma560")
+    T = forward_kinematics(chain, [0.2, 0.3, -np.pi / 2 - 0.047, 0.1, 0.4, 0.2])
+    outward = T[:3, 3] - [0.0, 0.0, T[2, 3]]
+    for _ in range(200):
+        if not len(inverse_kinematics(chain, T, respect_limits=False)):
+            break
+        T[:3, 3] += 2e-3 * outward / np.linalg.norm(outward)
+    assert not len(inverse_kinematics(chain, T, respect_limits=False))
+    loose = inverse_kinematics(
+        chain, T, respect_limits=False, position_tolerance=5e-3, orientation_tolerance=5e-3
+    )
+    assert loose.family == "iterative" and len(loose)
+    assert 1e-9 < loose.position_error.max() <= 5e-3
+
+
+def test_a_timeout_ends_a_search():
+    chain = load_robot("panda")
+    T = forward_kinematics(chain, chain.midrange())
+    T[0, 3] += 5.0
+    start = time.perf_counter()
+    result = inverse_kinematics(chain, T, timeout=1e-4)
+    assert time.perf_counter() - start < 1.0
+    assert result.status is Status.TIMED_OUT and "0.0001 s" in result.reason
+
+
+def test_batch_agrees_with_single_calls(ur5e):
+    rng = np.random.default_rng(3)
+    T = forward_kinematics(ur5e, rng.uniform(-3, 3, (40, 6)))
+    T[5, :3, 3] += 9.0
+    q, count, status = inverse_kinematics_batch(ur5e, T, seed=POSTURE)
+    assert q.shape == (40, 16, 6)
+    for k, target in enumerate(T):
+        single = inverse_kinematics(ur5e, target, seed=POSTURE)
+        assert count[k] == len(single) and status[k] == single.status
+        assert q[k, : count[k]].tobytes() == single.q.tobytes()
+        assert np.isnan(q[k, count[k] :]).all()
+    assert status[5] == Status.OUT_OF_REACH
+    nearest, one, _ = inverse_kinematics_batch(ur5e, T, seed=POSTURE, max_solutions=1)
+    assert nearest.shape == (40, 1, 6) and one.max() == 1
+    np.testing.assert_array_equal(nearest[:, 0], q[:, 0])
+
+
+def test_an_empty_batch(ur5e):
+    q, count, status = inverse_kinematics_batch(ur5e, np.empty((0, 4, 4)))
+    assert q.shape == (0, 16, 6) and len(count) == len(status) == 0
+
+
+def test_a_rotation_off_by_rounding_is_made_orthogonal(ur5e, target):
+    off = target.copy()
+    off[:3, :3] = off[:3, :3].round(7)
+    result = inverse_kinematics(ur5e, off, seed=POSTURE)
+    assert np.abs(result.q[0] - POSTURE).max() < 1e-5
+    given = off.copy()
+    inverse_kinematics(ur5e, off)
+    np.testing.assert_array_equal(off, given)
+
+
+def bad(target, row, column, value):
+    T = target.copy()
+    T[row, column] = value
+    return T
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "text"),
+    [
+        (lambda T: T[:3], WrongSizeError, r"T has shape \(3, 4\), expected \(4, 4\)"),
+        (lambda T: np.stack([T, T]), WrongSizeError, "inverse_kinematics_batch takes many"),
+        (lambda T: bad(T, 0, 3, np.nan), NonFiniteError, r"T\[0, 3\] is nan"),
+        (lambda T: bad(T, 1, 1, np.inf), NonFiniteError, r"T\[1, 1\] is inf"),
+        (lambda T: bad(T, 0, 0, T[0, 0] + 0.1), BadValueError, "it is off by"),
+        (lambda T: T * [[-1], [1], [1], [1]], BadValueError, "it is off by inf"),
+        (lambda T: bad(T, 3, 3, 2.0), BadValueError, "last row of T is"),
+        (lambda T: "pose", BadValueError, "real numbers"),
+    ],
+)
+def test_bad_targets_are_refused(ur5e, target, change, error, text):
+    with pytest.raises(error, match=text):
+        inverse_kinematics(ur5e, change(target))
+
+
+def test_a_bad_target_of_a_batch_is_named(ur5e, target):
+    with pytest.raises(NonFiniteError, match=r"T\[2\]\[0, 3\] is nan"):
+        inverse_kinematics_batch(ur5e, np.stack([target, target, bad(target, 0, 3, np.nan)]))
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "text"),
+    [
+        ({"seed": [0.0] * 5}, WrongSizeError, "seed has shape"),
+        ({"seed": [[0.0] * 6]}, WrongSizeError, "seed has shape"),
+        ({"seed": [0, 0, np.nan, 0, 0, 0]}, NonFiniteError, "seed of joint 'elbow_joint'"),
+        ({"seed": [0, 7, 0, 0, 0, 0]}, SeedOutsideLimitsError, "'shoulder_lift_joint' is 7"),
+        ({"metric": "l1"}, BadValueError, "'linf' or 'l2'"),
+        ({"max_solutions": 0}, BadValueError, "at least 1"),
+        ({"task_mask": [True] * 5}, WrongSizeError, "6: x, y, z, rx, ry, rz"),
+        ({"timeout": -1.0}, BadValueError, "positive"),
+        ({"position_tolerance": 0.0}, BadValueError, "positive"),
+        ({"orientation_tolerance": np.nan}, NonFiniteError, "orientation_tolerance"),
+    ],
+)
+def test_bad_options_are_refused(ur5e, target, options, error, text):
+    with pytest.raises(error, match=text):
+        inverse_kinematics(ur5e, target, **options)
+
+
+def test_a_seed_outside_the_limits_serves_where_they_do_not_hold(ur5e, target):
+    seed = POSTURE.copy()
+    seed[5] = 9.0
+    result = inverse_kinematics(ur5e, target, seed=seed, respect_limits=False)
+    assert len(result) == 8
+
+
+def test_more_windings_than_can_be_listed_are_refused():
+    half = np.pi / 2
+    chain = chain_from_dh(
+        [0, 0.4318, 0.0203, 0, 0, 0],
+        [0, 0, 0.15005, 0.4318, 0, 0],
+        [half, 0, -half, half, -half, 0],
+        limits=np.tile([-1e4, 1e4], (6, 1)),
+    )
+    T = forward_kinematics(chain, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2])
+    with pytest.raises(BadValueError, match="at most 8192 windings"):
+        inverse_kinematics(chain, T, include_windings=True)
+    assert len(inverse_kinematics(chain, T)) == 8
+
+
+def test_a_joint_with_an_upper_limit_alone(pose_errors):
+    half = np.pi / 2
+    chain = chain_from_dh(
+        [0, 0.4318, 0.0203, 0, 0, 0],
+        [0, 0, 0.15005, 0.4318, 0, 0],
+        [half, 0, -half, half, -half, 0],
+        limits=np.tile([-np.inf, 1.0], (6, 1)),
+    )
+    T = forward_kinematics(chain, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2])
+    result = inverse_kinematics(chain, T)
+    assert len(result) == 8 and (result.q <= 1.0).all()
+    assert pose_errors(chain, T, result.q).max() < 1e-9

@@ -1,0 +1,226 @@
+"""The iterative solver: chains without a closed form, limits, determinism, hopeless targets."""
+
+import time
+
+import numpy as np
+import pytest
+
+from robomech_ros._kernels import iterative_layout
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics.iterative import iterative_data, iterative_search
+from robomech_ros.robots import chain_from_dh, load_robot
+
+REACHABLE = 1000
+
+
+def random_postures(chain, count, seed):
+    rng = np.random.default_rng(seed)
+    lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
+    upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
+    return rng.uniform(lower, upper, (count, chain.n))
+
+
+def solved(chain, q):
+    """How many targets of reachable postures get a solution, all of which must hold."""
+    data = iterative_data(chain, wanted=1)
+    seed = chain.midrange()
+    found = 0
+    for T in forward_kinematics(chain, q):
+        search = iterative_search(data, T, seed)
+        if len(search.q):
+            found += 1
+            error = np.abs(forward_kinematics(chain, search.q) - T).max()
+            assert error < 1e-8
+            assert search.attempts <= data[iterative_layout.RESTARTS]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [
+        ("panda", 0.999),
+        ("general6r", 0.999),
+        ("fanuc_arcmate", 0.999),
+        ("diestro", 0.999),
+        ("scara", 1.0),
+        ("planar3r", 1.0),
+    ],
+)
+def test_reachable_targets_are_reached(name, least):
+    chain = load_robot(name)
+    assert solved(chain, random_postures(chain, REACHABLE, 1)) >= least * REACHABLE
+
+
+@pytest.mark.parametrize("name", ["ik6r_manocha_canny_16", "ik6r_manocha_code_ex2"])
+def test_general_arms_of_the_literature(golden, name):
+    case = golden(name)
+    chain = chain_from_golden(case)
+    assert solved(chain, random_postures(chain, 300, 2)) == 300
+
+
+def chain_from_golden(case):
+    return chain_from_dh(case["a"], case["b"], case["alpha"])
+
+
+@pytest.mark.parametrize("name", ["panda", "scara", "planar3r"])
+def test_solutions_are_inside_the_limits(name):
+    chain = load_robot(name)
+    for T in forward_kinematics(chain, random_postures(chain, 100, 3)):
+        q = inverse_kinematics(chain, T).q
+        assert len(q)
+        assert (q >= chain.lower).all() and (q <= chain.upper).all()
+
+
+def test_limits_are_bounds_of_the_search_itself():
+    """A target on the limit of a joint, from a seed that pulls through the limit."""
+    chain = load_robot("panda")
+    rng = np.random.default_rng(4)
+    for q in random_postures(chain, 100, 4):
+        joint = rng.integers(chain.n)
+        q[joint] = rng.choice([chain.lower[joint], chain.upper[joint]])
+        T = forward_kinematics(chain, q)
+        found = inverse_kinematics(chain, T).q
+        assert len(found) and (found >= chain.lower).all() and (found <= chain.upper).all()
+
+
+@pytest.mark.parametrize("name", ["panda", "general6r", "scara"])
+def test_same_request_same_bytes(name):
+    chain = load_robot(name)
+    for T in forward_kinematics(chain, random_postures(chain, 20, 5)):
+        one, other = inverse_kinematics(chain, T), inverse_kinematics(chain, T.copy())
+        assert one.q.tobytes() == other.q.tobytes() and one.reason == other.reason
+
+
+def test_the_solution_at_the_seed_comes_first():
+    chain = load_robot("panda")
+    for q in random_postures(chain, 50, 6):
+        result = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q)
+        assert np.abs(result.q[0] - q).max() < 1e-9
+        assert not result.complete and result.family == "iterative"
+
+
+def test_several_postures_of_a_redundant_arm():
+    chain = load_robot("panda")
+    T = forward_kinematics(chain, chain.midrange() + 0.1)
+    q = inverse_kinematics(chain, T).q
+    assert len(q) >= 4
+    distance = np.abs(q[:, None] - q[None]).max(axis=2) + 9.0 * np.eye(len(q))
+    assert distance.min() > 0.05
+
+
+@pytest.mark.parametrize("name", ["general6r", "fanuc_arcmate", "diestro"])
+def test_most_solutions_of_a_general_arm_are_found(search_everywhere, apart, name):
+    chain = load_robot(name)
+    expected = found = 0
+    for k, T in enumerate(forward_kinematics(chain, random_postures(chain, 8, 7))):
+        ours = inverse_kinematics(chain, T, respect_limits=False).q
+        for posture in search_everywhere(chain, T, seed=k):
+            expected += 1
+            found += apart(chain, ours, posture).min(initial=9.0) < 1e-5
+    assert found >= 0.95 * expected
+
+
+@pytest.mark.parametrize("name", ["panda", "general6r", "scara", "planar3r"])
+def test_hopeless_targets_end_in_bounded_time(name):
+    chain = load_robot(name)
+    inverse_kinematics(chain, forward_kinematics(chain, chain.midrange()))
+    T = np.eye(4)
+    T[:3, 3] = [9.0, 0.0, 0.0]
+    start = time.perf_counter()
+    result = inverse_kinematics(chain, T)
+    assert time.perf_counter() - start < 0.5
+    assert not len(result) and result.status.name == "OUT_OF_REACH"
+
+
+def test_time_out_is_honoured():
+    chain = load_robot("panda")
+    data = iterative_data(chain)
+    T = np.eye(4)
+    T[:3, 3] = [9.0, 0.0, 0.0]
+    search = iterative_search(data, T, chain.midrange(), timeout=0.0)
+    assert (
+        search.timed_out and not len(search.q) and search.attempts < data[iterative_layout.RESTARTS]
+    )
+    assert search.position_error > 1.0
+
+
+def test_chunks_of_a_timed_search_find_the_same():
+    chain = load_robot("general6r")
+    data = iterative_data(chain)
+    for T in forward_kinematics(chain, random_postures(chain, 10, 8)):
+        whole = iterative_search(data, T, chain.midrange())
+        parts = iterative_search(data, T, chain.midrange(), timeout=60.0)
+        assert whole.q.tobytes() == parts.q.tobytes()
+
+
+@pytest.mark.parametrize(
+    "mask",
+    [
+        (True, True, True, False, False, False),
+        (True, True, True, True, True, False),
+        (True, True, True, False, False, True),
+        (False, False, False, True, True, True),
+        (True, False, True, False, True, False),
+    ],
+)
+@pytest.mark.parametrize("name", ["panda", "puma560", "scara"])
+def test_masked_components_of_the_task_hold(name, mask):
+    """Components are those of the error's rotation vector and of the position, in the base."""
+    from scipy.spatial.transform import Rotation
+
+    chain = load_robot(name)
+    data = iterative_data(chain, task=mask, wanted=3)
+    for T in forward_kinematics(chain, random_postures(chain, 30, 9)):
+        search = iterative_search(data, T, chain.midrange())
+        assert len(search.q)
+        for pose in forward_kinematics(chain, search.q):
+            turn = Rotation.from_matrix(T[:3, :3] @ pose[:3, :3].T).as_rotvec()
+            error = np.r_[T[:3, 3] - pose[:3, 3], turn]
+            assert np.abs(error[np.array(mask)]).max() < 1e-8
+
+
+def test_singular_targets_of_chains_without_closed_form():
+    """Stretched and folded arms, where Newton's method only creeps."""
+    planar, scara = load_robot("planar3r"), load_robot("scara")
+    rng = np.random.default_rng(10)
+    for chain in (planar, scara):
+        for q in random_postures(chain, 100, 11):
+            q[1] = 0.0
+            if chain is planar:
+                q[2] = rng.choice([0.0, q[2]])
+            T = forward_kinematics(chain, q)
+            search = iterative_search(iterative_data(chain), T, chain.midrange())
+            assert len(search.q), q
+            assert np.abs(forward_kinematics(chain, search.q) - T).max() < 1e-8
+
+
+def test_unlimited_prismatic_joints_and_turns():
+    chain = chain_from_dh(
+        [0.2, 0.3, 0.0, 0.1, 0.2],
+        [0.1, 0.0, 0.2, 0.1, 0.0],
+        [0.5, -1.0, 1.2, 0.3, 0.7],
+        types=[0, 1, 0, 1, 0],
+    )
+    rng = np.random.default_rng(12)
+    for q in rng.uniform(-1.0, 1.0, (100, 5)):
+        T = forward_kinematics(chain, q)
+        search = iterative_search(iterative_data(chain), T, np.zeros(5))
+        assert len(search.q)
+        assert np.abs(forward_kinematics(chain, search.q) - T).max() < 1e-8
+
+
+def test_one_joint():
+    chain = chain_from_dh([0.5], [0.1], [0.3])
+    T = forward_kinematics(chain, [0.7])
+    search = iterative_search(iterative_data(chain), T, np.zeros(1))
+    assert np.abs(search.q - 0.7).max() < 1e-8
+
+
+def test_a_loose_tolerance_is_enough():
+    """A target beyond the reach by less than the tolerance."""
+    chain = load_robot("planar3r")
+    T = forward_kinematics(chain, np.zeros(3))
+    T[0, 3] += 5e-4
+    assert not len(inverse_kinematics(chain, T))
+    near = inverse_kinematics(chain, T, position_tolerance=1e-3, orientation_tolerance=1e-3)
+    assert len(near) and near.position_error.max() < 1e-3

@@ -1,0 +1,221 @@
+"""Arms with three parallel axes at singular postures: always a solution, and the right flags."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.kinematics import (
+    forward_kinematics,
+    inverse_kinematics,
+    inverse_kinematics_batch,
+)
+from robomech_ros.kinetostatics import jacobian
+
+POSES = 300
+RESIDUAL = 1e-9
+UNIVERSAL = ("ur5e", "no-offset")
+SYNTHETIC = tuple(
+    f"{axes}-{kind}"
+    for axes in ("123", "234", "345", "456")
+    for kind in ("skew", "meeting", "parallel", "square")
+)
+SLIDING = ("123-slide4", "123-slide5", "123-slide6", "234-slide1", "234-slide5", "234-slide6")
+
+
+def bisected(function, low, high):
+    """A zero between two values at which the function has opposite signs."""
+    sign = function(low) > 0.0
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if (function(middle) > 0.0) == sign else (low, middle)
+    return 0.5 * (low + high)
+
+
+def zero_in_joint(function, q, joint, rng):
+    """Turn one joint of q to a random zero of a function of q; None where it has none."""
+    grid = np.linspace(-np.pi, np.pi, 25)
+
+    def of_joint(value):
+        changed = q.copy()
+        changed[joint] = value
+        return function(changed)
+
+    values = np.array([of_joint(value) for value in grid])
+    crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    if not len(crossings):
+        return None
+    k = rng.choice(crossings)
+    changed = q.copy()
+    changed[joint] = bisected(of_joint, grid[k], grid[k + 1])
+    return changed
+
+
+def postures_on(function, chain, count, rng, joints):
+    """Random postures on the zero set of a function."""
+    found = []
+    while len(found) < count:
+        q = rng.uniform(-np.pi, np.pi, chain.n)
+        q[chain.types == 1] *= 0.2
+        q = zero_in_joint(function, q, rng.choice(joints), rng)
+        if q is not None:
+            found.append(q)
+    return np.array(found)
+
+
+def check(chain, q, pose_errors, rng):
+    """Every pose has a solution, all solutions hold, for several seeds."""
+    targets = forward_kinematics(chain, q)
+    for part in np.array_split(np.arange(len(q)), 3):
+        seed = rng.uniform(-np.pi, np.pi, chain.n)
+        solutions, counts, status = inverse_kinematics_batch(
+            chain, targets[part], seed=seed, respect_limits=False
+        )
+        assert (counts > 0).all(), q[part][counts == 0]
+        assert (status == 0).all()
+        rows = np.arange(solutions.shape[1]) < counts[:, None]
+        errors = pose_errors(chain, np.repeat(targets[part], counts, axis=0), solutions[rows])
+        assert errors.max() < RESIDUAL
+
+
+@pytest.mark.parametrize("name", UNIVERSAL)
+@pytest.mark.parametrize(
+    "fixed", ({4: (0.0, np.pi)}, {2: (0.0, np.pi)}, {2: (0.0, np.pi), 4: (0.0, np.pi)})
+)
+def test_wrist_and_elbow(three_parallel_arm, pose_errors, name, fixed):
+    chain = three_parallel_arm(name)
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-np.pi, np.pi, (POSES, 6))
+    for joint, values in fixed.items():
+        q[:, joint] = rng.choice(values, POSES)
+    check(chain, q, pose_errors, rng)
+
+
+@pytest.mark.parametrize("name", UNIVERSAL + SYNTHETIC + SLIDING)
+def test_quarter_turns(three_parallel_arm, pose_errors, name):
+    chain = three_parallel_arm(name)
+    rng = np.random.default_rng(2)
+    q = rng.integers(-1, 3, (POSES, 6)) * (np.pi / 2)
+    q[:, chain.types == 1] = rng.uniform(-0.3, 0.3, (POSES, 1)) * rng.integers(0, 2, (POSES, 1))
+    check(chain, q, pose_errors, rng)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", UNIVERSAL + SYNTHETIC + SLIDING)
+def test_zero_determinant(three_parallel_arm, pose_errors, name):
+    chain = three_parallel_arm(name)
+    rng = np.random.default_rng(3)
+    q = postures_on(lambda q: np.linalg.det(jacobian(chain, q)), chain, POSES, rng, range(6))
+    check(chain, q, pose_errors, rng)
+
+
+def postures_over_the_shoulder(chain, last_link, rng):
+    """Postures with the point of axes 5 and 6 straight above the shoulder.
+
+    ``last_link`` (m) is the distance of the tip from that point, along axis 6.
+    """
+
+    def level(q):
+        pose = forward_kinematics(chain, q)
+        return (pose[:2, 3] - last_link * pose[:2, 2]) @ [np.cos(q[0]), np.sin(q[0])]
+
+    q = postures_on(level, chain, POSES, rng, (1, 2))
+    assert np.abs(np.linalg.det(jacobian(chain, q))).max() < 1e-12
+    return q
+
+
+def test_shoulder(three_parallel_arm, pose_errors):
+    """With an offset two solutions become one."""
+    chain = three_parallel_arm("ur5e")
+    rng = np.random.default_rng(4)
+    q = postures_over_the_shoulder(chain, 0.0996, rng)
+    check(chain, q, pose_errors, rng)
+    for posture in q[:40]:
+        T = forward_kinematics(chain, posture)
+        result = inverse_kinematics(chain, T, seed=posture, respect_limits=False)
+        assert np.abs(result.q[0] - posture).max() < 1e-6
+        assert "at-boundary" in result.branches[0] and not result.continuum
+
+
+def test_free_shoulder(three_parallel_arm, pose_errors):
+    """Without an offset the same pose leaves joint 1 free to turn."""
+    chain = three_parallel_arm("no-offset")
+    rng = np.random.default_rng(5)
+    q = postures_over_the_shoulder(chain, 0.082, rng)
+    check(chain, q, pose_errors, rng)
+    for posture in q[:40]:
+        T = forward_kinematics(chain, posture)
+        kept = inverse_kinematics(chain, T, seed=posture, respect_limits=False)
+        assert kept.continuum and all("shoulder-singular" in branch for branch in kept.branches)
+        assert np.abs(kept.q[0] - posture).max() < 1e-6
+
+
+def test_free_wrist_keeps_joint_6_at_the_seed_where_the_arm_reaches(three_parallel_arm):
+    chain = three_parallel_arm("ur5e")
+    rng = np.random.default_rng(6)
+    for _ in range(60):
+        posture = rng.uniform(-np.pi, np.pi, 6)
+        posture[4] = rng.choice([0.0, np.pi])
+        T = forward_kinematics(chain, posture)
+        result = inverse_kinematics(chain, T, seed=posture, respect_limits=False)
+        assert result.continuum and result.status == 0
+        singular = np.array(["wrist-singular" in branch for branch in result.branches])
+        distance = np.abs(result.q[singular] - posture).max(axis=1)
+        assert distance.min() < 1e-6
+
+
+def test_free_wrist_takes_the_nearest_joint_6_in_reach(three_parallel_arm):
+    """The range of joint 6 in which the planar arm reaches, found here by trial."""
+    chain = three_parallel_arm("ur5e")
+    rng = np.random.default_rng(7)
+    trials = np.linspace(-np.pi, np.pi, 361)
+    tried = 0
+    while tried < 12:
+        posture = rng.uniform(-np.pi, np.pi, 6)
+        posture[2], posture[4] = rng.uniform(-0.3, 0.3), 0.0
+        T = forward_kinematics(chain, posture)
+        inside = []
+        for value in trials:
+            seed = np.r_[posture[:5], value]
+            q = inverse_kinematics(chain, T, seed=seed, respect_limits=False)
+            free = ["wrist-singular" in branch for branch in q.branches]
+            turned = np.abs((q.q[free][:, 5] - value + np.pi) % (2 * np.pi) - np.pi)
+            inside.append(turned.min(initial=9.0))
+        inside = np.array(inside)
+        if inside.max() < 0.2:
+            continue
+        tried += 1
+        feasible = trials[inside < 1e-9]
+        for value, moved in zip(trials[::20], inside[::20], strict=True):
+            gap = np.abs((feasible - value + np.pi) % (2 * np.pi) - np.pi).min()
+            assert moved <= gap + 1e-9 and moved > gap - 1.01 * (trials[1] - trials[0])
+
+
+def test_double_roots_are_one_solution(three_parallel_arm, apart):
+    chain = three_parallel_arm("ur5e")
+    rng = np.random.default_rng(8)
+    for _ in range(100):
+        posture = rng.uniform(-np.pi, np.pi, 6)
+        posture[2] = 0.0
+        T = forward_kinematics(chain, posture)
+        result = inverse_kinematics(chain, T, respect_limits=False)
+        distance = apart(chain, result.q[:, None], result.q[None]) + 9.0 * np.eye(len(result))
+        assert distance.min() > 1e-6
+        k = np.argmin(apart(chain, result.q, posture))
+        assert apart(chain, result.q[k], posture) < 1e-6
+        assert "at-boundary" in result.branches[k] and not result.continuum
+
+
+def test_two_solutions_on_this_side_of_the_boundary_and_none_beyond(three_parallel_arm):
+    chain = three_parallel_arm("ur5e")
+    posture = np.array([0.4, -0.9, 0.0, -0.5, 1.1, 0.3])
+    T = forward_kinematics(chain, posture)
+    arm = forward_kinematics(chain.with_tip("wrist_1_link"), posture[:4])[:3, 3]
+    shoulder = forward_kinematics(chain.with_tip("upper_arm_link"), posture[:2])[:3, 3]
+    along = (arm - shoulder) / np.linalg.norm(arm - shoulder)
+    counts = []
+    for shift in (-1e-3, -1e-9, 1e-3):
+        moved = T.copy()
+        moved[:3, 3] += shift * along
+        q = inverse_kinematics(chain, moved, respect_limits=False).q
+        near = np.abs(q[:, 2]) < 0.2
+        counts.append(int((near & (np.abs(q[:, 0] - posture[0]) < 0.1)).sum()))
+    assert counts[0] >= 2 and counts[1] >= 2 and counts[2] == 0
