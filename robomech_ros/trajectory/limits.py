@@ -1,0 +1,176 @@
+"""Limits of joints as trajectories see them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import (
+    BadValueError,
+    LimitExceededError,
+    MissingLimitsError,
+    SeedOutsideLimitsError,
+    WrongSizeError,
+)
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["RATES", "JointLimits", "Limits", "Rate"]
+
+Rate = Literal["velocity", "acceleration", "jerk"]
+RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
+
+
+class JointLimits(Protocol):
+    """What a planner reads of a robot; a chain model fits, and so does `Limits`."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """The joints, in the order of all arrays."""
+
+    @property
+    def lower(self) -> npt.ArrayLike:
+        """Lowest positions, rad or m, shape (n,)."""
+
+    @property
+    def upper(self) -> npt.ArrayLike:
+        """Highest positions, rad or m, shape (n,)."""
+
+    @property
+    def velocity(self) -> npt.ArrayLike:
+        """Largest speeds, rad/s or m/s, shape (n,)."""
+
+    @property
+    def acceleration(self) -> npt.ArrayLike:
+        """Largest magnitudes of the accelerations, rad/s^2 or m/s^2, shape (n,)."""
+
+    @property
+    def jerk(self) -> npt.ArrayLike:
+        """Largest magnitudes of the jerks, rad/s^3 or m/s^3, shape (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Limits of n joints; a scalar stands for the same value at every joint.
+
+    Attributes
+    ----------
+    joint_names : tuple of str
+        The joints, in the order of all arrays.
+    velocity, acceleration, jerk : ndarray, shape (n,)
+        Largest magnitudes in rad or m over s, s^2 and s^3; infinite where there is no limit
+        (None and NaN stand for that as well).
+    lower, upper : ndarray, shape (n,)
+        Position limits, rad or m, infinite where there is none.
+
+    Raises
+    ------
+    WrongSizeError
+        If an array does not have one entry for each joint.
+    BadValueError
+        If a limit is zero or negative, or a lower position limit lies above the upper one.
+    """
+
+    joint_names: tuple[str, ...]
+    velocity: FloatArray = None  # type: ignore[assignment]
+    acceleration: FloatArray = None  # type: ignore[assignment]
+    jerk: FloatArray = None  # type: ignore[assignment]
+    lower: FloatArray = None  # type: ignore[assignment]
+    upper: FloatArray = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        for name in (*RATES, "upper"):
+            object.__setattr__(self, name, self._array(name, np.inf))
+        object.__setattr__(self, "lower", self._array("lower", -np.inf))
+        for name in RATES:
+            self._refuse(f"{name} limit", ~(getattr(self, name) > 0.0), getattr(self, name), "> 0")
+        crossed = self.lower > self.upper
+        self._refuse("lower limit", crossed, self.lower, "at most the upper limit")
+
+    def _array(self, name: str, missing: float) -> FloatArray:
+        given = getattr(self, name)
+        n = len(self.joint_names)
+        values = np.array(missing if given is None else given, dtype=np.float64)
+        if values.shape not in ((), (n,)):
+            raise WrongSizeError(f"{name} limits", values.shape, (n,))
+        values = np.where(np.isnan(values), missing, values) * np.ones(n)
+        values.setflags(write=False)
+        return values
+
+    def _refuse(
+        self, what: str, bad: npt.NDArray[np.bool_], values: FloatArray, expected: str
+    ) -> None:
+        if bad.any():
+            k = int(np.flatnonzero(bad)[0])
+            name = self.joint_names[k]
+            raise BadValueError(f"{what} of joint '{name}'", float(values[k]), expected)
+
+    @classmethod
+    def of(cls, limits: JointLimits | Any) -> "Limits":
+        """Read the limits of anything that has them as attributes; what it lacks is unlimited.
+
+        Raises
+        ------
+        BadValueError
+            It names no joints.
+        """
+        if isinstance(limits, cls):
+            return limits
+        if not hasattr(limits, "joint_names"):
+            raise BadValueError("limits", limits, "a SerialChain, Limits, or the like of them")
+        fields: dict[str, Any] = {
+            name: getattr(limits, name, None) for name in (*RATES, "lower", "upper")
+        }
+        return cls(tuple(limits.joint_names), **fields)
+
+    def scaled(
+        self,
+        *,
+        velocity: FloatArray | float = 1.0,
+        acceleration: FloatArray | float = 1.0,
+        jerk: FloatArray | float = 1.0,
+    ) -> "Limits":
+        """Multiply the limits by factors, one for all joints or one for each."""
+        return replace(
+            self,
+            velocity=self.velocity * velocity,
+            acceleration=self.acceleration * acceleration,
+            jerk=self.jerk * jerk,
+        )
+
+    def require(self, *rates: Rate) -> None:
+        """Raise `MissingLimitsError` with the names of the joints that lack one of `rates`."""
+        for rate in rates:
+            missing = np.flatnonzero(~np.isfinite(getattr(self, rate)))
+            if len(missing):
+                raise MissingLimitsError(rate, [self.joint_names[k] for k in missing])
+
+    def check_start(self, position: FloatArray) -> None:
+        """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""
+        k = self._outside(position)
+        if k is not None:
+            raise SeedOutsideLimitsError(
+                self.joint_names[k],
+                float(position[k]),
+                float(self.lower[k]),
+                float(self.upper[k]),
+                what="start",
+            )
+
+    def check_goal(self, position: FloatArray) -> None:
+        """Raise `LimitExceededError` where a goal (n,) in rad or m is outside the limits."""
+        k = self._outside(position)
+        if k is not None:
+            limit = self.lower[k] if position[k] < self.lower[k] else self.upper[k]
+            raise LimitExceededError(
+                "goal position", self.joint_names[k], float(position[k]), float(limit)
+            )
+
+    def _outside(self, position: FloatArray) -> int | None:
+        """Index of the joint that is farthest outside the position limits, if any."""
+        excess = np.maximum(self.lower - position, position - self.upper)
+        k = int(np.argmax(excess)) if len(excess) else 0
+        return k if len(excess) and excess[k] > tolerances.POSITION_SLACK else None

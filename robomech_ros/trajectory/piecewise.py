@@ -1,0 +1,132 @@
+"""Piecewise polynomials in time: the one form that every trajectory here can be brought into."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
+
+__all__ = ["PiecewisePolynomial"]
+
+# Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
+_MAX_ORDER = 5
+_FACTORS = np.array([[math.perm(i, d) for i in range(_MAX_ORDER + 1)] for d in range(4)], float)
+_POWERS = np.array([[max(i - d, 0) for i in range(_MAX_ORDER + 1)] for d in range(4)])
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewisePolynomial:
+    r"""All joints as polynomials of the time since the beginning of a segment.
+
+    In segment k, for ``breaks[k] <= t < breaks[k + 1]``, and for joint j
+
+    .. math:: q_j(t) = \sum_i c_{ikj} (t - t_k)^i
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (s + 1,)
+        Where the segments begin and the last one ends, in s, strictly increasing.  With a single
+        entry (s = 0) the joints stand still at ``coefficients[0]``.
+    coefficients : ndarray, shape (order + 1, max(s, 1), n)
+        Power coefficients, lowest power first; rad or m over s to the power of the first index.
+        The order is 5 at most.
+    """
+
+    breaks: FloatArray
+    coefficients: FloatArray
+
+    @property
+    def duration(self) -> float:
+        """Time from the first break to the last, in s."""
+        return float(self.breaks[-1] - self.breaks[0])
+
+    @property
+    def joints(self) -> int:
+        """Number of joints."""
+        return int(self.coefficients.shape[2])
+
+    @cached_property
+    def spans(self) -> FloatArray:
+        """How long each segment lasts, in s, shape (s,)."""
+        return np.diff(self.breaks)
+
+    def derivative(self, order: int) -> FloatArray:
+        """Power coefficients of a derivative.
+
+        Parameters
+        ----------
+        order : int
+            0 position, 1 velocity, 2 acceleration, 3 jerk.
+
+        Returns
+        -------
+        ndarray, shape (d, max(s, 1), n)
+            Lowest power first, at least one (zero) coefficient.
+        """
+        values = self.coefficients
+        for _ in range(order):
+            values = _differentiated(values)
+        return values
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s, on the clock of `breaks`.  Outside the breaks the joints rest at the
+            position of the nearest end; at an inner break the later segment counts.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        times = checked_times(t)
+        if not times.ndim:
+            return self._sample_one(float(times))
+        inside = np.clip(times, self.breaks[0], self.breaks[-1])
+        last = self.coefficients.shape[1] - 1
+        segment = np.clip(np.searchsorted(self.breaks, inside, side="right") - 1, 0, last)
+        elapsed = (inside - self.breaks[segment])[:, None]
+        coefficients = self.coefficients[:, segment]
+        values = [_horner(coefficients, elapsed)]
+        for _ in range(3):
+            coefficients = _differentiated(coefficients)
+            values.append(_horner(coefficients, elapsed))
+        return held_outside(Sample(*values), inside != times)
+
+    def _sample_one(self, t: float) -> Sample:
+        """Sample at one instant, in one product of matrices."""
+        inside = min(max(t, self.breaks[0]), self.breaks[-1])
+        after = int(np.searchsorted(self.breaks, inside, side="right"))
+        segment = min(after - 1, self.coefficients.shape[1] - 1)
+        size = len(self.coefficients)
+        elapsed = inside - self.breaks[segment]
+        weights = _FACTORS[:, :size] * elapsed ** _POWERS[:, :size]
+        rates = weights @ self.coefficients[:, segment]
+        if inside != t:
+            rates[1:] = 0.0
+        return Sample(*rates)
+
+
+def _differentiated(coefficients: FloatArray) -> FloatArray:
+    if len(coefficients) == 1:
+        return np.zeros_like(coefficients)
+    return coefficients[1:] * np.arange(1.0, len(coefficients))[:, None, None]
+
+
+def _horner(coefficients: FloatArray, elapsed: FloatArray) -> FloatArray:
+    value: FloatArray = coefficients[-1].copy()
+    for lower in coefficients[-2::-1]:
+        value *= elapsed
+        value += lower
+    return value

@@ -1,0 +1,189 @@
+"""Motion from point to point in joint space, by profile."""
+
+import math
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.trajectory.jerk_limited import JerkLimited
+from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
+from robomech_ros.trajectory.polynomial import Polynomial345
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
+
+__all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
+
+# Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
+# duration are still far from overflow.
+SMALLEST_SCALE = 1e-6
+
+
+class Profile(Protocol):
+    """A way to move from one point to another.
+
+    Attributes
+    ----------
+    REQUIRED : tuple of str
+        The limits without which it cannot be planned.
+    STARTS_MOVING : bool
+        Whether it can start from other than rest.
+    """
+
+    REQUIRED: ClassVar[tuple[Rate, ...]]
+    STARTS_MOVING: ClassVar[bool]
+
+    @classmethod
+    def plan(
+        cls,
+        start: FloatArray,
+        goal: FloatArray,
+        limits: Limits,
+        duration: float | None = None,
+        start_velocity: FloatArray | None = None,
+        start_acceleration: FloatArray | None = None,
+    ) -> PiecewiseTrajectory:
+        """Plan from `start` to rest at `goal` (n,), within `limits`."""
+
+
+PROFILES: dict[str, type[Profile]] = {"poly345": Polynomial345, "ruckig": JerkLimited}
+
+
+def profile_named(name: str) -> type[Profile]:
+    """Look a profile up by its name, in capitals or not.
+
+    Raises
+    ------
+    BadValueError
+        If there is none of this name; it lists those there are.
+    """
+    found = PROFILES.get(name.lower()) if isinstance(name, str) else None
+    if found is None:
+        raise BadValueError("profile", name, "one of " + ", ".join(sorted(PROFILES)))
+    return found
+
+
+def point_to_point(
+    q0: npt.ArrayLike,
+    q1: npt.ArrayLike,
+    *,
+    limits: JointLimits | Any,
+    profile: str = "poly345",
+    duration: float | None = None,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    jerk_scale: float = 1.0,
+    start_velocity: npt.ArrayLike | None = None,
+    start_acceleration: npt.ArrayLike | None = None,
+) -> PiecewiseTrajectory:
+    """Plan a motion of all joints together, from one point to rest at another.
+
+    Parameters
+    ----------
+    q0, q1 : array_like, shape (n,)
+        Start and goal, rad or m.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes.  Profile ``poly345`` needs
+        velocity and acceleration limits of every joint and keeps to those jerk limits that are
+        there; ``ruckig`` needs all three.
+    profile : str
+        A name in `PROFILES`, in capitals or not.
+    duration : float, optional
+        Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
+        the least.
+    velocity_scale, acceleration_scale, jerk_scale : float
+        Part of each kind of limit that may be used, in (0, 1].
+    start_velocity, start_acceleration : array_like, shape (n,), optional
+        Rates at the start, rad or m over s and s^2, where the profile can start moving; rest
+        where not given.
+
+    Returns
+    -------
+    PiecewiseTrajectory
+        With ``.duration`` (s), ``.sample(t)`` and ``.pieces``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+        If start, goal or rates do not have one finite number for each joint.
+    BadValueError
+        If the profile is unknown or cannot start moving, or a scale or the duration is out of
+        range.
+    MissingLimitsError
+        If a joint lacks a limit that is needed.
+    SeedOutsideLimitsError, LimitExceededError
+        If the start, or the goal or another part of the motion, is outside the limits.
+    DurationTooShortError
+        If the limits do not allow the wanted duration.
+    """
+    method = profile_named(profile)
+    allowed = scaled_limits(
+        Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
+    )
+    n = len(allowed.joint_names)
+    start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
+    allowed.check_start(start)
+    allowed.check_goal(goal)
+    moving = {
+        what: _joint_values(what, values, n)
+        for what, values in (
+            ("start_velocity", start_velocity),
+            ("start_acceleration", start_acceleration),
+        )
+        if values is not None
+    }
+    if not method.STARTS_MOVING:
+        _check_at_rest(profile, moving)
+        moving = {}
+    return method.plan(start, goal, allowed, _duration(duration), **moving)
+
+
+def scaled_limits(
+    limits: Limits,
+    method: type[Profile],
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    jerk_scale: float = 1.0,
+) -> Limits:
+    """Scale the limits as a request wants them; refuse where one that is needed is missing."""
+    scales = {"velocity": velocity_scale, "acceleration": acceleration_scale, "jerk": jerk_scale}
+    for rate, scale in scales.items():
+        if not math.isfinite(scale):
+            raise NonFiniteError(f"{rate}_scale", scale)
+        if not SMALLEST_SCALE <= scale <= 1.0:
+            expected = f"at least {SMALLEST_SCALE:g} and at most 1"
+            raise BadValueError(f"{rate}_scale", scale, expected)
+    limits.require(*method.REQUIRED)
+    if jerk_scale != 1.0:
+        limits.require("jerk")  # else the scale would mean nothing, silently
+    return limits.scaled(velocity=velocity_scale, acceleration=acceleration_scale, jerk=jerk_scale)
+
+
+def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    if array.shape != (n,):
+        raise WrongSizeError(what, array.shape, (n,))
+    if not np.isfinite(array).all():
+        raise NonFiniteError(what, array)
+    array.setflags(write=False)
+    return array
+
+
+def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
+    able = [name for name, method in sorted(PROFILES.items()) if method.STARTS_MOVING]
+    for what, values in moving.items():
+        if values.any():
+            expected = f"zero, for {profile.lower()} starts from rest ({', '.join(able)} need not)"
+            raise BadValueError(what, values.tolist(), expected)
+
+
+def _duration(duration: float | None) -> float | None:
+    if duration is None:
+        return None
+    seconds = float(duration)
+    if not np.isfinite(seconds):
+        raise NonFiniteError("duration", seconds)
+    if seconds < 0.0:
+        raise BadValueError("duration", seconds, "more than 0 s, or 0 for the shortest possible")
+    return seconds or None

@@ -1,0 +1,256 @@
+"""Ruckig, asked in units that suit it, and its answer as polynomials.
+
+References
+----------
+L. Berscheid, T. Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+States", Robotics: Science and Systems XVII, 2021.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import numpy as np
+import ruckig
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Phases", "jerk_phases"]
+
+# Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
+_LONG = 1000.0
+# Ways below this (rad, m) are no unit of length.
+_SHORTEST_WAY = 1e-9
+# What making up for a missed goal may add to the jerk, in parts of its limit.
+_LARGEST_MISS = 1e-8
+# Breaks nearer to each other than this, in parts of the duration, are one.
+_SAME_BREAK = 1e-12
+# What rounding may add to the peaks of a joint whose limits another joint's course just meets.
+_SAME_LIMIT = 1e-12
+
+# Phases of one joint: when each begins (p,), and [q, v, a, jerk] there (p, 4).
+_JointPhases = tuple[FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Phases:
+    """A motion of piecewise constant jerk.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (s + 1,)
+        Where the jerk of any joint may step, from 0 to the duration, in s.
+    coefficients : ndarray, shape (4, s, n)
+        Positions in powers of the time since the beginning of the segment.
+    alone : ndarray, shape (n,)
+        How long each joint would take if it did not wait for the others, in s.
+    """
+
+    breaks: FloatArray
+    coefficients: FloatArray
+    alone: FloatArray
+
+    def slowed(self, factor: float) -> "Phases":
+        """Let everything take `factor` times as long."""
+        slower = self.coefficients * (factor ** -np.arange(4.0))[:, None, None]
+        return Phases(self.breaks * factor, slower, self.alone * factor)
+
+
+def jerk_phases(
+    rise: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    limits: Limits,
+    shortest: float,
+) -> Phases:
+    """Compute the fastest motion that takes at least a given time.
+
+    Parameters
+    ----------
+    rise : ndarray, shape (n,)
+        Displacements, rad or m.
+    velocity, acceleration : ndarray, shape (n,)
+        Rates at the start; those at the end are zero.
+    limits : Limits
+        Velocity, acceleration and jerk limits, all finite.
+    shortest : float
+        Least duration in s.
+
+    Returns
+    -------
+    Phases
+        Positions count from the start.
+
+    Raises
+    ------
+    BadValueError
+        If Ruckig fails; the message names the joint.
+    """
+    way = np.abs(rise) + np.abs(velocity) * _starting_time(limits)
+    least = max(shortest, _rough_duration(way, limits))
+    rough: Phases | None = None
+    reason = ""
+    for time, length in _units(way, least, limits):
+        request = _request(rise, velocity, acceleration, limits, time, length)
+        request.minimum_duration = shortest / time
+        motion = ruckig.Trajectory(len(rise))
+        failure = _failure(request, motion)
+        if failure:
+            reason = reason or failure
+            continue
+        phases = _phases_of(motion, request, length).slowed(time)
+        if (_miss(phases, rise) <= _LARGEST_MISS * limits.jerk).all():
+            return phases
+        rough = rough or phases
+    if rough is None:
+        _refuse(reason, limits)
+    return rough
+
+
+def _starting_time(limits: Limits) -> FloatArray:
+    """Time from rest to full speed (n,) in s; the limits may not let a joint get there."""
+    return limits.velocity / limits.acceleration + limits.acceleration / limits.jerk
+
+
+def _rough_duration(way: FloatArray, limits: Limits) -> float:
+    """Bound from below the time for a way (n,) from rest to rest, in s."""
+    by_limit = (
+        way / limits.velocity,
+        2.0 * np.sqrt(way / limits.acceleration),
+        np.cbrt(32.0 * way / limits.jerk),
+    )
+    return float(np.max(by_limit, initial=0.0))
+
+
+def _units(
+    way: FloatArray, duration: float, limits: Limits
+) -> Iterator[tuple[float, FloatArray | float]]:
+    """Yield units of time (s) and length (n,) to try.
+
+    Ruckig's tolerances are absolute, so that it cannot do with SI units where motions are tiny
+    or very long: then the start of the motion, or all of it, becomes its unit.
+    """
+    yield 1.0, 1.0
+    starting = float(_starting_time(limits).min(initial=duration))
+    for time in (max(starting, duration / _LONG), duration):
+        yield time, np.where(way > _SHORTEST_WAY, way, 1.0) * (time / duration)
+
+
+def _request(
+    rise: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    limits: Limits,
+    time: float,
+    length: FloatArray | float,
+) -> Any:
+    request = ruckig.InputParameter(len(rise))
+    request.synchronization = ruckig.Synchronization.Phase
+    request.target_position = (rise / length).tolist()
+    request.current_velocity = (velocity * (time / length)).tolist()
+    request.current_acceleration = (acceleration * (time**2 / length)).tolist()
+    request.max_velocity = (limits.velocity * (time / length)).tolist()
+    request.max_acceleration = (limits.acceleration * (time**2 / length)).tolist()
+    request.max_jerk = (limits.jerk * (time**3 / length)).tolist()
+    return request
+
+
+def _failure(request: Any, motion: Any) -> str:
+    """Run Ruckig; return why it failed, empty if it did not."""
+    try:
+        ruckig.Ruckig(request.degrees_of_freedom).calculate(request, motion)
+    except ValueError:  # the binding has no name for this code
+        return "too long"
+    except ruckig.RuckigError as error:
+        return str(error).strip().splitlines()[0].removeprefix("[ruckig]").strip()
+    return ""
+
+
+def _refuse(reason: str, limits: Limits) -> NoReturn:
+    found = re.search(r"dof:? (\d+)", reason, re.IGNORECASE)
+    joint = f" of joint '{limits.joint_names[int(found[1])]}'" if found else ""
+    raise BadValueError(f"motion{joint}", reason, "one that Ruckig can compute")
+
+
+def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
+    """Jerk (n,) of the 3-4-5 polynomial that makes up for missing the goal."""
+    span = phases.breaks[-1] - phases.breaks[-2]
+    end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
+    jerk: FloatArray = 60.0 * np.abs(end - rise) / phases.breaks[-1] ** 3
+    return jerk
+
+
+def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
+    alone = np.array(motion.independent_min_durations)
+    joints = [_phases(profile) for profile in motion.profiles[0]]
+    if not any(request.current_velocity) and not any(request.current_acceleration):
+        joints = _on_one_course(joints, int(np.argmax(alone)), request)
+    breaks, coefficients = _common_phases(joints, motion.duration)
+    return Phases(breaks, coefficients * length, alone)
+
+
+def _on_one_course(joints: list[_JointPhases], leader: int, request: Any) -> list[_JointPhases]:
+    """Let all joints that can do so, from rest to rest, follow the course of the slowest one.
+
+    Ruckig does this for all joints or none; but the fewer courses there are, the fewer are the
+    steps of the jerk, and the straighter is the path.
+    """
+    begin, states = joints[leader]
+    ways = np.array(request.target_position)
+    if not ways[leader]:
+        return joints
+    peaks = _peaks(begin, states)
+    bounds = np.stack([request.max_velocity, request.max_acceleration, request.max_jerk], axis=1)
+    shares = ways / ways[leader]
+    able = (np.abs(shares)[:, None] * peaks <= bounds * (1.0 + _SAME_LIMIT)).all(axis=1)
+    return [
+        (begin, states * share) if follows else own
+        for own, share, follows in zip(joints, shares, able, strict=True)
+    ]
+
+
+def _peaks(begin: FloatArray, states: FloatArray) -> FloatArray:
+    """Largest speed, acceleration and jerk (magnitudes) of the phases of one joint."""
+    peaks: FloatArray = np.abs(states[:, 1:]).max(axis=0)
+    _, velocity, acceleration, jerk = states[:-1].T
+    # Inside a phase the speed is largest where the acceleration passes through zero.
+    turns = (jerk != 0.0) & (acceleration * (acceleration + jerk * np.diff(begin)) < 0.0)
+    inside = velocity[turns] - acceleration[turns] ** 2 / (2.0 * jerk[turns])
+    peaks[0] = max(peaks[0], np.abs(inside).max(initial=0.0))
+    return peaks
+
+
+def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatArray, FloatArray]:
+    """Bring the phases of all joints onto common breaks (s + 1,); coefficients (4, s, n)."""
+    same = _SAME_BREAK * duration
+    ends = np.concatenate([begin for begin, _ in phases])
+    inner = np.unique(ends[(ends > same) & (ends < duration - same)])
+    inner = inner[np.diff(inner, prepend=0.0) > same]
+    breaks = np.concatenate([[0.0], inner, [duration]])
+    coefficients = np.empty((4, len(breaks) - 1, len(phases)))
+    middle = (breaks[:-1] + breaks[1:]) / 2.0
+    for joint, (begin, states) in enumerate(phases):
+        phase = np.searchsorted(begin, middle, side="right") - 1
+        elapsed = breaks[:-1] - begin[phase]
+        position, velocity, acceleration, jerk = states[phase].T
+        coefficients[0, :, joint] = position + elapsed * (
+            velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0)
+        )
+        coefficients[1, :, joint] = velocity + elapsed * (acceleration + elapsed * jerk / 2.0)
+        coefficients[2, :, joint] = (acceleration + elapsed * jerk) / 2.0
+        coefficients[3, :, joint] = jerk / 6.0
+    return breaks, coefficients
+
+
+def _phases(profile: Any) -> _JointPhases:
+    brake = profile.brake
+    spans = [*brake.t, *profile.t]
+    rows = list(zip(brake.p, brake.v, brake.a, brake.j, strict=True))
+    rows += list(zip(profile.p[:-1], profile.v[:-1], profile.a[:-1], profile.j, strict=True))
+    rows.append((profile.pf, profile.vf, profile.af, 0.0))
+    begin = np.concatenate([[0.0], np.cumsum(spans)])
+    lasting = np.append(np.asarray(spans) > 0.0, True)
+    return begin[lasting], np.array(rows)[lasting]

@@ -1,0 +1,56 @@
+"""What a trajectory is at one or many instants."""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import NonFiniteError
+
+__all__ = ["FloatArray", "Sample", "Trajectory", "checked_times", "held_outside"]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Sample(NamedTuple):
+    """State of all joints at one instant, or at many; unpacks in this order.
+
+    Attributes
+    ----------
+    position, velocity, acceleration, jerk : ndarray, shape (n,) or (m, n)
+        Joint values (rad or m) and their first three derivatives with respect to time (s); one
+        row for each instant where an array of instants was asked for.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    jerk: FloatArray
+
+
+class Trajectory(Protocol):
+    """Anything that lasts a while and can be sampled, from t = 0 to t = duration (s)."""
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample at time t (s), a scalar or an array of shape (m,)."""
+
+
+def checked_times(t: npt.ArrayLike) -> FloatArray:
+    """Turn instants into a float array of dimension 0 or 1; refuse NaN and infinity."""
+    times = np.asarray(t, dtype=np.float64)
+    if times.ndim > 1:
+        times = times.ravel()
+    if not np.isfinite(times).all():
+        raise NonFiniteError("time", times if times.ndim else float(times))
+    return times
+
+
+def held_outside(sample: Sample, outside: npt.NDArray[np.bool_]) -> Sample:
+    """Put the instants outside a trajectory at rest at the position of its nearest end."""
+    for rate in (sample.velocity, sample.acceleration, sample.jerk):
+        rate[outside] = 0.0
+    return sample

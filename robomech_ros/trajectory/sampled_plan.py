@@ -1,0 +1,145 @@
+"""Plans whose samples, too, are verified: what a controller makes of them keeps to the limits."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import DurationTooShortError
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.profiles import point_to_point, profile_named, scaled_limits
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.verification import Verification, verify
+from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints, discretise
+
+__all__ = ["SampledPlan", "sampled_point_to_point"]
+
+# Planned within the limits less these parts, samples stay within the limits despite the rounding
+# of numbers and of times to nanoseconds.
+_MARGIN = 1e-7
+_JERK_MARGIN = 1e-5
+# Where no joint has a lower jerk limit, rounding may do this to the jerk between two samples
+# (rad/s^3, m/s^3) that are very near to each other, because jerk steps are.
+_JERK_ERROR = 100.0
+# An excess up to this ratio is taken off the limits themselves (it costs a third of it in time).
+_SMALL_EXCESS = 1.003
+# A greater one comes from jerk steps of several joints that nearly coincide: the jerk limits are
+# staggered by up to this part, joint by joint, which moves the steps apart.
+_STAGGER = 0.004
+# Both settle in a round or two; more would be a defect, which the verification then names.
+_STAGGERED_ROUNDS = 3
+_ROUNDS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPlan:
+    """A planned motion, its waypoints, and the proof that these keep to the limits.
+
+    Attributes
+    ----------
+    trajectory : PiecewiseTrajectory
+        The motion itself.
+    waypoints : Waypoints
+        Its samples, as a trajectory message takes them.
+    verification : Verification
+        Of the curve that a controller interpolates through the samples; always `ok`.
+    """
+
+    trajectory: PiecewiseTrajectory
+    waypoints: Waypoints
+    verification: Verification
+
+
+def sampled_point_to_point(
+    q0: npt.ArrayLike,
+    q1: npt.ArrayLike,
+    *,
+    limits: JointLimits | Any,
+    profile: str,
+    period: float,
+    max_points: int,
+    duration: float | None = None,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    jerk_scale: float = 1.0,
+    start_velocity: npt.ArrayLike | None = None,
+) -> SampledPlan:
+    """Plan from point to point, sample, and verify the samples against the scaled limits.
+
+    Where the interpolation between samples would exceed a limit (two joints change their jerk
+    at almost the same instant), the motion is planned anew within slightly tighter limits.
+
+    Parameters
+    ----------
+    q0, q1, limits, profile, duration, velocity_scale, acceleration_scale, jerk_scale, \
+    start_velocity
+        As for `point_to_point`.
+    period : float
+        Largest time between two samples in s.
+    max_points : int
+        The most samples there may be.
+
+    Returns
+    -------
+    SampledPlan
+        First sample the start at t = 0, last the goal at rest.
+
+    Raises
+    ------
+    RobomechError
+        As `point_to_point`, `discretise` and `verify` do.
+    """
+    scales = (velocity_scale, acceleration_scale, jerk_scale)
+    allowed = scaled_limits(Limits.of(limits), profile_named(profile), *scales)
+    factors = np.ones((3, len(allowed.joint_names)))
+    if not duration:
+        factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
+    jerk_error = min(float(allowed.jerk.min(initial=np.inf)), _JERK_ERROR)
+    plan: SampledPlan | None = None
+    for attempt in range(_ROUNDS):
+        try:
+            trajectory = point_to_point(
+                q0,
+                q1,
+                limits=_tightened(allowed, factors),
+                profile=profile,
+                duration=duration,
+                start_velocity=start_velocity,
+            )
+        except DurationTooShortError:
+            if plan is None or not plan.verification.ok:
+                raise
+            return plan  # over the limits by rounding only, and there is no time to spare
+        waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
+        plan = SampledPlan(trajectory, waypoints, verify(waypoints, allowed, start=q0))
+        ratios = _ratios(plan.verification)
+        if (ratios <= 1.0).all():
+            break
+        _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
+    assert plan is not None
+    plan.verification.require_ok()
+    return plan
+
+
+def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:
+    """Reduce the factors (3, n) of the limits after the ratios (3, n) of a plan within them."""
+    if stagger and ratios.max() > _SMALL_EXCESS:
+        joints = factors.shape[1]
+        factors[2] *= 1.0 - _STAGGER * np.arange(1, joints + 1) / joints
+        ratios = np.minimum(ratios, _SMALL_EXCESS)
+    factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + _MARGIN
+
+
+def _tightened(limits: Limits, factors: FloatArray) -> Limits:
+    return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
+
+
+def _ratios(verification: Verification) -> FloatArray:
+    return np.stack(
+        [
+            verification.peak_velocity_ratio,
+            verification.peak_acceleration_ratio,
+            verification.peak_jerk_ratio,
+        ]
+    )

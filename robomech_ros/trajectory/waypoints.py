@@ -1,0 +1,120 @@
+"""Waypoints, as a trajectory message carries them, and how a curve is turned into them."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray, Trajectory
+
+__all__ = ["PiecewiseTrajectory", "Waypoints", "discretise"]
+
+_NANOSECONDS = 1e9
+
+
+class PiecewiseTrajectory(Trajectory, Protocol):
+    """A trajectory that is a piecewise polynomial and can say of which pieces."""
+
+    @property
+    def pieces(self) -> PiecewisePolynomial:
+        """The curve; derivatives of any order may step at its breaks only."""
+
+
+@dataclass(frozen=True, eq=False)
+class Waypoints:
+    """States of n joints at m instants.
+
+    Attributes
+    ----------
+    times : ndarray, shape (m,)
+        Instants in s, strictly increasing.
+    positions : ndarray, shape (m, n)
+        rad or m.
+    velocities, accelerations : ndarray, shape (m, n), or None
+        rad or m over s and s^2; None (or a row of NaN) where not given.
+    """
+
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray | None = None
+    accelerations: FloatArray | None = None
+
+    @cached_property
+    def curve(self) -> PiecewisePolynomial:
+        """The curve that a controller interpolates through these waypoints."""
+        return interpolant(self.times, self.positions, self.velocities, self.accelerations)
+
+
+def discretise(
+    trajectory: PiecewiseTrajectory, period: float, max_points: int, *, jerk_error: float = 1.0
+) -> Waypoints:
+    """Sample a trajectory so that its waypoints give back the same curve.
+
+    The samples are at most `period` apart, at whole nanoseconds, and there is one at every break
+    of the curve: between two breaks every joint follows one polynomial, so that the quintic
+    through two samples of position, velocity and acceleration is that very polynomial.
+
+    Parameters
+    ----------
+    trajectory : PiecewiseTrajectory
+        From rest or moving, to rest; starting at t = 0.
+    period : float
+        Largest time between two samples in s.
+    max_points : int
+        The most samples there may be.
+    jerk_error : float
+        What the rounding of positions may do to the jerk between two samples, rad or m over s^3;
+        breaks so near to each other that it would do more share one sample.
+
+    Returns
+    -------
+    Waypoints
+        First at t = 0, last at the end of the trajectory, at rest.
+
+    Raises
+    ------
+    BadValueError
+        If the period asks for more than `max_points` samples.
+    """
+    breaks = _distinct_breaks(trajectory.pieces, jerk_error)
+    lengths = np.diff(breaks)
+    counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)
+    if counts.sum() + 1 > max_points:
+        spare = max(max_points - 1 - len(lengths), 1)
+        least = math.ceil(trajectory.duration / spare * 1e6) / 1e6
+        raise BadValueError(
+            "sample_period",
+            period,
+            f"at least {least:g} s: the trajectory lasts {trajectory.duration:.6g} s and may have "
+            f"{max_points} points",
+        )
+    pieces = [
+        start + length * np.arange(count) / count
+        for start, length, count in zip(breaks[:-1], lengths, counts, strict=True)
+    ]
+    times = np.concatenate([*pieces, breaks[-1:]])
+    times = np.round(times * _NANOSECONDS) / _NANOSECONDS
+    times[-1] = math.ceil(trajectory.duration * _NANOSECONDS - 1e-3) / _NANOSECONDS
+    sample = trajectory.sample(np.append(times[:-1], trajectory.duration))
+    return Waypoints(times, sample.position, sample.velocity, sample.acceleration)
+
+
+def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> FloatArray:
+    """List the breaks, a middle one for those that nearly coincide; the two ends for sure."""
+    reach = np.abs(curve.coefficients[0]).max(initial=1.0)
+    # The quintic through samples h apart multiplies errors of position by 60 / h^3 in its jerk.
+    rounding = 60.0 * float(np.finfo(np.float64).eps) * reach
+    nearest = float(np.cbrt(rounding / jerk_error))
+    breaks = curve.breaks
+    inner = breaks[(breaks > nearest) & (breaks < breaks[-1] - nearest)]
+    distinct = [breaks[0]]
+    while len(inner):
+        near = int(np.searchsorted(inner, inner[0] + nearest, side="right"))
+        distinct.append((inner[0] + inner[near - 1]) / 2.0)
+        inner = inner[near:]
+    return np.array([*distinct, breaks[-1]])

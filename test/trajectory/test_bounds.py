@@ -1,0 +1,78 @@
+"""Extremes between samples: never missed, and exact."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.trajectory import interpolant
+from robomech_ros.trajectory.bounds import extremes, first_above, hull
+
+NAMES = ("position", "velocity", "acceleration", "jerk")
+
+
+def random_curve(seed, fields):
+    generator = np.random.default_rng(seed)
+    times = np.cumsum(generator.uniform(0.05, 0.5, 12))
+    return interpolant(times, *(generator.normal(size=(12, 4)) for _ in range(fields)))
+
+
+def polynomial_extremes(curve, order):
+    """Extremes by the roots of the derivative, segment by segment."""
+    coefficients, slopes = curve.derivative(order), curve.derivative(order + 1)
+    values = [[] for _ in range(curve.joints)]
+    for segment, span in enumerate(curve.spans):
+        for joint in range(curve.joints):
+            roots = np.roots(slopes[::-1, segment, joint])
+            real = roots[np.abs(roots.imag) < 1e-9].real
+            places = [0.0, span, *real[(real > 0.0) & (real < span)]]
+            values[joint].extend(np.polyval(coefficients[::-1, segment, joint], places))
+    return [min(of_joint) for of_joint in values], [max(of_joint) for of_joint in values]
+
+
+@pytest.mark.parametrize("order", range(4))
+@pytest.mark.parametrize("fields", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(5))
+def test_extremes_equal_those_by_roots(seed, fields, order):
+    curve = random_curve(seed, fields)
+    low, high = extremes(curve, order)
+    wanted_low, wanted_high = polynomial_extremes(curve, order)
+    np.testing.assert_allclose(low, wanted_low, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(high, wanted_high, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_the_hull_holds_the_curve(order):
+    curve = random_curve(3, 3)
+    coefficients = hull(curve, order)
+    for segment, (begin, end) in enumerate(zip(curve.breaks[:-1], curve.breaks[1:], strict=True)):
+        instants = np.linspace(begin, np.nextafter(end, 0.0), 30)
+        values = getattr(curve.sample(instants), NAMES[order])
+        slack = 1e-9 * np.abs(coefficients[:, segment]).max()
+        assert (values <= coefficients[:, segment].max(axis=0) + slack).all()
+        assert (values >= coefficients[:, segment].min(axis=0) - slack).all()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_first_excess_is_in_the_first_segment_that_has_one(seed):
+    curve = random_curve(seed, 3)
+    bound = 0.5 * extremes(curve, 1)[1]
+    segment, joint = first_above(hull(curve, 1), bound)
+    peaks = [
+        curve.sample(np.linspace(begin, np.nextafter(end, 0.0), 2001)).velocity.max(axis=0)
+        for begin, end in zip(curve.breaks[:-1], curve.breaks[1:], strict=True)
+    ]
+    over = np.array(peaks) > bound
+    assert segment == int(np.argmax(over.any(axis=1)))
+    assert joint == int(np.argmax(over[segment]))
+
+
+def test_a_bound_that_is_touched_is_not_exceeded():
+    curve = interpolant([0.0, 1.0, 2.0], [[0.0], [1.0], [0.0]], [[0.0]] * 3, [[0.0]] * 3)
+    assert first_above(hull(curve, 0), 1.0) is None
+    assert first_above(hull(curve, 0), np.nextafter(1.0, 0.0)) == (0, 0)
+
+
+def test_joints_that_stand_still():
+    curve = interpolant([1.0], [[2.0, -3.0]])
+    for order, value in enumerate(([2.0, -3.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0])):
+        for extreme in extremes(curve, order):
+            np.testing.assert_array_equal(extreme, value)
