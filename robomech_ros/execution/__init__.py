@@ -1,0 +1,1 @@
+"""Execution of trajectories: checks, smooth joining and stopping, and the state machine."""

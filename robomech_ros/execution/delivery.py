@@ -1,0 +1,109 @@
+"""One trajectory on its way to a controller."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Delivery", "Report", "Stage", "Transport"]
+
+
+class Transport(Enum):
+    """How a trajectory gets to the controller."""
+
+    TOPIC = "topic"
+    ACTION = "action"
+
+
+class Stage(Enum):
+    """Where a delivery is."""
+
+    QUEUED = "queued"
+    SENT = "sent"
+    ENDED = "ended"
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a delivery ended.
+
+    Attributes
+    ----------
+    code : int
+        One of ErrorCode; 0 if the robot is where the trajectory ends.
+    text : str
+        The reason, with joint and amount.
+    duration : float
+        From sending to the end, s; 0 if it was never sent.
+    """
+
+    code: int
+    text: str
+    duration: float
+
+
+@dataclass(eq=False)
+class Delivery:
+    """A trajectory that is to be executed.
+
+    Attributes
+    ----------
+    trajectory : object
+        What is sent.
+    names : sequence of str
+        Its n joints.
+    waypoints : Waypoints
+        Its numbers, joints in the order of `names`.
+    transport : Transport
+        How it is sent.
+    delay : float
+        When it is to begin after it was sent, s.
+    """
+
+    trajectory: Any
+    names: Sequence[str]
+    waypoints: Waypoints
+    transport: Transport
+    delay: float = 0.0
+    stage: Stage = Stage.QUEUED
+    sent_at: float = 0.0
+    report: Report | None = None
+    _listeners: list[Callable[[Report], None]] = field(default_factory=list)
+
+    @property
+    def start(self) -> FloatArray | None:
+        """Where it begins, rad or m; None if it is to be reached from wherever the robot is."""
+        first: FloatArray = self.waypoints.positions[0]
+        return first if self.waypoints.times[0] <= 0.0 else None
+
+    @property
+    def goal(self) -> FloatArray:
+        """Where it ends, rad or m, shape (n,)."""
+        last: FloatArray = self.waypoints.positions[-1]
+        return last
+
+    @property
+    def lasts(self) -> float:
+        """From sending to the end of the motion, s."""
+        return max(self.delay, 0.0) + float(self.waypoints.times[-1])
+
+    def listen(self, listener: Callable[[Report], None]) -> None:
+        """Have the report told once, when it has ended."""
+        if self.report is not None:
+            listener(self.report)
+        else:
+            self._listeners.append(listener)
+
+    def tell(self, report: Report) -> None:
+        """Tell those who listen, who listen no longer then."""
+        listeners, self._listeners = self._listeners, []
+        for listener in listeners:
+            listener(report)
+
+    def end(self, report: Report) -> None:
+        """Set the report and tell it."""
+        self.stage, self.report = Stage.ENDED, report
+        self.tell(report)

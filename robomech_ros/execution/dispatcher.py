@@ -1,0 +1,308 @@
+"""Sends trajectories to a controller one after the other, and sees whether the robot arrives.
+
+It knows neither ROS nor a clock: a gateway sends and knows the joint states, and whoever owns the
+dispatcher says what time it is.
+"""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.execution.comparison import STILL, off_goal, off_start
+from robomech_ros.execution.delivery import Delivery, Report, Stage, Transport
+from robomech_ros.execution.job import Code
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Dispatcher", "DispatcherSettings", "Gateway", "QueueFullError", "Tally"]
+
+# The numbers of ErrorCode that only this module uses.
+_NO_STATE = 107
+_TIMED_OUT = 205
+# How long the joint states may take to confirm what the controller says, s.
+_CONFIRMATION = 1.0
+
+
+class QueueFullError(TrajectoryRefusedError):
+    """As many trajectories wait as may."""
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        super().__init__(f"{capacity} trajectories are waiting already, no more can be accepted")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.capacity,)
+
+
+class Gateway(Protocol):
+    """The way to the controller and to the robot's state."""
+
+    def missing(self, transport: Transport) -> str:
+        """Say what is not there to send by; empty if all is."""
+
+    def send(self, delivery: Delivery) -> None:
+        """Send; by action, `Dispatcher.concluded` is called with the result."""
+
+    def cancel(self, delivery: Delivery) -> None:
+        """Ask the controller to give up a delivery sent by action."""
+
+    def positions(self, names: Sequence[str]) -> FloatArray | None:
+        """Give the present positions, rad or m; None if not known."""
+
+    def continuous(self, names: Sequence[str]) -> npt.NDArray[np.bool_]:
+        """Say which joints turn without limits."""
+
+
+@dataclass(frozen=True)
+class DispatcherSettings:
+    """What the owner decides.
+
+    Attributes
+    ----------
+    capacity : int
+        How many trajectories may wait.
+    start_tolerance, goal_tolerance : float
+        How far the joints may be from start and goal, rad or m.
+    controller_timeout : float
+        How long the controller may be away before those who wait are told, s.
+    arrival_timeout : float
+        How long after its end a motion may take to arrive, s.
+    """
+
+    capacity: int = 50
+    start_tolerance: float = 0.01
+    goal_tolerance: float = 0.01
+    controller_timeout: float = 3.0
+    arrival_timeout: float = 2.0
+
+
+@dataclass
+class Tally:
+    """What has happened so far, for the diagnostics."""
+
+    sent: int = 0
+    arrived: int = 0
+    failed: int = 0
+    last_failure: str = ""
+    stalled: str = ""
+
+
+class Dispatcher:
+    """A queue of deliveries of which one at a time is being executed.
+
+    Parameters
+    ----------
+    gateway : Gateway
+        The way to the controller.
+    settings : DispatcherSettings
+        What the owner decides.
+    on_end : callable
+        Called with every delivery that has ended, for the log.
+    on_stall : callable
+        Called once with what is missing while deliveries wait for it.
+
+    Attributes
+    ----------
+    current : Delivery or None
+        The one that is being executed.
+    queue : deque of Delivery
+        Those that wait.
+    tally : Tally
+        What has happened so far.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        settings: DispatcherSettings | None = None,
+        on_end: Callable[[Delivery], None] = lambda delivery: None,
+        on_stall: Callable[[str], None] = lambda missing: None,
+    ) -> None:
+        self.current: Delivery | None = None
+        self.queue: deque[Delivery] = deque()
+        self.tally = Tally()
+        self._gateway = gateway
+        self._settings = settings or DispatcherSettings()
+        self._on_end = on_end
+        self._on_stall = on_stall
+        self._now = 0.0
+        self._away_since: float | None = None
+        self._silent_since: float | None = None
+        self._result: tuple[int, str, float] | None = None
+        self._seen: FloatArray | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether anything is being executed or waits."""
+        return self.current is not None or bool(self.queue)
+
+    def offer(self, delivery: Delivery, now: float) -> None:
+        """Queue a delivery, and send it if nothing is before it.
+
+        Raises
+        ------
+        QueueFullError
+            It is not accepted.
+        """
+        if len(self.queue) >= self._settings.capacity:
+            raise QueueFullError(self._settings.capacity)
+        self.queue.append(delivery)
+        self.step(now)
+
+    def step(self, now: float) -> None:
+        """Look at the robot and do what is due."""
+        self._now = now
+        if self.current is not None:
+            self._watch(self.current)
+        while self.current is None and self.queue:
+            if not self._send_next(self.queue[0]):
+                break
+
+    def concluded(self, delivery: Delivery, code: int, text: str, now: float) -> None:
+        """Take the controller's result of a delivery sent by action."""
+        if delivery is not self.current:
+            return
+        self._now = now
+        if code:
+            self._end(delivery, code, text)
+        else:
+            self._result = (code, text, now)
+        self.step(now)
+
+    def close(self, text: str) -> None:
+        """Give up all that waits and is being watched, and tell those who listen."""
+        while self.queue:
+            self._end(self.queue.popleft(), Code.REJECTED, f"not sent: {text}")
+        if self.current is not None:
+            self._end(self.current, Code.REJECTED, f"{text}; the motion is no longer watched")
+
+    def _send_next(self, delivery: Delivery) -> bool:
+        """Send the first of the queue; whether it was sent or done with."""
+        missing = self._gateway.missing(delivery.transport)
+        if missing:
+            self._wait_for(missing)
+            return False
+        self._away_since, self.tally.stalled = None, ""
+        positions = self._gateway.positions(delivery.names)
+        if positions is None:
+            return self._waited_for_states(delivery)
+        self._silent_since = None
+        self.queue.popleft()
+        off = self._off_start(delivery, positions)
+        if off:
+            self._end(delivery, Code.REJECTED, off)
+            return True
+        self.current, self._result, self._seen = delivery, None, None
+        delivery.stage, delivery.sent_at = Stage.SENT, self._now
+        self.tally.sent += 1
+        self._gateway.send(delivery)
+        return True
+
+    def _waited_for_states(self, delivery: Delivery) -> bool:
+        """Give up the first of the queue once its joints were not heard of for too long.
+
+        The controller is there, so those behind it, which may name other joints, must not wait.
+        """
+        if self._silent_since is None:
+            self._silent_since = self._now
+        waited = self._now - self._silent_since
+        if waited < self._settings.controller_timeout:
+            return False
+        self._silent_since = None
+        self.queue.popleft()
+        joints = ", ".join(delivery.names)
+        self._end(delivery, _NO_STATE, f"no joint states of {joints} within {waited:.1f} s")
+        return True
+
+    def _wait_for(self, missing: str) -> None:
+        """Nothing can be sent: after a while tell those who wait for an answer."""
+        self._silent_since = None
+        if self._away_since is None:
+            self._away_since = self._now
+        waited = self._now - self._away_since
+        if waited < self._settings.controller_timeout:
+            return
+        text = f"{missing} not there after {waited:.1f} s"
+        if not self.tally.stalled:
+            self._on_stall(text)
+        self.tally.stalled = text
+        for delivery in list(self.queue):
+            if delivery.transport is Transport.ACTION:
+                self.queue.remove(delivery)
+                self._end(delivery, Code.REJECTED, text)
+            else:
+                waiting = f"{text}; the trajectory stays queued"
+                delivery.tell(Report(int(Code.REJECTED), waiting, 0.0))
+
+    def _off_start(self, delivery: Delivery, positions: FloatArray) -> str:
+        continuous = self._gateway.continuous(delivery.names)
+        return off_start(delivery, positions, continuous, self._settings.start_tolerance)
+
+    def _watch(self, delivery: Delivery) -> None:
+        elapsed = self._now - delivery.sent_at
+        if self._result is not None:
+            code, text, since = self._result
+            off = self._off_goal(delivery)
+            if not off or self._now - since > _CONFIRMATION:
+                unconfirmed = off and f"the controller reports success, but {off}"
+                self._end(delivery, code, text or unconfirmed)
+        elif delivery.transport is Transport.ACTION:
+            self._watch_controller(delivery, elapsed)
+        elif elapsed >= delivery.lasts:
+            off = self._off_goal(delivery)
+            if not off and self._stands(delivery):
+                self._end(delivery, Code.SUCCESS, "")
+            elif elapsed > delivery.lasts + self._settings.arrival_timeout:
+                self._end(delivery, Code.GOAL_TOLERANCE, off or "the robot does not come to rest")
+
+    def _watch_controller(self, delivery: Delivery, elapsed: float) -> None:
+        """See that the controller is still there, and not overdue."""
+        missing = self._gateway.missing(Transport.ACTION)
+        if not missing:
+            self._away_since = None
+        elif self._away_since is None:
+            self._away_since = self._now
+        elif self._now - self._away_since > self._settings.controller_timeout:
+            text = f"{missing} disappeared; how the motion ended is not known"
+            self._end(delivery, Code.REJECTED, text)
+            return
+        allowed = (
+            delivery.lasts + self._settings.arrival_timeout + self._settings.controller_timeout
+        )
+        if elapsed > allowed:
+            self._gateway.cancel(delivery)
+            text = (
+                f"no result from the controller {elapsed:.1f} s after sending; the trajectory "
+                f"lasts {delivery.lasts:.3g} s"
+            )
+            self._end(delivery, _TIMED_OUT, text)
+
+    def _off_goal(self, delivery: Delivery) -> str:
+        """Say how the robot is off the goal; empty if it is there."""
+        positions = self._gateway.positions(delivery.names)
+        if positions is None:
+            return f"no joint states of {', '.join(delivery.names)}"
+        continuous = self._gateway.continuous(delivery.names)
+        return off_goal(delivery, positions, continuous, self._settings.goal_tolerance)
+
+    def _stands(self, delivery: Delivery) -> bool:
+        before, self._seen = self._seen, self._gateway.positions(delivery.names)
+        if before is None or self._seen is None:
+            return False
+        return bool(np.max(np.abs(self._seen - before)) <= STILL)
+
+    def _end(self, delivery: Delivery, code: int, text: str) -> None:
+        duration = self._now - delivery.sent_at if delivery.stage is Stage.SENT else 0.0
+        if delivery is self.current:
+            self.current, self._away_since = None, None
+        if code:
+            self.tally.failed += 1
+        else:
+            self.tally.arrived += 1
+        self.tally.last_failure = text if code else ""
+        delivery.end(Report(int(code), text, duration))
+        self._on_end(delivery)

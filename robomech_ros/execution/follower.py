@@ -1,0 +1,296 @@
+"""The state machine that follows trajectories: hold, wait, move, slow down, settle.
+
+It knows neither ROS nor a clock: whoever owns it says what time it is.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.execution.job import Code, End, Job, Outcome
+from robomech_ros.execution.joining import join
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.stopping import slowed_down
+from robomech_ros.execution.supervision import verdict
+from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Follower", "FollowerSettings", "Phase"]
+
+
+class Phase(Enum):
+    """What the robot is doing."""
+
+    HOLDING = "holding"
+    MOVING = "moving"
+    STOPPING = "stopping"
+
+
+@dataclass(frozen=True)
+class FollowerSettings:
+    """What the owner decides.
+
+    Attributes
+    ----------
+    start_tolerance : float
+        How far the first point may be from the present position, rad or m.
+    lag : float
+        Time constant with which the simulated joints follow what is wanted, s; 0 = exactly.
+    longest_wait : float
+        How far in the future a trajectory may begin, s.
+    """
+
+    start_tolerance: float = 0.01
+    lag: float = 0.0
+    longest_wait: float = 3600.0
+
+
+class Follower:
+    """Moves simulated joints along trajectories.
+
+    Parameters
+    ----------
+    joints : Joints
+        Names and limits of n joints.
+    position : ndarray, shape (n,)
+        Where they are at first, rad or m.
+    settings : FollowerSettings
+        What the owner decides.
+    now : float
+        The time, s, on any clock.
+
+    Attributes
+    ----------
+    wanted, actual : State
+        Where the trajectory is and where the joints are.
+    phase : Phase
+        What the robot is doing.
+    active, waiting : Job or None
+        The trajectory that is being followed, and the one whose time has not come.
+    """
+
+    def __init__(
+        self,
+        joints: Joints,
+        position: FloatArray,
+        settings: FollowerSettings | None = None,
+        now: float = 0.0,
+    ) -> None:
+        self.joints = joints
+        self.settings = settings or FollowerSettings()
+        self.phase = Phase.HOLDING
+        self.active: Job | None = None
+        self.waiting: Job | None = None
+        self._now = now
+        self._pace = 1.0
+        self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
+        self.wanted = self.actual = _at_rest(position)
+
+    def start(
+        self,
+        waypoints: Waypoints,
+        tolerances: Tolerances,
+        now: float,
+        delay: float = 0.0,
+        on_end: Callable[[Outcome], None] = lambda outcome: None,
+        by: str = "a newer trajectory",
+    ) -> Job:
+        """Accept a trajectory, which then replaces whatever is being done, or refuse it.
+
+        Parameters
+        ----------
+        waypoints : Waypoints
+            Checked, joints in the order of the robot.
+        tolerances : Tolerances
+            What the motion is held to.
+        now : float
+            The time, s.
+        delay : float
+            When to begin, from now, s; negative if it should have begun already.  Until then the
+            present motion goes on.
+        on_end : callable
+            Called once, with the outcome.
+        by : str
+            Who sends it, for the text of the trajectory that it replaces.
+
+        Returns
+        -------
+        Job
+
+        Raises
+        ------
+        RobomechError
+            It is refused; nothing has changed.
+        """
+        if delay > self.settings.longest_wait:
+            allowed = f"at most {self.settings.longest_wait:g} s from now"
+            raise BadValueError("header.stamp", f"{delay:.6g} s from now", allowed)
+        self.advance(now)
+        late = max(-delay, 0.0)
+        delay = max(delay, 0.0)
+        curve = self._joined(waypoints, self._expected(delay), late)
+        job = Job(waypoints, tolerances, self._now + delay, curve, late, on_end)
+        if delay > 0.0:
+            self._drop_waiting(f"replaced by {by}")
+            self.waiting = job
+        else:
+            self._drop_waiting(f"replaced by {by}")
+            self._begin(job, f"preempted by {by}")
+        return job
+
+    def advance(self, now: float) -> None:
+        """Let time pass until `now` (s); a clock that goes backwards stands still."""
+        span = now - self._now
+        self._now = now
+        if not span > 0.0:
+            return
+        job = self.waiting
+        if job is not None and now >= job.begin:
+            self._step(max(span - (now - job.begin), 0.0))
+            self._begin_waiting(job)
+            self._step(min(now - job.begin, span))
+        else:
+            self._step(span)
+
+    def stop(self, end: End, code: int, text: str, job: Job | None = None) -> bool:
+        """Slow down on the path, hold, and end the motion with this outcome.
+
+        Parameters
+        ----------
+        end, code, text
+            The outcome, told when the robot stands.
+        job : Job, optional
+            Only if it is this one that moves or waits.
+
+        Returns
+        -------
+        bool
+            Whether there was anything to stop.
+        """
+        waited = self.waiting is not None and job in (None, self.waiting)
+        if waited:
+            self._drop_waiting(text, end, code)
+        if self.active is None or (job is not None and job is not self.active):
+            return waited
+        if self.phase is not Phase.STOPPING:
+            self.phase, self._pace = Phase.STOPPING, 1.0
+            self._ending = (end, code, text)
+        return True
+
+    def halt(self, code: int, text: str) -> None:
+        """Hold where the joints are, at once, and abort whatever was to be done."""
+        self._drop_waiting(text, code=code)
+        self.wanted = self.actual = _at_rest(self.actual.position)
+        self._end(End.ABORTED, code, text)
+
+    def reset(self, position: FloatArray, text: str) -> None:
+        """Put the joints somewhere else (rad or m), at once."""
+        self.halt(Code.PREEMPTED, text)
+        self.wanted = self.actual = _at_rest(position)
+
+    def _expected(self, delay: float) -> State:
+        """Where the robot will be after `delay` (s) if nothing comes between."""
+        if delay <= 0.0 or self.active is None or self.phase is Phase.STOPPING:
+            return self.wanted
+        sample = self.active.curve.sample(self.active.time + delay)
+        return State(sample.position, sample.velocity, sample.acceleration)
+
+    def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
+        return join(waypoints, present, self.joints, self.settings.start_tolerance, late)
+
+    def _begin(self, job: Job, text: str) -> None:
+        if self.phase is Phase.STOPPING:
+            self._end(*self._ending)
+        else:
+            self._end(End.ABORTED, Code.PREEMPTED, text)
+        self.active, self.phase, self._pace = job, Phase.MOVING, 1.0
+
+    def _begin_waiting(self, job: Job) -> None:
+        self.waiting = None
+        try:
+            job.curve = self._joined(job.waypoints, self.wanted, job.late)
+        except RobomechError as error:
+            text = f"when its time had come: {error}"
+            job.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
+            return
+        self._begin(job, "preempted by a trajectory that was to begin now")
+
+    def _drop_waiting(self, text: str, end: End = End.ABORTED, code: int = Code.PREEMPTED) -> None:
+        job, self.waiting = self.waiting, None
+        if job is not None:
+            job.finish(end, code, f"before it began: {text}", self.actual.position)
+
+    def _end(self, end: End, code: int, text: str) -> None:
+        job, self.active, self.phase = self.active, None, Phase.HOLDING
+        if job is not None:
+            job.finish(end, code, text, self.actual.position)
+
+    def _step(self, span: float) -> None:
+        """Move for `span` (s)."""
+        job = self.active
+        if job is None:
+            self._follow(span)
+            return
+        if self.phase is Phase.STOPPING:
+            self._slow_down(job, span)
+            self._follow(span)
+            if self._pace <= 0.0:
+                # Joints that lag behind stay where they are, as ros2_control lets them.
+                self.wanted = self.actual = _at_rest(self.actual.position)
+                self._end(*self._ending)
+            return
+        job.time += span
+        sample = job.curve.sample(job.time)
+        self.wanted = State(sample.position, sample.velocity, sample.acceleration)
+        self._follow(span)
+        self._supervise(job)
+
+    def _slow_down(self, job: Job, span: float) -> None:
+        """Integrate the pace along the curve."""
+        job.time, self._pace, drop = slowed_down(
+            job.curve, job.time, self._pace, span, self.joints.acceleration
+        )
+        sample, pace = job.curve.sample(job.time), self._pace
+        if pace <= 0.0 or job.time >= job.curve.duration:
+            self._pace = 0.0
+            self.wanted = _at_rest(sample.position)
+            return
+        acceleration = sample.acceleration * pace * pace - sample.velocity * drop
+        self.wanted = State(sample.position, sample.velocity * pace, acceleration)
+
+    def _follow(self, span: float) -> None:
+        """Let the joints follow what is wanted."""
+        if not self.settings.lag:
+            self.actual = self.wanted
+            return
+        if span <= 0.0:
+            return
+        part = -math.expm1(-span / self.settings.lag)
+        change = part * (self.wanted.position - self.actual.position)
+        velocity = change / span
+        acceleration = (velocity - self.actual.velocity) / span
+        self.actual = State(self.actual.position + change, velocity, acceleration)
+
+    def _supervise(self, job: Job) -> None:
+        """End or give up the motion where that is due."""
+        found = verdict(job, self.wanted.position, self.actual, self.joints)
+        if found is None:
+            return
+        code, text = found
+        if code:
+            self.stop(End.ABORTED, code, text)
+            return
+        self.wanted = _at_rest(job.goal)
+        self._follow(0.0)
+        self._end(End.REACHED, Code.SUCCESS, "")
+
+
+def _at_rest(position: FloatArray) -> State:
+    still = np.zeros(len(position))
+    return State(np.array(position, dtype=np.float64), still, still)

@@ -1,0 +1,176 @@
+"""Trajectories as they arrive: checked word by word before anything is computed from them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["GivenPoint", "GivenTrajectory", "joint_order", "read_waypoints"]
+
+# A velocity up to this (rad/s, m/s) in the last point is zero with rounding.
+REST = 1e-6
+# No robot has numbers beyond this (SI); curves through larger ones could overflow.
+LARGEST = 1e6
+
+
+class GivenPoint(Protocol):
+    """One point of a trajectory; the message trajectory_msgs/JointTrajectoryPoint fits."""
+
+    positions: Sequence[float]
+    velocities: Sequence[float]
+    accelerations: Sequence[float]
+    effort: Sequence[float]
+
+
+@dataclass(frozen=True, eq=False)
+class GivenTrajectory:
+    """A trajectory as somebody sent it; nothing about it is certain.
+
+    Attributes
+    ----------
+    joint_names : sequence of str
+        The joints, in the order of the numbers of every point.
+    times : sequence of float
+        Time from start of every point, s.
+    points : sequence of GivenPoint
+        Positions in rad or m, velocities and accelerations per s and s^2 or empty.
+    """
+
+    joint_names: Sequence[str]
+    times: Sequence[float]
+    points: Sequence[GivenPoint]
+
+
+def read_waypoints(
+    given: GivenTrajectory, joint_names: Sequence[str], max_points: int, max_duration: float
+) -> Waypoints:
+    """Check a trajectory by the rules of joint_trajectory_controller, and put its joints in order.
+
+    Parameters
+    ----------
+    given : GivenTrajectory
+        From outside.
+    joint_names : sequence of str
+        The n joints of the robot; the trajectory must name each of them once, in any order.
+    max_points : int
+        The most points there may be.
+    max_duration : float
+        The longest time from start, s.
+
+    Returns
+    -------
+    Waypoints
+        Arrays of shape (m,) and (m, n), joints in the order of `joint_names`; a point without
+        velocities or accelerations has a row of NaN.
+
+    Raises
+    ------
+    UnknownJointError, WrongSizeError, NonFiniteError, BadValueError, TrajectoryRefusedError
+        With the point, the joint and the number at fault.
+    """
+    order = joint_order(given.joint_names, joint_names)
+    if not given.points:
+        raise TrajectoryRefusedError("the trajectory has no points")
+    if len(given.points) > max_points:
+        raise WrongSizeError("points", len(given.points), f"at most {max_points}")
+    times = _times(given.times, max_duration)
+    names = tuple(given.joint_names)
+    positions = _rows(given.points, "positions", names, required=True)
+    velocities = _rows(given.points, "velocities", names)
+    accelerations = _rows(given.points, "accelerations", names)
+    _refuse_effort(given.points)
+    _require_rest(velocities[-1], names)
+    return Waypoints(times, positions[:, order], velocities[:, order], accelerations[:, order])
+
+
+def joint_order(given: Sequence[str], wanted: Sequence[str]) -> list[int]:
+    """Find where each wanted joint is among the given ones.
+
+    Raises
+    ------
+    UnknownJointError
+        A given name that is not wanted.
+    WrongSizeError
+        A name given twice, or a wanted one missing.
+    """
+    known = set(wanted)
+    for name in given:
+        if name not in known:
+            raise UnknownJointError(name, wanted)
+    place = {name: index for index, name in enumerate(given)}
+    if len(place) != len(given):
+        twice = next(name for index, name in enumerate(given) if place[name] != index)
+        raise WrongSizeError("joint_names", len(given), f"every joint once; '{twice}' is repeated")
+    missing = [name for name in wanted if name not in place]
+    if missing:
+        expected = f"{len(wanted)}, all joints of the robot; missing: {', '.join(missing)}"
+        raise WrongSizeError("joint_names", len(given), expected)
+    return [place[name] for name in wanted]
+
+
+def _times(given: Sequence[float], max_duration: float) -> FloatArray:
+    times = np.array(given, dtype=np.float64)
+    if not np.isfinite(times).all():
+        raise NonFiniteError("time_from_start", times)
+    if times[0] < 0.0:
+        raise BadValueError("points[0].time_from_start", float(times[0]), "0 s or more")
+    late = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(late):
+        k = int(late[0]) + 1
+        expected = f"more than {times[k - 1]:.9g} s, the time of the point before it"
+        raise BadValueError(f"points[{k}].time_from_start", float(times[k]), expected)
+    if times[-1] > max_duration:
+        last = f"points[{len(times) - 1}].time_from_start"
+        raise BadValueError(last, float(times[-1]), f"at most {max_duration:g} s")
+    return times
+
+
+def _rows(
+    points: Sequence[Any], field: str, names: Sequence[str], *, required: bool = False
+) -> FloatArray:
+    """Read one field of all points, shape (m, n); rows of NaN where it is empty."""
+    n = len(names)
+    given = [getattr(point, field) for point in points]
+    for index, values in enumerate(given):
+        if len(values) != n and (required or len(values)):
+            expected = f"{n}{'' if required else ' or 0'}"
+            raise WrongSizeError(f"points[{index}].{field}", len(values), expected)
+    rows = np.full((len(points), n), math.nan)
+    there = [index for index, values in enumerate(given) if len(values)]
+    if there:
+        found = np.array([given[index] for index in there], dtype=np.float64)
+        good = np.abs(found) <= LARGEST
+        if not good.all():
+            row, joint = np.argwhere(~good)[0]
+            what = f"points[{there[row]}].{field} of joint '{names[joint]}'"
+            _refuse_number(what, float(found[row, joint]))
+        rows[there] = found
+    return rows
+
+
+def _refuse_number(what: str, value: float) -> None:
+    if not math.isfinite(value):
+        raise NonFiniteError(what, value)
+    raise BadValueError(what, value, f"at most {LARGEST:g} in magnitude")
+
+
+def _refuse_effort(points: Sequence[GivenPoint]) -> None:
+    for index, point in enumerate(points):
+        if len(point.effort):
+            expected = "0: this controller commands positions only"
+            raise WrongSizeError(f"points[{index}].effort", len(point.effort), expected)
+
+
+def _require_rest(last: FloatArray, names: Sequence[str]) -> None:
+    moving = np.abs(last) > REST
+    if moving.any():
+        joint = int(np.nanargmax(np.abs(last)))
+        what = f"velocity of joint '{names[joint]}' in the last point"
+        raise BadValueError(what, float(last[joint]), "0: the robot holds when a trajectory ends")

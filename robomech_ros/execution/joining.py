@@ -1,0 +1,169 @@
+"""From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
+
+import math
+
+import numpy as np
+
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
+from robomech_ros.execution.smoothing import fading_time, with_fading
+from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.verification import Violation, verify
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["join"]
+
+# A moving joint may be off the start by the way it covers in this time (s): the client has seen
+# the joint states some time ago.
+LATENCY = 0.1
+# A start off by less than this (rad, m and per s) is no step that would have to be smoothed.
+NO_STEP = 1e-9
+# A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
+# without velocities as it is given, corners included, as ros2_control does.
+STANDING = 1e-6
+# Times that are tried one after the other, in units of the one in which the smoothing takes half
+# the acceleration limit.
+_STRETCHES = (1.0, 2.0, 4.0, 0.5)
+
+
+def join(
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float, late: float = 0.0
+) -> PiecewisePolynomial:
+    """Make the curve that leads from the present state along a trajectory to its end.
+
+    A first point at time 0 must be where the robot is, within tolerance; what is left of the
+    step, and the difference in velocity if the robot moves, is smoothed out with a quintic within
+    the acceleration limits.  A first point later than that is reached from the present state as
+    the points among each other: linearly, or by a cubic or quintic where it has velocities and
+    accelerations.
+
+    Parameters
+    ----------
+    waypoints : Waypoints
+        m points of n joints.
+    present : State
+        Where the robot is when the trajectory begins.
+    joints : Joints
+        Limits; whole turns between the present position and the first point are removed for
+        continuous joints.
+    start_tolerance : float
+        Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
+    late : float
+        How long ago the trajectory should have begun, s; points before that are dropped, and the
+        next one is reached from the present state.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        From t = 0, now, to the end; within the limits of position and velocity.
+
+    Raises
+    ------
+    StartMismatchError
+        The start is farther from the present position than allowed.
+    TrajectoryRefusedError
+        The trajectory has ended already.
+    LimitExceededError
+        A position or velocity limit would be exceeded, on the points or between them.
+    """
+    remaining = _remaining(waypoints, late)
+    turns = np.round((present.position - remaining.positions[0]) / math.tau)
+    shift = np.where(joints.continuous, turns * math.tau, 0.0)
+    on_time = remaining.times[0] <= 0.0
+    if on_time:
+        _require_near(remaining.positions[0] + shift, present, joints, start_tolerance)
+    positions = remaining.positions + shift
+    if on_time:
+        curve = interpolant(
+            remaining.times, positions, remaining.velocities, remaining.accelerations
+        )
+    else:
+        curve = _approached(remaining, positions, present)
+    velocities = remaining.velocities
+    step = present.position - curve.sample(0.0).position
+    kick = present.velocity - curve.sample(0.0).velocity
+    if velocities is None or np.isnan(velocities[0]).any():
+        kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
+    return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
+
+
+def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
+    """Drop what should have happened before now."""
+    if late <= 0.0:
+        return waypoints
+    left = waypoints.times > late
+    if not left.any():
+        over = late - waypoints.times[-1]
+        raise TrajectoryRefusedError(
+            f"the trajectory ended {over:.6g} s ago: its stamp is {late:.6g} s old and it lasts "
+            f"{waypoints.times[-1]:.6g} s"
+        )
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return Waypoints(
+        waypoints.times[left] - late,
+        waypoints.positions[left],
+        None if velocities is None else velocities[left],
+        None if accelerations is None else accelerations[left],
+    )
+
+
+def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: float) -> None:
+    allowed = tolerance + LATENCY * np.abs(present.velocity)
+    excess = np.abs(start - present.position) - allowed
+    worst = int(np.argmax(excess))
+    if excess[worst] > 0.0:
+        raise StartMismatchError(
+            joints.names[worst],
+            start[worst],
+            present.position[worst],
+            allowed[worst],
+            turns=bool(joints.revolute[worst]),
+        )
+
+
+def _approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
+    """Put the present state before the first point."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return interpolant(
+        np.concatenate([[0.0], waypoints.times]),
+        np.vstack([present.position, positions]),
+        None if velocities is None else np.vstack([present.velocity, velocities]),
+        None if accelerations is None else np.vstack([present.acceleration, accelerations]),
+    )
+
+
+def _smoothed(
+    curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, joints: Joints, first: float
+) -> PiecewisePolynomial:
+    """Smooth out the step at the start, in a time that keeps the limits."""
+    if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
+        violation = _violation(curve, joints)
+        if violation is not None:
+            raise _refusal(violation, first)
+        return curve
+    time = fading_time(step, kick, joints)
+    found = None
+    for stretch in _STRETCHES:
+        candidate = with_fading(curve, step, kick, stretch * time)
+        violation = _violation(candidate, joints)
+        if violation is None:
+            return candidate
+        found = found or violation
+    assert found is not None
+    raise _refusal(found, max(first, time))
+
+
+def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
+    return verify(
+        curve, joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
+    ).violation
+
+
+def _refusal(violation: Violation, joined: float) -> LimitExceededError:
+    what = f"at t = {violation.time:.6g} s the {violation.what}"
+    if violation.time < joined:
+        what = f"on the way from the present state, {what}"
+    return LimitExceededError(what, violation.joint, violation.value, violation.limit)

@@ -1,0 +1,71 @@
+"""What the execution knows of the joints: their limits, and where they are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Joints", "State"]
+
+# Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
+# and this speed (rad/s, m/s) where it has no limit of speed either.
+TIME_TO_SPEED = 0.2
+USUAL_SPEED = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where n joints are and how they move.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : ndarray, shape (n,)
+        rad or m, and per s and s^2.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """What the execution must know of the joints.
+
+    Attributes
+    ----------
+    limits : Limits
+        Position, velocity and acceleration limits, infinite where there is none.
+    continuous : ndarray of bool, shape (n,)
+        Which joints turn without limits, so that a whole turn makes no difference.
+    revolute : ndarray of bool, shape (n,)
+        Which joints turn.
+    """
+
+    limits: Limits
+    continuous: npt.NDArray[np.bool_]
+    revolute: npt.NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, chain: JointLimits) -> "Joints":
+        """Read them of a chain model; for bare `Limits` no joint counts as continuous."""
+        limits = Limits.of(chain)
+        none = np.zeros(len(limits.joint_names), dtype=bool)
+        types = np.asarray(getattr(chain, "types", none + 1))
+        return cls(limits, np.asarray(getattr(chain, "continuous", none)), types == 0)
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the joints."""
+        return self.limits.joint_names
+
+    @property
+    def acceleration(self) -> FloatArray:
+        """Acceleration limits; a guess from the velocity limit where there is none."""
+        speed = np.where(np.isfinite(self.limits.velocity), self.limits.velocity, USUAL_SPEED)
+        given = self.limits.acceleration
+        return np.where(np.isfinite(given), given, speed / TIME_TO_SPEED)

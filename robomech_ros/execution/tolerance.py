@@ -1,0 +1,80 @@
+"""How far the robot may be from where the trajectory wants it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Tolerances", "override"]
+
+DEFAULT = 0.0
+NONE = -1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerances:
+    """What a motion is held to; infinite where nothing is asked.
+
+    Attributes
+    ----------
+    path, goal : ndarray, shape (n,)
+        Largest distance from the path while moving and from the last point at the end, rad or m.
+    velocity : ndarray, shape (n,)
+        Largest speed at the end, rad/s or m/s.
+    goal_time : float
+        How long after the end the goal may still be reached, s.
+    """
+
+    path: FloatArray
+    goal: FloatArray
+    velocity: FloatArray
+    goal_time: float
+
+
+def override(
+    default: FloatArray,
+    given: Sequence[float],
+    order: Sequence[int],
+    names: Sequence[str],
+    what: str,
+) -> FloatArray:
+    """Replace defaults by the tolerances that a goal brings along.
+
+    Parameters
+    ----------
+    default : ndarray, shape (n,)
+        In the order of the robot's joints.
+    given : sequence of float
+        Empty, or one for each joint in the order of the trajectory: 0 = default, -1 = none.
+    order : sequence of int
+        Where each joint of the robot is in the trajectory.
+    names : sequence of str
+        Joints in the order of the trajectory.
+    what : str
+        Which tolerance, for messages.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        With the joint at fault.
+    """
+    if not len(given):
+        return default
+    if len(given) != len(names):
+        raise WrongSizeError(what, len(given), f"0 or {len(names)}, one for every joint")
+    values = np.array(given, dtype=np.float64)
+    for name, value in zip(names, values.tolist(), strict=True):
+        if not np.isfinite(value):
+            raise NonFiniteError(f"{what} of joint '{name}'", value)
+        if value < 0.0 and value != NONE:
+            expected = "positive, 0 (default) or -1 (none)"
+            raise BadValueError(f"{what} of joint '{name}'", value, expected)
+    values = values[list(order)]
+    return np.where(values == NONE, np.inf, np.where(values == DEFAULT, default, values))

@@ -1,0 +1,61 @@
+"""Joints and trajectories for the tests of the execution."""
+
+import numpy as np
+
+from robomech_ros.execution.follower import Follower, FollowerSettings
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.trajectory import Limits, Waypoints
+
+NAMES = ("shoulder", "elbow", "roll")
+VELOCITY, ACCELERATION = 2.0, 10.0
+PERIOD = 0.01
+
+
+def joints():
+    limits = Limits(
+        NAMES,
+        velocity=VELOCITY,
+        acceleration=ACCELERATION,
+        lower=[-2.0, -2.0, -np.inf],
+        upper=[2.0, 2.0, np.inf],
+    )
+    turns = np.array([True, True, True])
+    return Joints(limits, np.array([False, False, True]), turns)
+
+
+def follower(position=(0.0, 0.0, 0.0), **settings):
+    return Follower(joints(), np.array(position), FollowerSettings(**settings))
+
+
+def state(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):
+    return State(np.array(position), np.array(velocity), np.zeros(3))
+
+
+def tolerances(path=np.inf, goal=0.01, velocity=0.01, goal_time=0.5):
+    return Tolerances(np.full(3, path), np.full(3, goal), np.full(3, velocity), goal_time)
+
+
+def to_rest(goal, duration=1.0, start=(0.0, 0.0, 0.0)):
+    """From rest at t = 0 to rest, one quintic."""
+    still = np.zeros((2, 3))
+    positions = np.array([start, goal], dtype=float)
+    return Waypoints(np.array([0.0, duration]), positions, still, still)
+
+
+def single_point(goal, duration, velocities=True):
+    """One point, to be reached from wherever the robot is."""
+    still = np.zeros((1, 3)) if velocities else None
+    return Waypoints(np.array([duration]), np.array([goal], dtype=float), still, still)
+
+
+def run(arm, begin, end, watch=None):
+    """Let time pass in cycles of the controller; returns the states seen."""
+    seen = []
+    for k in range(round((end - begin) / PERIOD)):
+        now = begin + (k + 1) * PERIOD
+        arm.advance(now)
+        seen.append((now, arm.actual))
+        if watch is not None:
+            watch(now)
+    return seen

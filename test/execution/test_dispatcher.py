@@ -1,0 +1,268 @@
+import math
+
+import numpy as np
+import pytest
+from execution_cases import to_rest
+
+from robomech_ros.execution.comparison import apart
+from robomech_ros.execution.delivery import Delivery, Stage, Transport
+from robomech_ros.execution.dispatcher import Dispatcher, DispatcherSettings, QueueFullError
+from robomech_ros.trajectory import Waypoints
+
+NAMES = ("shoulder", "elbow", "roll")
+HOME = (0.0, 0.0, 0.0)
+
+
+class Robot:
+    """A gateway to a robot that follows at once or not at all."""
+
+    def __init__(self):
+        self.at = np.zeros(3)
+        self.lacking = ""
+        self.known = True
+        self.sent = []
+        self.cancelled = []
+
+    def missing(self, transport):
+        return self.lacking
+
+    def send(self, delivery):
+        self.sent.append(delivery)
+
+    def cancel(self, delivery):
+        self.cancelled.append(delivery)
+
+    def positions(self, names):
+        return self.at.copy() if self.known else None
+
+    def continuous(self, names):
+        return np.array([False, False, True])
+
+
+@pytest.fixture
+def robot():
+    return Robot()
+
+
+@pytest.fixture
+def dispatcher(robot):
+    settings = DispatcherSettings(capacity=3, controller_timeout=2.0, arrival_timeout=1.0)
+    return Dispatcher(robot, settings)
+
+
+def delivery(goal=(0.5, 0.2, 0.1), start=HOME, transport=Transport.TOPIC):
+    return Delivery(None, NAMES, to_rest(goal, 1.0, start), transport)
+
+
+def test_sends_and_sees_the_robot_arrive(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    assert robot.sent == [one]
+    dispatcher.step(0.5)
+    robot.at = one.goal.copy()
+    dispatcher.step(1.0)
+    assert one.stage is Stage.SENT
+    dispatcher.step(1.05)
+    assert (one.report.code, one.report.text) == (0, "")
+    assert one.report.duration == pytest.approx(1.05)
+    assert not dispatcher.busy
+
+
+def test_a_robot_that_still_moves_has_not_arrived(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    robot.at = one.goal - 0.008
+    dispatcher.step(1.0)
+    robot.at = one.goal - 0.002
+    dispatcher.step(1.05)
+    assert one.report is None
+    dispatcher.step(1.1)
+    assert one.report.code == 0
+
+
+def test_names_joint_and_amount_when_it_does_not_arrive(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    robot.at = np.array([0.5, 0.05, 0.1])
+    for time in np.arange(0.0, 2.2, 0.05):
+        dispatcher.step(time)
+    assert one.report.code == 224
+    assert "joint 'elbow' is at 0.05, 0.15 off its goal 0.2, allowed is 0.01" in one.report.text
+    assert dispatcher.tally.failed == 1
+
+
+def test_says_that_the_robot_has_not_moved(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(2.1)
+    assert "has not moved" in one.report.text
+
+
+def test_one_after_the_other_in_order(robot, dispatcher):
+    goals = [(0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)]
+    starts = [HOME, *goals[:-1]]
+    many = [delivery(goal, start) for goal, start in zip(goals, starts, strict=True)]
+    for one in many:
+        dispatcher.offer(one, 0.0)
+    assert robot.sent == many[:1]
+    time = 0.0
+    for count, one in enumerate(many, 1):
+        assert robot.sent == many[:count]
+        robot.at = one.goal.copy()
+        dispatcher.step(time + 1.1)
+        dispatcher.step(time + 1.2)
+        time += 1.2
+    assert [one.report.code for one in many] == [0, 0, 0]
+
+
+def test_a_start_elsewhere_is_refused_and_the_next_one_sent(robot, dispatcher):
+    far, near = delivery(start=(0.0, 0.3, 0.0)), delivery()
+    robot.lacking = "controller"
+    dispatcher.offer(far, 0.0)
+    dispatcher.offer(near, 0.0)
+    robot.lacking = ""
+    dispatcher.step(0.1)
+    assert far.report.code == 221
+    assert "starts with joint 'elbow' at 0.3, but the joint is at 0: 0.3 apart" in far.report.text
+    assert robot.sent == [near]
+
+
+def test_whole_turns(robot, dispatcher):
+    robot.at = np.array([0.0, 0.0, math.tau])
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    assert robot.sent == [one]
+    np.testing.assert_allclose(
+        apart(np.array([math.tau, 0.1]), np.zeros(2), np.array([True, False])), [0.0, 0.1]
+    )
+
+
+def test_a_first_point_later_than_zero_starts_anywhere(robot, dispatcher):
+    robot.at = np.array([1.0, 1.0, 1.0])
+    waypoints = Waypoints(np.array([1.0]), np.zeros((1, 3)))
+    one = Delivery(None, NAMES, waypoints, Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    assert robot.sent == [one]
+
+
+def test_a_full_queue(robot, dispatcher):
+    robot.lacking = "controller"
+    for _ in range(3):
+        dispatcher.offer(delivery(), 0.0)
+    with pytest.raises(QueueFullError, match="3 trajectories are waiting already"):
+        dispatcher.offer(delivery(), 0.0)
+
+
+def test_without_controller_topics_wait_and_callers_are_told(robot):
+    stalls, told = [], []
+    dispatcher = Dispatcher(
+        robot, DispatcherSettings(controller_timeout=2.0), on_stall=stalls.append
+    )
+    robot.lacking = "action '/arm/execute'"
+    waits, asks = delivery(), delivery(transport=Transport.ACTION)
+    waits.listen(told.append)
+    dispatcher.offer(waits, 0.0)
+    dispatcher.offer(asks, 0.0)
+    dispatcher.step(1.9)
+    assert not told
+    dispatcher.step(2.0)
+    assert stalls == ["action '/arm/execute' not there after 2.0 s"]
+    assert (asks.report.code, asks.report.text) == (221, stalls[0])
+    assert told[0].code == 221
+    assert "stays queued" in told[0].text
+    robot.lacking = ""
+    dispatcher.step(100.0)
+    assert robot.sent == [waits]
+    assert len(stalls) == 1
+
+
+def test_without_joint_states_the_first_gives_way(robot, dispatcher):
+    robot.known = False
+    strange, one = delivery(), delivery(transport=Transport.ACTION)
+    dispatcher.offer(strange, 0.0)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(2.0)
+    assert strange.report.code == 107
+    assert "no joint states of shoulder, elbow, roll within 2.0 s" in strange.report.text
+    assert one.report is None
+    robot.known = True
+    dispatcher.step(2.1)
+    assert robot.sent == [one]
+
+
+def test_joint_states_have_their_time_from_when_the_controller_is_there(robot, dispatcher):
+    robot.lacking, robot.known = "the controller", False
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(50.0)
+    robot.lacking = ""
+    dispatcher.step(51.0)
+    dispatcher.step(52.9)
+    assert one.report is None
+    robot.known = True
+    dispatcher.step(52.95)
+    assert robot.sent == [one]
+
+
+def test_the_result_of_an_action(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(1.2)
+    robot.at = one.goal.copy()
+    dispatcher.concluded(one, 0, "", 1.21)
+    assert (one.report.code, one.report.text) == (0, "")
+    two = delivery(start=one.goal, transport=Transport.ACTION)
+    dispatcher.offer(two, 2.0)
+    dispatcher.concluded(two, 223, "joint 'elbow' left its path", 2.1)
+    assert (two.report.code, two.report.text) == (223, "joint 'elbow' left its path")
+    dispatcher.concluded(two, 0, "late", 2.2)
+    assert two.report.code == 223
+
+
+def test_success_that_the_joint_states_do_not_confirm(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.concluded(one, 0, "", 1.0)
+    assert one.report is None
+    dispatcher.step(2.1)
+    assert one.report.code == 0
+    assert "reports success, but joint 'shoulder'" in one.report.text
+
+
+def test_a_controller_that_disappears(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    robot.lacking = "action '/arm/execute'"
+    dispatcher.step(0.5)
+    dispatcher.step(2.6)
+    assert one.report.code == 221
+    assert "action '/arm/execute' disappeared" in one.report.text
+
+
+def test_a_controller_that_never_answers(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(3.9)
+    assert one.report is None
+    dispatcher.step(4.1)
+    assert one.report.code == 205
+    assert robot.cancelled == [one]
+
+
+def test_close_tells_everybody(robot, dispatcher):
+    told = []
+    one, two = delivery(), delivery()
+    for each in (one, two):
+        each.listen(told.append)
+        dispatcher.offer(each, 0.0)
+    dispatcher.close("the publisher shuts down")
+    assert len(told) == 2
+    assert not dispatcher.busy
+
+
+def test_late_listeners_are_told_at_once(robot, dispatcher):
+    one = delivery(start=(1.0, 1.0, 1.0))
+    dispatcher.offer(one, 0.0)
+    told = []
+    one.listen(told.append)
+    assert told == [one.report]

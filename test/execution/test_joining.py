@@ -1,0 +1,138 @@
+import math
+
+import numpy as np
+import pytest
+from execution_cases import ACCELERATION, VELOCITY, joints, single_point, state, to_rest
+
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.joining import join
+from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
+from robomech_ros.trajectory import Waypoints
+
+TOLERANCE = 0.01
+
+
+def joined(waypoints, present, late=0.0):
+    return join(waypoints, present, joints(), TOLERANCE, late)
+
+
+def assert_smooth(curve, present):
+    """No step at the start; limits of speed and, with the planned share, acceleration kept."""
+    begin = curve.sample(0.0)
+    np.testing.assert_allclose(begin.position, present.position, atol=1e-12)
+    np.testing.assert_allclose(begin.velocity, present.velocity, atol=1e-12)
+    times = np.linspace(0.0, curve.duration, 4001)
+    sample = curve.sample(times)
+    step = times[1]
+    assert np.abs(np.diff(sample.position, axis=0)).max() <= VELOCITY * step * 1.001
+    assert np.abs(sample.velocity).max() <= VELOCITY * (1.0 + 1e-6)
+    # The last sample is at the end, where the curve is held.
+    assert np.abs(np.diff(sample.velocity, axis=0)).max() <= 2.0 * ACCELERATION * step
+
+
+def test_a_start_that_fits_leaves_the_trajectory_as_it_is():
+    curve = joined(to_rest((0.5, 0.2, -0.1)), state())
+    np.testing.assert_array_equal(curve.breaks, [0.0, 1.0])
+    np.testing.assert_allclose(curve.sample(0.5).position, [0.25, 0.1, -0.05], atol=1e-15)
+
+
+def test_a_step_within_tolerance_is_smoothed_out():
+    present = state((0.008, -0.005, 0.0))
+    curve = joined(to_rest((0.5, 0.2, -0.1)), present)
+    assert_smooth(curve, present)
+    planned = to_rest((0.5, 0.2, -0.1)).curve
+    np.testing.assert_allclose(curve.sample(0.9).position, planned.sample(0.9).position, atol=1e-12)
+
+
+def test_a_moving_robot_is_taken_over_smoothly():
+    present = state((0.05, 0.0, 0.0), (0.8, -0.3, 0.0))
+    curve = joined(to_rest((0.5, 0.2, -0.1)), present)
+    assert_smooth(curve, present)
+    np.testing.assert_allclose(curve.sample(curve.duration).position, [0.5, 0.2, -0.1], atol=1e-12)
+
+
+@pytest.mark.parametrize("velocities", [True, False])
+def test_a_later_first_point_is_reached_from_the_present_state(velocities):
+    present = state((0.3, 0.2, 0.1), (0.5, 0.0, 0.0))
+    curve = joined(single_point((0.5, 0.0, 0.0), 1.0, velocities), present)
+    assert_smooth(curve, present)
+    np.testing.assert_allclose(curve.sample(1.0).position, [0.5, 0.0, 0.0], atol=1e-12)
+
+
+def test_from_rest_positions_alone_are_joined_linearly():
+    curve = joined(single_point((0.5, 0.0, 0.0), 1.0, velocities=False), state())
+    np.testing.assert_allclose(curve.sample(0.25).position, [0.125, 0.0, 0.0], atol=1e-15)
+
+
+def test_from_rest_a_velocity_at_the_start_is_reached_smoothly():
+    velocities = np.array([[0.4, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    positions = np.array([[0.0, 0.0, 0.0], [0.5, 0.2, 0.0]])
+    curve = joined(Waypoints(np.array([0.0, 1.5]), positions, velocities), state())
+    assert_smooth(curve, state())
+
+
+def test_a_whole_turn_of_a_continuous_joint_does_not_matter():
+    present = state((0.0, 0.0, 0.2 + 4.0 * math.pi))
+    curve = joined(to_rest((0.5, 0.0, 0.6), start=(0.0, 0.0, 0.2)), present)
+    assert curve.sample(0.0).position[2] == pytest.approx(0.2 + 4.0 * math.pi, abs=1e-12)
+    assert curve.sample(1.0).position[2] == pytest.approx(0.6 + 4.0 * math.pi, abs=1e-12)
+
+
+def test_a_start_far_away_names_joint_and_amount():
+    with pytest.raises(
+        StartMismatchError, match=r"'elbow' at 0\.3, but .* at 0: 0\.3 apart.*0\.01"
+    ):
+        joined(to_rest((0.5, 0.0, 0.0), start=(0.0, 0.3, 0.0)), state())
+
+
+def test_a_whole_turn_of_a_limited_joint_is_said():
+    with pytest.raises(StartMismatchError, match=r"1 whole turn"):
+        joined(to_rest((0.5, 0.0, 0.0), start=(math.tau, 0.0, 0.0)), state())
+
+
+def test_a_moving_joint_may_have_moved_on():
+    waypoints = to_rest((0.5, 0.0, 0.0))
+    joined(waypoints, state((0.09, 0.0, 0.0), (0.9, 0.0, 0.0)))
+    with pytest.raises(StartMismatchError):
+        joined(waypoints, state((0.09, 0.0, 0.0)))
+
+
+def test_speed_between_the_points_counts():
+    # The mean speed is 1.5, below the limit of 2, but a quintic from rest to rest peaks at 1.875
+    # times the mean.
+    with pytest.raises(
+        LimitExceededError, match=r"velocity of joint 'shoulder' is 2\.8125.* by 0\.81"
+    ):
+        joined(to_rest((1.5, 0.0, 0.0)), state())
+
+
+def test_speed_on_the_way_to_the_first_point_counts():
+    with pytest.raises(LimitExceededError, match=r"way from the present state.*'elbow' is 4"):
+        joined(single_point((0.0, 0.4, 0.0), 0.1, velocities=False), state())
+
+
+def test_positions_between_the_points_count():
+    waypoints = to_rest((2.5, 0.0, 0.0), duration=3.0)
+    with pytest.raises(LimitExceededError, match=r"position of joint 'shoulder' is 2\.5"):
+        joined(waypoints, state())
+
+
+def test_what_is_past_is_dropped():
+    waypoints = Waypoints(
+        np.array([0.0, 0.5, 1.0]), np.array([[0.0] * 3, [0.2, 0, 0], [0.5, 0, 0]], dtype=float)
+    )
+    curve = joined(waypoints, state((0.25, 0.0, 0.0)), late=0.6)
+    np.testing.assert_allclose(curve.breaks, [0.0, 0.4])
+    np.testing.assert_allclose(curve.sample(0.4).position, [0.5, 0.0, 0.0])
+
+
+def test_what_has_ended_is_refused():
+    with pytest.raises(TrajectoryRefusedError, match=r"ended 0\.5 s ago.*1\.5 s old.*lasts 1 s"):
+        joined(to_rest((0.5, 0.0, 0.0)), state(), late=1.5)
+
+
+def test_a_single_point_at_once_within_tolerance():
+    present = state((0.005, 0.0, 0.0))
+    curve = joined(single_point((0.0, 0.0, 0.0), 0.0), present)
+    assert_smooth(curve, present)
+    np.testing.assert_allclose(curve.sample(curve.duration).position, 0.0, atol=1e-12)
