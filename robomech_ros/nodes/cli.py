@@ -1,0 +1,51 @@
+"""The ``robomech`` command."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from robomech_ros import __version__
+from robomech_ros.errors import RobomechError
+
+__all__ = ["main"]
+
+COMMANDS = {
+    "bringup": "run all nodes for a robot",
+    "call": "call a service with a request in YAML",
+    "robots": "list the robots that are known by name",
+    "warmup": "compile the numeric kernels, once",
+    "doctor": "say what is missing on this machine, and how to mend it",
+    "demo": "solve, plan, execute and check a pick and place, with a plot",
+}
+
+EXIT_USAGE = 2
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run one subcommand; returns the exit code."""
+    argv = list(sys.argv[1:] if args is None else args)
+    parser = argparse.ArgumentParser(prog="robomech", description=__doc__)
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    chosen = next((word for word in argv if not word.startswith("-")), "")
+    for name, summary in COMMANDS.items():
+        sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
+        if name == chosen:
+            # Only the chosen command is imported: `robomech doctor` has to run where ROS is
+            # missing, and `robomech robots` need not wait for it.
+            module = import_module(f"robomech_ros.nodes.commands.{name}")
+            module.add_arguments(sub)
+            sub.set_defaults(run=module.run)
+    parsed = parser.parse_args(argv)
+    try:
+        return int(parsed.run(parsed))
+    except RobomechError as error:
+        print(f"robomech {chosen}: {error}", file=sys.stderr)
+        return EXIT_USAGE
+    except KeyboardInterrupt:
+        return 130
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,144 @@
+"""``robomech bringup``: all nodes for one robot, as processes or in one."""
+
+import argparse
+import json
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
+from robomech_ros.robots import load_description, robot_folders
+
+__all__ = ["add_arguments", "node_commands", "run"]
+
+EXIT_CHILD_FAILED = 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "--robot",
+        default="",
+        help="name (see `robomech robots`) or path of a URDF or YAML file; default: wait for the "
+        "topic robot_description",
+    )
+    parser.add_argument("--base-link", default="", help="first link of the chain")
+    parser.add_argument("--tip-link", default="", help="last link of the chain")
+    parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
+    parser.add_argument("--rate", type=float, help="rate of joint_states in Hz (100)")
+    parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
+    parser.add_argument(
+        "--in-one-process", action="store_true", help="all nodes in one process and one executor"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
+    # Until there is something to stop, a signal just ends this process.
+    _on_signals(lambda *_: sys.exit(0))
+    if args.robot:
+        # Said once, here, instead of once by every node.
+        load_description(args.robot).chain(args.base_link, args.tip_link)
+    if args.in_one_process:
+        from robomech_ros.nodes.run import run_nodes
+
+        everything = [argument for node in NODE_MODULES for argument in _config_file(node)]
+        arguments = ["robomech", "--ros-args", *everything, *_ros_arguments(args)]
+        return run_nodes([_factory(node) for node in NODE_MODULES], arguments)
+    return _supervise(_commands(_ros_arguments(args)))
+
+
+def node_commands(robot: str) -> dict[str, list[str]]:
+    """Give the command lines of all nodes for a robot, as `robomech bringup --robot` starts them.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path.
+    """
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    return _commands(_ros_arguments(parser.parse_args(["--robot", robot])))
+
+
+def _commands(arguments: list[str]) -> dict[str, list[str]]:
+    return {node: node_command(node, [*_config_file(node), *arguments]) for node in NODE_MODULES}
+
+
+def _ros_arguments(args: argparse.Namespace) -> list[str]:
+    """Turn the options into ROS arguments for every node."""
+    robot = args.robot
+    if robot and (Path(robot).suffix or "/" in robot):
+        robot = str(Path(robot).expanduser().resolve())
+    result = []
+    for name in args.params_file:
+        result += ["--params-file", name]
+    if args.namespace:
+        result += ["-r", f"__ns:=/{args.namespace.strip('/')}"]
+    values = {
+        "robot_description": robot,
+        "base_link": args.base_link,
+        "tip_link": args.tip_link,
+    }
+    for name, value in values.items():
+        if value:
+            # Quoted: YAML would read a robot called 7 as a number.
+            result += ["-p", f"{name}:={json.dumps(value)}"]
+    if args.rate is not None:
+        result += ["-p", f"joint_trajectory_controller:publish_rate:={float(args.rate)}"]
+    return result
+
+
+def _config_file(node: str) -> list[str]:
+    """Find the parameters that the package ships for a node."""
+    for folder in robot_folders():
+        path = folder.parent / f"{node}.yaml"
+        if path.is_file():
+            return ["--params-file", str(path)]
+    return []
+
+
+def _factory(node: str) -> Any:
+    """Find the node's class in its module: the one that has a table of parameters."""
+    module = import_module(NODE_MODULES[node])
+    return next(
+        value
+        for value in vars(module).values()
+        if getattr(value, "__module__", "") == module.__name__ and hasattr(value, "SETTINGS")
+    )
+
+
+def _supervise(commands: dict[str, list[str]]) -> int:
+    told_to_stop = threading.Event()
+    _on_signals(lambda *_: told_to_stop.set())
+    group = ProcessGroup(commands)
+
+    def stop(number: int, frame: object) -> None:
+        told_to_stop.set()
+        group.interrupt_wait()
+
+    _on_signals(stop)
+    first = None if told_to_stop.is_set() else group.wait_for_first()
+    codes = group.stop()
+    if first is not None and not told_to_stop.is_set():
+        name, code = first
+        print(
+            f"robomech bringup: {name} ended with exit code {code} (its last words are above); "
+            "the other nodes were stopped",
+            file=sys.stderr,
+        )
+        return EXIT_CHILD_FAILED
+    failed = {name: code for name, code in codes.items() if code}
+    for name, code in failed.items():
+        print(f"robomech bringup: {name} ended with exit code {code}", file=sys.stderr)
+    return EXIT_CHILD_FAILED if failed else 0
+
+
+def _on_signals(handler: Callable[[int, FrameType | None], object]) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, handler)

@@ -1,0 +1,1 @@
+"""Parts of the node joint_trajectory_controller, the simulated robot."""

@@ -1,0 +1,32 @@
+"""How the simulated robot is, for the diagnostics."""
+
+from robomech_ros.execution.follower import Phase
+from robomech_ros.nodes.controller.robot import SimulatedRobot
+from robomech_ros.nodes.status_report import Condition
+
+__all__ = ["robot_condition"]
+
+
+def robot_condition(robot: SimulatedRobot) -> Condition:
+    """Describe the robot; a warning while the last trajectory that came was refused."""
+    counts = robot.counts
+    values = {
+        "trajectories accepted": counts.accepted,
+        "goals reached": counts.reached,
+        "ended early": counts.ended_early,
+        "refused": counts.refused,
+        "last end": counts.last_end,
+        "last refusal": counts.last_refusal,
+    }
+    return Condition(_summary(robot), bool(counts.last_refusal), values)
+
+
+def _summary(robot: SimulatedRobot) -> str:
+    follower, refusal = robot.follower, robot.counts.last_refusal
+    if refusal:
+        return f"{follower.phase.value}; refused: {refusal}"
+    if follower.phase is Phase.MOVING and follower.active is not None:
+        return f"moving, {100.0 * follower.active.progress:.0f} % of the trajectory"
+    if follower.waiting is not None:
+        return f"{follower.phase.value}; a trajectory waits for its time"
+    return follower.phase.value

@@ -1,0 +1,167 @@
+"""The simulated robot as the topic, the action and the services command it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.follower import Follower, FollowerSettings
+from robomech_ros.execution.given import joint_order, read_waypoints
+from robomech_ros.execution.job import Job, Outcome
+from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.tolerance import Tolerances, override
+from robomech_ros.nodes.controller.given_trajectory import given_trajectory
+from robomech_ros.nodes.controller.motion_clock import MotionClock
+from robomech_ros.nodes.controller.settings import (
+    ControllerSettings,
+    default_tolerances,
+    initial_position,
+)
+from robomech_ros.nodes.conversions import seconds_from_duration
+from robomech_ros.robots import SerialChain
+
+__all__ = ["Counts", "SimulatedRobot"]
+
+
+@dataclass
+class Counts:
+    """What has happened so far, for the diagnostics."""
+
+    accepted: int = 0
+    reached: int = 0
+    ended_early: int = 0
+    refused: int = 0
+    last_refusal: str = ""
+    last_end: str = ""
+
+
+class SimulatedRobot:
+    """A follower that understands messages.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        The robot.
+    settings : ControllerSettings
+        Parameters of the node.
+    clock : MotionClock
+        The time.
+
+    Attributes
+    ----------
+    refuse_all : str
+        Why no trajectory is accepted any more; empty while trajectories are accepted.
+
+    Raises
+    ------
+    ParameterError
+        The initial position does not fit the robot.
+    """
+
+    def __init__(
+        self, chain: SerialChain, settings: ControllerSettings, clock: MotionClock
+    ) -> None:
+        self.chain = chain
+        self.joint_names = list(chain.joint_names)
+        self.counts = Counts()
+        self.refuse_all = ""
+        self._settings = settings
+        self._clock = clock
+        self._initial = initial_position(settings, chain)
+        self._tolerances = default_tolerances(settings, chain.n)
+        follower_settings = FollowerSettings(
+            settings.start_tolerance, settings.tracking_lag, settings.max_duration
+        )
+        self.follower = Follower(
+            Joints.of(chain), self._initial, follower_settings, self._clock.now()
+        )
+
+    def advance(self) -> None:
+        """Move on to the present time."""
+        self.follower.advance(self._clock.now())
+
+    def execute(
+        self,
+        trajectory: JointTrajectory,
+        by: str,
+        on_end: Callable[[Outcome], None],
+        goal: Any = None,
+    ) -> Job:
+        """Execute a trajectory from now on, or from its stamp on.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            From outside.
+        by : str
+            Who sent it, for the text of the motion that it replaces.
+        on_end : callable
+            Called once, with the outcome.
+        goal : ExecuteTrajectory.Goal, optional
+            Brings tolerances.
+
+        Returns
+        -------
+        Job
+
+        Raises
+        ------
+        RobomechError
+            It is refused; the present motion goes on.
+        """
+        delay = self._clock.until(trajectory.header.stamp)
+        try:
+            if self.refuse_all:
+                raise TrajectoryRefusedError(self.refuse_all)
+            waypoints = read_waypoints(
+                given_trajectory(trajectory),
+                self.joint_names,
+                self._settings.max_points,
+                self._settings.max_duration,
+            )
+            tolerances = self._with_tolerances(goal, trajectory.joint_names)
+            job = self.follower.start(
+                waypoints, tolerances, self._clock.now(), delay, self._counted(on_end), by
+            )
+        except RobomechError as error:
+            self.counts.refused += 1
+            self.counts.last_refusal = str(error)
+            raise
+        self.counts.accepted += 1
+        self.counts.last_refusal = ""
+        return job
+
+    def reset(self, text: str) -> None:
+        """Put the robot back to where it was at start, at once."""
+        self.follower.reset(self._initial, text)
+
+    def _counted(self, on_end: Callable[[Outcome], None]) -> Callable[[Outcome], None]:
+        def count(outcome: Outcome) -> None:
+            if outcome.code:
+                self.counts.ended_early += 1
+            else:
+                self.counts.reached += 1
+            self.counts.last_end = outcome.text or "goal reached"
+            on_end(outcome)
+
+        return count
+
+    def _with_tolerances(self, goal: Any, names: Sequence[str]) -> Tolerances:
+        if goal is None:
+            return self._tolerances
+        order = joint_order(names, self.joint_names)
+        fields = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_tolerance")
+        default = self._tolerances
+        path, at_goal, velocity = (
+            override(values, getattr(goal, field), order, names, field)
+            for field, values in zip(
+                fields, (default.path, default.goal, default.velocity), strict=True
+            )
+        )
+        time = seconds_from_duration(goal.goal_time_tolerance, "goal_time_tolerance")
+        return replace(
+            default, path=path, goal=at_goal, velocity=velocity, goal_time=time or default.goal_time
+        )

@@ -1,0 +1,107 @@
+"""Parameters of the simulated robot."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.nodes.parameters import ParameterError, parameter
+from robomech_ros.nodes.robot_description import RobotSettings
+from robomech_ros.robots import SerialChain
+
+__all__ = ["ControllerSettings", "default_tolerances", "initial_position"]
+
+
+@dataclass(frozen=True)
+class ControllerSettings(RobotSettings):
+    """Parameters of the node."""
+
+    publish_rate: float = parameter(
+        100.0, "How often the robot moves on and joint_states is published", 1.0, 1000.0, "Hz"
+    )
+    action_monitor_rate: float = parameter(
+        20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    initial_positions: tuple[float, ...] = parameter(
+        (),
+        "Where the joints are at start and after a reset, base to tip, rad or m. Empty = the "
+        "middle of their limits, 0 for joints without",
+    )
+    start_tolerance: float = parameter(
+        0.01,
+        "How far the first point of a trajectory, at time 0, may be from the present position of "
+        "a joint at rest, rad or m",
+        0.0,
+        10.0,
+    )
+    path_tolerance: float = parameter(
+        0.0,
+        "How far a joint may be from its path while moving, rad or m; 0 = any distance",
+        0.0,
+        10.0,
+    )
+    goal_tolerance: float = parameter(
+        0.01,
+        "How far a joint may be from the last point at the end, rad or m; 0 = any distance",
+        0.0,
+        10.0,
+    )
+    stopped_velocity_tolerance: float = parameter(
+        0.01, "How fast a joint may be at the end, rad/s or m/s; 0 = any speed", 0.0, 10.0
+    )
+    goal_time: float = parameter(
+        1.0, "How long after its end a trajectory may still reach its goal", 0.0, 3600.0, "s"
+    )
+    max_points: int = parameter(
+        10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
+    )
+    max_duration: float = parameter(
+        3600.0,
+        "Longest trajectory, and longest time until one begins; longer ones are refused",
+        0.001,
+        1e6,
+        "s",
+    )
+    tracking_lag: float = parameter(
+        0.0,
+        "Time constant with which the simulated joints follow what is wanted; 0 = exactly",
+        0.0,
+        100.0,
+        "s",
+    )
+
+
+def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
+    """Make the tolerances that hold where a goal brings none."""
+    values = (
+        settings.path_tolerance,
+        settings.goal_tolerance,
+        settings.stopped_velocity_tolerance,
+    )
+    path, goal, velocity = (np.full(joints, value or np.inf) for value in values)
+    return Tolerances(path, goal, velocity, settings.goal_time)
+
+
+def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArray[np.float64]:
+    """Give the initial position (rad or m), shape (n,).
+
+    Raises
+    ------
+    ParameterError
+        The parameter does not have one position for every joint, or one is outside its limits.
+    """
+    given = settings.initial_positions
+    if not given:
+        return chain.midrange()
+    position = np.array(given)
+    if len(position) != chain.n:
+        allowed = f"a list of {chain.n} numbers, for {', '.join(chain.joint_names)}, or empty"
+        raise ParameterError("initial_positions", list(given), allowed)
+    for joint, value, low, high in zip(
+        chain.joint_names, given, chain.lower, chain.upper, strict=True
+    ):
+        if not low <= value <= high:
+            allowed = f"from {low:.6g} to {high:.6g} for joint '{joint}'"
+            raise ParameterError("initial_positions", value, allowed)
+    return position

@@ -1,0 +1,158 @@
+"""The demonstration's own node: calls services and records the joints."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import rclpy
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.suite import Suite
+from robomech_ros.nodes.error_codes import name_of
+from robomech_ros.nodes.run import Spinner
+
+__all__ = ["DemoClient"]
+
+Array = NDArray[np.float64]
+
+_START_SECONDS = 30.0
+_CALL_SECONDS = 20.0
+_LOOK = 0.02
+
+
+class DemoClient:
+    """Talks to the suite, and notices at once when a node of it is gone.
+
+    Parameters
+    ----------
+    suite : Suite
+        The running nodes.
+    joint_names : tuple of str
+        The joints to be recorded.
+    """
+
+    def __init__(self, suite: Suite, joint_names: tuple[str, ...]) -> None:
+        self._suite = suite
+        self._names = joint_names
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node("robomech_demo", start_parameter_services=False)
+        self._clients: dict[str, Any] = {}
+        self._rows: list[tuple[float, Array, Array]] = []
+        self._node.create_subscription(JointState, "joint_states", self._record, 100)
+        self._spinner = Spinner([self._node])
+        self._spinner.start()
+
+    def close(self) -> None:
+        """End the node."""
+        self._spinner.stop()
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def _record(self, message: JointState) -> None:
+        index = {name: i for i, name in enumerate(message.name)}
+        order = [index[name] for name in self._names]
+        stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
+        velocity = np.array(message.velocity) if message.velocity else np.zeros(len(index))
+        self._rows.append((stamp, np.array(message.position)[order], velocity[order]))
+
+    @property
+    def present(self) -> Array:
+        """The joint positions heard last, shape (n,) (rad or m)."""
+        return self._rows[-1][1]
+
+    def recording(self) -> tuple[Array, Array, Array]:
+        """Give times from the first message (s), positions and velocities, (m,) and (m, n)."""
+        rows = list(self._rows)
+        times = np.array([row[0] for row in rows])
+        keep = np.flatnonzero(np.diff(times, prepend=-np.inf) > 0.0)
+        positions, velocities = (np.array([row[i] for row in rows])[keep] for i in (1, 2))
+        return times[keep] - times[keep[0]], positions, velocities
+
+    def now(self) -> float:
+        """Give the time of the recording, s: that of the last joint state heard."""
+        return self._rows[-1][0] - self._rows[0][0] if self._rows else 0.0
+
+    def wait_until_up(self, services: dict[str, Any]) -> None:
+        """Wait for services, name to type, and for the first joint state."""
+        for name, kind in services.items():
+            self._clients[name] = self._node.create_client(kind, name)
+        if not self._wait(lambda: not self._missing(), _START_SECONDS):
+            missing = ", ".join(self._missing())
+            raise DemoFailedError(f"not up after {_START_SECONDS:g} s: {missing}")
+
+    def _missing(self) -> list[str]:
+        missing = [n for n, client in self._clients.items() if not client.service_is_ready()]
+        return missing if self._rows else [*missing, "joint_states"]
+
+    def call(self, service: str, request: Any) -> Any:
+        """Call a service and return its answer.
+
+        Raises
+        ------
+        DemoFailedError
+            It did not answer, or answered with an error.
+        """
+        done = threading.Event()
+        future = self._clients[service].call_async(request)
+        future.add_done_callback(lambda _: done.set())
+        if not self._wait(done.is_set, _CALL_SECONDS):
+            raise DemoFailedError(f"{service} did not answer within {_CALL_SECONDS:g} s")
+        response = future.result()
+        if response.error_code:
+            code = f"{response.error_code} {name_of(response.error_code)}"
+            raise DemoFailedError(f"{service} answers {code}: {response.error_msg}")
+        return response
+
+    def wait_until_at(
+        self, goal: Array, tolerance: float, seconds: float, look: Callable[[], None]
+    ) -> None:
+        """Wait until the joints rest at a position.
+
+        Parameters
+        ----------
+        goal : ndarray, shape (n,)
+            rad or m.
+        tolerance : float
+            Of each joint's position, and of its velocity.
+        seconds : float
+            How long to wait.
+        look : callable
+            Called again and again meanwhile.
+
+        Raises
+        ------
+        DemoFailedError
+            They do not get there in time; the worst joint is named.
+        """
+
+        def arrived() -> bool:
+            _, q, qd = self._rows[-1]
+            return bool(np.abs(q - goal).max() <= tolerance and np.abs(qd).max() <= tolerance)
+
+        if not self._wait(arrived, seconds, look):
+            off = np.abs(self._rows[-1][1] - goal)
+            joint = self._names[int(np.argmax(off))]
+            text = f"after {seconds:.1f} s joint '{joint}' is {off.max():.3g} from its goal"
+            raise DemoFailedError(f"the motion did not arrive: {text}")
+
+    def _wait(
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        look: Callable[[], None] = lambda: None,
+    ) -> bool:
+        """Wait for a condition while all nodes live; False if the time is over before."""
+        deadline = time.monotonic() + seconds
+        while not condition():
+            look()
+            self._suite.check()
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(_LOOK)
+        return True

@@ -1,0 +1,77 @@
+"""Limits that a robot's URDF has no place for, assumed where nobody gave them."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from robomech_ros.errors import MissingLimitsError
+from robomech_ros.robots import SerialChain, load_robot
+
+__all__ = ["robot_with_limits"]
+
+# A joint comes to full speed, and to full acceleration, in so many seconds.
+_TO_SPEED = 0.25
+_TO_ACCELERATION = 0.1
+
+
+@contextmanager
+def robot_with_limits(robot: str) -> Iterator[tuple[str, SerialChain, str]]:
+    """Give a robot that has acceleration and jerk limits.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path of a robot.
+
+    Yields
+    ------
+    robot : str
+        The same; or, where a URDF comes without these limits, a copy beside a YAML file with
+        limits from the velocity limits.
+    chain : SerialChain
+        It, loaded.
+    notice : str
+        What was assumed; empty if nothing.
+
+    Raises
+    ------
+    MissingLimitsError
+        There are no velocity limits either, or the robot is not a URDF file.
+    """
+    chain = load_robot(robot)
+    chain.require_limits("velocity")
+    lacking = [kind for kind in ("acceleration", "jerk") if np.isnan(getattr(chain, kind)).any()]
+    if not lacking:
+        yield robot, chain, ""
+        return
+    path = Path(robot).expanduser()
+    if path.suffix.lower() != ".urdf":
+        kind = lacking[0]
+        names = zip(chain.joint_names, np.isnan(getattr(chain, kind)), strict=True)
+        raise MissingLimitsError(kind, [name for name, missing in names if missing])
+    with TemporaryDirectory(prefix="robomech-demo-") as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(path.read_bytes())
+        limits = _assumed(chain)
+        text = json.dumps({"source": f"{path}; assumed for a demonstration", "joints": limits})
+        copy.with_suffix(".yaml").write_text(text, encoding="utf-8")
+        notice = (
+            f"{path.name} gives no {' and no '.join(lacking)} limits (URDF cannot); assumed: full "
+            f"speed in {_TO_SPEED:g} s, full acceleration in {_TO_ACCELERATION:g} s"
+        )
+        yield str(copy), load_robot(copy), notice
+
+
+def _assumed(chain: SerialChain) -> dict[str, dict[str, float]]:
+    acceleration = np.where(
+        np.isnan(chain.acceleration), chain.velocity / _TO_SPEED, chain.acceleration
+    )
+    jerk = np.where(np.isnan(chain.jerk), acceleration / _TO_ACCELERATION, chain.jerk)
+    return {
+        name: {"acceleration": float(a), "jerk": float(j)}
+        for name, a, j in zip(chain.joint_names, acceleration, jerk, strict=True)
+    }

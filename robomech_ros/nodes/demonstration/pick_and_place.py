@@ -1,0 +1,158 @@
+"""The task of the demonstration: to a pick pose, then to a place pose."""
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+
+from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.conversions import (
+    joint_state,
+    matrix_from_pose,
+    seconds_from_duration,
+    stamped_pose,
+)
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.postures import pick_and_place
+from robomech_ros.nodes.demonstration.report import Leg, Reporter
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import pose_error
+
+__all__ = ["PickAndPlace"]
+
+Array = NDArray[np.float64]
+
+# The robot has arrived when its tip is this close to the target, m and rad.
+_ARRIVED = 1e-4
+# Joints this close to the goal, and as slow, are there: rad or m, and per s.
+_JOINTS_ARRIVED = 1e-6
+_GRACE_SECONDS = 10.0
+_PROFILES = {"RUCKIG": PlanJoint.Request.RUCKIG, "POLY345": PlanJoint.Request.POLY345}
+
+
+class PickAndPlace:
+    """Solves, plans, executes and checks both motions through the services of the suite.
+
+    Parameters
+    ----------
+    client : DemoClient
+        Connected to the running suite.
+    chain : SerialChain
+        The robot.
+    reporter : Reporter
+        Where to tell what happens.
+    """
+
+    def __init__(self, client: DemoClient, chain: SerialChain, reporter: Reporter) -> None:
+        self._client = client
+        self._chain = chain
+        self._reporter = reporter
+        self.legs: list[Leg] = []
+        self.marks: list[tuple[float, str]] = []
+
+    def run(self) -> None:
+        """Do all of it.
+
+        Raises
+        ------
+        DemoFailedError
+            A step went wrong.
+        """
+        pick, place = pick_and_place(self._chain)
+        self._leg("pick", "RUCKIG", forward_kinematics(self._chain, pick))
+        self._leg("place", "POLY345", forward_kinematics(self._chain, place))
+
+    def _leg(self, name: str, profile: str, T: Array) -> None:
+        self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
+        goal = self._solve(T)
+        self.marks.append((self._client.now(), f"{name} ({profile})"))
+        leg = self._plan(name, profile, goal)
+        self._watch(leg, goal)
+        self._check(leg, T)
+        self.legs.append(leg)
+
+    def _solve(self, T: Array) -> Array:
+        """Ask for all solutions, and choose the nearest one inside the limits."""
+        request = SolveIK.Request(
+            target=stamped_pose(T, self._chain.base), seed=self._present_state()
+        )
+        response = self._client.call("kinematics/solve_ik", request)
+        goal = np.array(response.solutions[0].positions)
+        shown, chosen = response, 0
+        if response.complete:
+            # In closed form there is no harm in showing what the limits exclude, too.
+            request.ignore_limits = True
+            shown = self._client.call("kinematics/solve_ik", request)
+            distances = [np.abs(np.array(p.positions) - goal).max() for p in shown.solutions]
+            chosen = int(np.argmin(distances))
+        seconds = seconds_from_duration(response.solve_time, "solve_time")
+        k = len(response.solutions)
+        count = f"{k} of {len(shown.solutions)}" if response.complete else f"{k}"
+        how = "provably all there are" if response.complete else "found by searching"
+        self._reporter.say(
+            f"solutions inside the limits: {count}, {how} ({response.family}, "
+            f"{seconds * 1e6:.0f} us); rad or m:"
+        )
+        self._reporter.solutions(shown, chosen)
+        return goal
+
+    def _plan(self, name: str, profile: str, goal: Array) -> Leg:
+        """Ask for a plan, which its publication sets in motion."""
+        request = PlanJoint.Request(
+            start=self._present_state(),
+            goal=joint_state(self._chain.joint_names, goal),
+            profile=_PROFILES[profile],
+        )
+        response = self._client.call("trajectory_planner/plan_joint", request)
+        duration = seconds_from_duration(response.duration, "duration")
+        leg = Leg(name, profile, duration, max(response.peak_velocity_ratio))
+        self._reporter.say(
+            f"planned {profile}: {duration:.2f} s, {len(response.trajectory.points)} points, "
+            f"peak velocity {leg.peak:.0%} of its limit, peak acceleration "
+            f"{max(response.peak_acceleration_ratio):.0%}"
+        )
+        return leg
+
+    def _watch(self, leg: Leg, goal: Array) -> None:
+        """Show how far the motion is until the joints are at the goal."""
+        start = self._client.present
+        joint = int(np.argmax(np.abs(goal - start)))
+        way = goal[joint] - start[joint]
+        with self._reporter.progress(leg.name) as show:
+
+            def look() -> None:
+                q = self._client.present
+                show((q[joint] - start[joint]) / way if way else 1.0, q)
+
+            self._client.wait_until_at(goal, _JOINTS_ARRIVED, leg.duration + _GRACE_SECONDS, look)
+            look()
+
+    def _check(self, leg: Leg, T: Array) -> None:
+        """Compare where the tip is, by forward kinematics of the present joints, with the target.
+
+        Raises
+        ------
+        DemoFailedError
+            It is somewhere else.
+        """
+        request = SolveFK.Request(states=[self._present_state()])
+        response = self._client.call("kinematics/solve_fk", request)
+        error = pose_error(T, matrix_from_pose(response.poses[0].pose))
+        leg.orientation_error, leg.position_error = (
+            float(np.linalg.norm(part)) for part in (error[:3], error[3:])
+        )
+        text = (
+            f"{leg.name}: the tip is off by {leg.position_error * 1e3:.2e} mm and "
+            f"{leg.orientation_error:.2e} rad"
+        )
+        if max(leg.position_error, leg.orientation_error) > _ARRIVED:
+            raise DemoFailedError(f"{text}; the robot did not arrive")
+        self._reporter.say(text)
+
+    def _present_state(self) -> JointState:
+        return joint_state(self._chain.joint_names, self._client.present)
+
+
+def _listed(values: Array) -> str:
+    return " ".join(f"{value:.3f}" for value in values)

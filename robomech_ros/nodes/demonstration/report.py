@@ -1,0 +1,166 @@
+"""What the demonstration prints."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+from rich.table import Table
+
+__all__ = ["Leg", "Reporter"]
+
+Array = NDArray[np.float64]
+Shown = Callable[[float, Array], None]
+
+_PIPE_WIDTH = 150
+# Narrower terminals get two lines a solution.
+_TABLE_WIDTH = 130
+
+
+class Leg:
+    """One motion of the demonstration, for the summary."""
+
+    def __init__(self, name: str, profile: str, duration: float, peak: float) -> None:
+        self.name = name
+        self.profile = profile
+        self.duration = duration
+        self.peak = peak
+        self.position_error = float("nan")
+        self.orientation_error = float("nan")
+
+
+class Reporter:
+    """Prints to the terminal, or plain lines where there is none."""
+
+    def __init__(self) -> None:
+        self._console = Console(highlight=False)
+        if not self._console.is_terminal:
+            self._console = Console(highlight=False, width=_PIPE_WIDTH)
+
+    def say(self, text: str) -> None:
+        """Print a line."""
+        self._console.print(text, markup=False)
+
+    def heading(self, text: str) -> None:
+        """Print a line that begins a part."""
+        self._console.print()
+        self._console.print(text, style="bold", markup=False)
+
+    def solutions(self, response: Any, chosen: int) -> None:
+        """Print all solutions of a SolveIK response, the chosen one marked."""
+        if self._console.width >= _TABLE_WIDTH:
+            self._solution_table(response, chosen)
+            return
+        for i, row in enumerate(_rows(response)):
+            style = None if row.inside else "dim"
+            mark = "->" if i == chosen else "  "
+            self._console.print(
+                f" {mark} {' '.join(row.joints)}  distance {row.distance}\n"
+                f"    {row.posture}, to limit {row.margin}, condition {row.condition}",
+                style=style,
+            )
+
+    def _solution_table(self, response: Any, chosen: int) -> None:
+        table = Table(box=None, padding=(0, 1), header_style="bold")
+        # A rich table breaks at spaces, and joints have long names.
+        joints = [name.replace("_", " ") for name in response.joint_names]
+        for title in ("", "posture", *joints, "to limit", "distance", "condition"):
+            words = title in ("", "posture")
+            table.add_column(title, justify="left" if words else "right", no_wrap=words)
+        for i, row in enumerate(_rows(response)):
+            table.add_row(
+                "->" if i == chosen else "",
+                row.posture,
+                *row.joints,
+                row.margin,
+                row.distance,
+                row.condition,
+                style=None if row.inside else "dim",
+            )
+        self._console.print(table)
+
+    def summary(self, legs: list[Leg]) -> None:
+        """Print the motions in a table."""
+        table = Table(box=None, padding=(0, 1), header_style="bold")
+        titles = ("motion", "profile", "duration", "peak velocity", "tip off by", "and by")
+        for title in titles:
+            table.add_column(title, justify="left" if title in ("motion", "profile") else "right")
+        for leg in legs:
+            table.add_row(
+                leg.name,
+                leg.profile,
+                f"{leg.duration:.2f} s",
+                f"{leg.peak:.0%} of limit",
+                f"{leg.position_error * 1e3:.1e} mm",
+                f"{leg.orientation_error:.1e} rad",
+            )
+        self._console.print(table)
+
+    @contextmanager
+    def progress(self, name: str) -> Iterator[Shown]:
+        """Show how far a motion is: a live bar, or a line each quarter.
+
+        Yields
+        ------
+        callable
+            Takes how much of the motion is done, 0 to 1, and the present joint positions.
+        """
+        if not self._console.is_terminal:
+            yield self._quarters(name)
+            return
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(40),
+            TaskProgressColumn(),
+            TextColumn("{task.fields[joints]}"),
+        )
+        with Progress(*columns, console=self._console) as bar:
+            task = bar.add_task(name, total=1.0, joints="")
+
+            def show(done: float, q: Array) -> None:
+                bar.update(task, completed=done, joints=_joints(q))
+
+            yield show
+
+    def _quarters(self, name: str) -> Shown:
+        shown = [0]
+
+        def show(done: float, q: Array) -> None:
+            # The last of it may be short of 1 by rounding.
+            quarter = int(4.0 * done + 1e-3)
+            if quarter > shown[0]:
+                shown[0] = quarter
+                self.say(f"{name} {quarter * 25:3d} %  {_joints(q)}")
+
+        return show
+
+
+class _Row(NamedTuple):
+    """A solution in words."""
+
+    inside: bool
+    posture: str
+    joints: list[str]
+    margin: str
+    distance: str
+    condition: str
+
+
+def _rows(response: Any) -> Iterator[_Row]:
+    for i, point in enumerate(response.solutions):
+        margin = response.limit_margins[i]
+        yield _Row(
+            inside=margin >= 0.0,
+            posture=response.branches[i] or f"solution {i + 1}",
+            joints=[f"{value:+.3f}" for value in point.positions],
+            margin=f"{margin:.3f}" if margin >= 0.0 else f"{-margin:.3f} outside",
+            distance=f"{response.seed_distances[i]:.3f}",
+            condition=f"{response.condition_numbers[i]:.1f}",
+        )
+
+
+def _joints(q: Array) -> str:
+    return " ".join(f"{value:+.3f}" for value in q)

@@ -1,0 +1,98 @@
+"""One run of the demonstration, from the start of the nodes to the plot."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from robomech_interfaces.srv import Execute, PlanJoint, SolveFK, SolveIK
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.commands.bringup import node_commands
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.limits import robot_with_limits
+from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.suite import running_suite
+from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs.plots import plot_motion
+
+__all__ = ["demonstrate"]
+
+# Rest before the first motion that the plot shows, s.
+_LEAD_SECONDS = 0.25
+_SERVICES = {
+    "kinematics/solve_ik": SolveIK,
+    "kinematics/solve_fk": SolveFK,
+    "trajectory_planner/plan_joint": PlanJoint,
+    "trajectory_publisher/execute": Execute,
+}
+
+
+def demonstrate(robot: str, output: Path) -> None:
+    """Pick and place with a robot, and tell about it.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path.
+    output : Path
+        Folder for the plot.
+
+    Raises
+    ------
+    RobomechError
+        A step failed; the text says which and why.
+    """
+    reporter = Reporter()
+    start = time.perf_counter()
+    with robot_with_limits(robot) as (used, chain, notice):
+        if notice:
+            reporter.say(notice)
+        plot = _session(used, chain, output, reporter)
+    reporter.say(f"plot: {plot}")
+    reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
+
+
+def _session(robot: str, chain: SerialChain, output: Path, reporter: Reporter) -> Path:
+    joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
+    reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
+    start = time.perf_counter()
+    with running_suite(node_commands(robot)) as suite:
+        client = DemoClient(suite, chain.joint_names)
+        try:
+            client.wait_until_up(_SERVICES)
+            seconds = time.perf_counter() - start
+            reporter.say(
+                f"up after {seconds:.1f} s, each a process of its own in ROS domain "
+                f"{suite.domain}: {', '.join(suite.names)}"
+            )
+            task = PickAndPlace(client, chain, reporter)
+            task.run()
+            reporter.heading("summary")
+            reporter.summary(task.legs)
+            return _plot(chain, client, task, output)
+        except RobomechError:
+            print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
+            raise
+        finally:
+            client.close()
+
+
+def _plot(chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
+    times, q, qd = client.recording()
+    # The robot waited for its first motion; that is not worth a look.
+    start = max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
+    keep = times >= start
+    times, q, qd = times[keep] - start, q[keep], qd[keep]
+    qdd = np.gradient(qd, times, axis=0)
+    output.mkdir(parents=True, exist_ok=True)
+    return plot_motion(
+        output / f"{chain.name}.png",
+        chain.joint_names,
+        times,
+        (q, qd, qdd),
+        title=f"{chain.name}: pick and place, as published on joint_states",
+        prismatic=[bool(kind == PRISMATIC) for kind in chain.types],
+        marks=[(instant - start, label) for instant, label in task.marks],
+    )

@@ -1,0 +1,76 @@
+"""The suite as child processes, in a ROS domain of their own on this machine only."""
+
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.free_domain import free_domain
+from robomech_ros.nodes.process_group import ProcessGroup
+
+__all__ = ["Suite", "running_suite"]
+
+_LOG_LINES = 30
+
+
+class Suite:
+    """The running nodes and what they have said."""
+
+    def __init__(self, group: ProcessGroup, domain: int, log: Path) -> None:
+        self._group = group
+        self.domain = domain
+        self._log = log
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the nodes."""
+        return tuple(self._group.processes)
+
+    def check(self) -> None:
+        """Raise where a node has ended.
+
+        Raises
+        ------
+        DemoFailedError
+            It names the node and its exit code.
+        """
+        for name, code in self._group.dead().items():
+            raise DemoFailedError(f"node {name} ended by itself with exit code {code}")
+
+    def last_words(self) -> str:
+        """Give the last lines of what the nodes have logged."""
+        lines = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+        return "\n".join(lines[-_LOG_LINES:])
+
+
+@contextmanager
+def running_suite(commands: Mapping[str, Sequence[str]]) -> Iterator[Suite]:
+    """Start the nodes, and stop them at the end whatever happens.
+
+    The variables that choose domain and discovery range are set in this process, too, so that
+    what it starts next hears the nodes and nobody else.
+
+    Raises
+    ------
+    DemoFailedError
+        A node did not end cleanly.
+    """
+    with (
+        free_domain() as domain,
+        tempfile.NamedTemporaryFile(prefix="robomech-demo-", suffix=".log") as log,
+    ):
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+        group = ProcessGroup(commands, log=log)
+        suite = Suite(group, domain, Path(log.name))
+        try:
+            yield suite
+        except BaseException:
+            group.stop()
+            raise
+        failed = {name: code for name, code in group.stop().items() if code}
+        if failed:
+            name, code = failed.popitem()
+            raise DemoFailedError(f"node {name} ended with exit code {code} when told to stop")

@@ -1,0 +1,105 @@
+"""One table from what went wrong to the error code on the wire, and the guard of callbacks."""
+
+import functools
+import traceback
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+from rclpy.node import Node
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_ros import errors
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+
+__all__ = ["FrameUnavailableError", "NoStateError", "answer", "code_of", "guarded", "name_of"]
+
+_Callback = TypeVar("_Callback", bound=Callable[..., Any])
+
+
+class FrameUnavailableError(RobomechError):
+    """A frame that cannot be related to the base of the chain."""
+
+    def __init__(self, frame: str, known: Iterable[str], why: str = "") -> None:
+        self.frame = frame
+        self.known = tuple(known)
+        why = why or "its relation to the base of the chain is not known"
+        listed = ", ".join(self.known)
+        super().__init__(f"frame {frame[:200]!r}: {why}; usable frames: {listed}")
+
+
+class NoStateError(RobomechError):
+    """The present state of the joints is needed and not known."""
+
+    def __init__(self, joints: Iterable[str], topic: str) -> None:
+        self.joints = tuple(joints)
+        self.topic = topic
+        listed = ", ".join(self.joints)
+        super().__init__(f"no present state of joint(s) {listed}: nothing received on '{topic}'")
+
+
+# Searched along the bases of the error's class, so that a subclass finds its parent's code.
+_CODES: dict[type[BaseException], int] = {
+    errors.UnknownLinkError: ErrorCode.UNKNOWN_LINK,
+    errors.UnknownJointError: ErrorCode.UNKNOWN_JOINT,
+    errors.BadQuaternionError: ErrorCode.BAD_QUATERNION,
+    errors.NonFiniteError: ErrorCode.NON_FINITE,
+    FrameUnavailableError: ErrorCode.FRAME_UNAVAILABLE,
+    errors.SeedOutsideLimitsError: ErrorCode.SEED_OUTSIDE_LIMITS,
+    NoStateError: ErrorCode.NO_STATE,
+    errors.WrongSizeError: ErrorCode.WRONG_SIZE,
+    errors.MissingLimitsError: ErrorCode.MISSING_LIMITS,
+    errors.LimitExceededError: ErrorCode.LIMIT,
+    errors.DurationTooShortError: ErrorCode.LIMIT,
+    TrajectoryRefusedError: ErrorCode.REJECTED,
+    RobomechError: ErrorCode.BAD_VALUE,
+}
+
+_NAMES: dict[int, str] = {
+    value: name
+    for name in dir(ErrorCode)
+    if name.isupper() and isinstance(value := getattr(ErrorCode, name), int)
+}
+
+
+def code_of(error: BaseException) -> int:
+    """Give the ErrorCode of an exception; INTERNAL for one that is no RobomechError."""
+    for kind in type(error).__mro__:
+        if kind in _CODES:
+            return _CODES[kind]
+    return int(ErrorCode.INTERNAL)
+
+
+def name_of(code: int) -> str:
+    """Give the name of an ErrorCode, such as ``OUT_OF_REACH`` for 201."""
+    return _NAMES.get(code, f"code {code}")
+
+
+def answer(response: Any, code: int = 0, text: str = "") -> Any:
+    """Fill the last two fields of a response and return it."""
+    response.error_code = int(code)
+    response.error_msg = text
+    return response
+
+
+def guarded(callback: _Callback) -> _Callback:
+    """Make a service callback of a node answer whatever happens.
+
+    A RobomechError becomes its code and text in an otherwise empty response; any other exception
+    becomes INTERNAL, with the traceback in the log.  The node goes on serving.
+    """
+
+    @functools.wraps(callback)
+    def wrapper(self: Node, request: Any, response: Any) -> Any:
+        try:
+            return callback(self, request, response)
+        except RobomechError as error:
+            return answer(type(response)(), code_of(error), str(error))
+        except Exception as error:
+            self.get_logger().error(
+                f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
+            )
+            text = f"internal error, please report it: {type(error).__name__}: {error}"
+            return answer(type(response)(), ErrorCode.INTERNAL, text)
+
+    return wrapper  # type: ignore[return-value]

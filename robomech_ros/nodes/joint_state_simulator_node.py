@@ -1,0 +1,150 @@
+"""The simulated robot: follows trajectories as ros2_control's joint_trajectory_controller does."""
+
+import traceback
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.follower import Phase
+from robomech_ros.execution.job import Code, End, Outcome
+from robomech_ros.nodes.controller.condition import robot_condition
+from robomech_ros.nodes.controller.goal_server import GoalServer
+from robomech_ros.nodes.controller.motion_clock import MotionClock
+from robomech_ros.nodes.controller.robot import SimulatedRobot
+from robomech_ros.nodes.controller.settings import ControllerSettings
+from robomech_ros.nodes.controller.state_publisher import StatePublisher
+from robomech_ros.nodes.error_codes import code_of, name_of
+from robomech_ros.nodes.parameters import NodeParameters
+from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.run import run_node
+from robomech_ros.nodes.status_report import StatusReport
+
+_DEPTH = 10
+_SHUTS_DOWN = "the controller shuts down; the robot holds"
+# How long the robot may take to slow down when the node ends, s; then it holds at once.
+_LONGEST_STOP = 2.0
+_STEADY = ClockType.STEADY_TIME
+
+
+class JointStateSimulatorNode(Node):
+    """A simulated robot that executes joint trajectories and publishes joint_states."""
+
+    SETTINGS = ControllerSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("joint_trajectory_controller", **options)
+        self._settings = NodeParameters(self, ControllerSettings).settings
+        self._robot: SimulatedRobot | None = None
+        self._standing: Future | None = None
+        when_robot_known(self, self._settings, self._serve)
+
+    def _serve(self, model: RobotModel) -> None:
+        clock = MotionClock(self)
+        robot = self._robot = SimulatedRobot(model.chain, self._settings, clock)
+        self._states = StatePublisher(self, model)
+        self._goals = GoalServer(self, robot)
+        hardware = f"{model.chain.name} (simulated)"
+        StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
+        self.create_subscription(JointTrajectory, "~/joint_trajectory", self._take, _DEPTH)
+        self.create_service(Trigger, "~/hold", self._hold)
+        self.create_service(Trigger, "~/reset", self._reset)
+        rate = self._settings.publish_rate
+        self._feedback_cycles = max(round(rate / self._settings.action_monitor_rate), 1)
+        self._cycle = 0
+        self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
+        self.get_logger().info(
+            f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
+        )
+
+    def _tick(self) -> None:
+        robot = self._robot
+        assert robot is not None
+        try:
+            robot.advance()
+        except Exception:
+            self.get_logger().error(f"motion failed, please report:\n{traceback.format_exc()}")
+            robot.follower.halt(900, "internal error of the controller, see its log")
+        self._states.publish(robot.follower.actual)
+        self._tell_standing()
+        self._cycle += 1
+        if self._goals.busy and self._cycle % self._feedback_cycles == 0:
+            self._goals.publish_feedback()
+
+    def _take(self, trajectory: JointTrajectory) -> None:
+        assert self._robot is not None
+        try:
+            by = "a trajectory on the topic joint_trajectory"
+            self._robot.execute(trajectory, by, self._log_end)
+        except RobomechError as error:
+            code = code_of(error)
+            self.get_logger().error(f"trajectory refused ({code} {name_of(code)}): {error}")
+
+    def _log_end(self, outcome: Outcome) -> None:
+        if outcome.code:
+            self.get_logger().warning(f"trajectory ended early: {outcome.text}")
+
+    def _hold(self, request: Any, response: Any) -> Any:
+        assert self._robot is not None
+        text = "stopped by the service hold"
+        stopped = self._robot.follower.stop(End.ABORTED, Code.PREEMPTED, text)
+        response.success = True
+        response.message = "the robot slows down and holds" if stopped else "the robot holds"
+        return response
+
+    def _reset(self, request: Any, response: Any) -> Any:
+        assert self._robot is not None
+        self._robot.reset("ended by the service reset")
+        self._states.publish(self._robot.follower.actual)
+        response.success = True
+        response.message = "the robot is at its initial position"
+        return response
+
+    async def stop(self) -> None:
+        """Slow down and hold, say so, abort what was to be done, and let the clients know."""
+        robot = self._robot
+        if robot is None:
+            return
+        robot.refuse_all = _SHUTS_DOWN
+        self._standing = Future()
+        # By the machine's time: simulated time may stand still.
+        deadline = self.create_timer(_LONGEST_STOP, self._halt, clock=Clock(clock_type=_STEADY))
+        robot.follower.stop(End.ABORTED, Code.PREEMPTED, _SHUTS_DOWN)
+        self._tell_standing()
+        await self._standing
+        self.destroy_timer(deadline)
+        self._states.publish(robot.follower.actual)
+        await self._goals.all_ended()
+
+    def _halt(self) -> None:
+        """Hold at once."""
+        assert self._robot is not None
+        self._robot.follower.halt(Code.PREEMPTED, _SHUTS_DOWN)
+        self._tell_standing()
+
+    def _tell_standing(self) -> None:
+        """Let `stop` go on as soon as the robot stands."""
+        assert self._robot is not None
+        standing = self._robot.follower.phase is Phase.HOLDING
+        if self._standing is not None and standing and not self._standing.done():
+            self._standing.set_result(None)
+
+    def destroy_node(self) -> None:
+        """Destroy the node and, what rclpy leaves out, its action server."""
+        if hasattr(self, "_goals"):
+            self._goals.destroy()
+        super().destroy_node()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(JointStateSimulatorNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,145 @@
+"""The node that answers kinematic questions: poses, joint positions, Jacobians."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics import (
+    forward_kinematics,
+    inverse_kinematics,
+    inverse_kinematics_batch,
+)
+from robomech_ros.kinetostatics import point_jacobian
+from robomech_ros.nodes.conversions import (
+    floats,
+    linear_rows_first,
+    matrices_from_pose_rows,
+    matrix_from_pose,
+    point_vector,
+    stamped_pose,
+)
+from robomech_ros.nodes.error_codes import answer, guarded
+from robomech_ros.nodes.ik_messages import (
+    SolutionPoints,
+    encode_batch,
+    encode_result,
+    inverse_options,
+    is_nearest,
+)
+from robomech_ros.nodes.joint_positions import JointPositions
+from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.parameters import NodeParameters, parameter
+from robomech_ros.nodes.reference_axes import reference_axes
+from robomech_ros.nodes.robot_description import RobotModel, RobotSettings, when_robot_known
+from robomech_ros.nodes.run import run_node
+
+
+@dataclass(frozen=True)
+class KinematicsSettings(RobotSettings):
+    """Parameters of the node."""
+
+    largest_batch: int = parameter(
+        10_000,
+        "Largest number of poses in one SolveIKBatch request. Nobody else is served meanwhile: "
+        "a pose takes 10 us, but 10 ms where it has to be explained why it cannot be reached",
+        1,
+        10_000_000,
+        "poses",
+        read_only=False,
+    )
+
+
+class KinematicsNode(Node):
+    """Forward and inverse kinematics and the Jacobian of one robot, as services."""
+
+    SETTINGS = KinematicsSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("kinematics", **options)
+        self._table = NodeParameters(self, KinematicsSettings)
+        self._monitor = JointStateMonitor(self)
+        self._points = SolutionPoints()
+        when_robot_known(self, self._table.settings, self._serve)
+
+    def _serve(self, model: RobotModel) -> None:
+        self._model = model
+        self._joints = JointPositions(model, self._monitor)
+        chain = model.chain
+        # The kernels are compiled or loaded on import; this decides the solver family, too.
+        family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
+        self.create_service(SolveFK, "~/solve_fk", self._solve_fk)
+        self.create_service(SolveIK, "~/solve_ik", self._solve_ik)
+        self.create_service(SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch)
+        self.create_service(GetJacobian, "~/get_jacobian", self._get_jacobian)
+        self.get_logger().info(
+            f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
+            f"inverse kinematics: {family}"
+        )
+
+    @guarded
+    def _solve_fk(self, request: Any, response: Any) -> Any:
+        chains = [self._model.chain_to(link) for link in request.links or [""]]
+        poses = [
+            forward_kinematics(chain, self._joints.rows(chain, request.states)) for chain in chains
+        ]
+        base = self._model.chain.base
+        response.poses = [
+            stamped_pose(T, base) for of_state in zip(*poses, strict=True) for T in of_state
+        ]
+        return answer(response)
+
+    @guarded
+    def _solve_ik(self, request: Any, response: Any) -> Any:
+        chain = self._model.chain_to(request.tip_link)
+        frame = self._model.frame_in_base(request.target.header.frame_id)
+        T = matrix_from_pose(request.target.pose, "target")
+        options = inverse_options(request)
+        seed = self._joints.seed(chain, request.seed)
+        start = perf_counter()
+        target = T if frame is None else frame @ T
+        result = inverse_kinematics(chain, target, seed=seed, **options)
+        seconds = perf_counter() - start
+        return encode_result(result, chain.joint_names, self._points, seconds, response)
+
+    @guarded
+    def _solve_ik_batch(self, request: Any, response: Any) -> Any:
+        chain = self._model.chain
+        T = matrices_from_pose_rows(request.poses)
+        self._check_batch(len(T))
+        cap = 1 if is_nearest(request.mode) else None
+        seed = self._joints.seed(chain, JointState(position=request.seed))
+        found = inverse_kinematics_batch(
+            chain, T, seed=seed, respect_limits=not request.ignore_limits, max_solutions=cap
+        )
+        return encode_batch(chain, T, found, response)
+
+    def _check_batch(self, poses: int) -> None:
+        largest = self._table.settings.largest_batch
+        if poses > largest:
+            expected = f"at most {largest} poses, the parameter largest_batch"
+            raise WrongSizeError("poses", poses, expected)
+
+    @guarded
+    def _get_jacobian(self, request: Any, response: Any) -> Any:
+        chain = self._model.chain_to(request.tip_link)
+        q = self._joints.given_or_present(chain, request.state, "state")
+        point = point_vector(request.tool_point, "tool_point")
+        axes = reference_axes(self._model, request.reference_frame, chain, q)
+        response.jacobian = floats(linear_rows_first(point_jacobian(chain, q, point, axes)))
+        response.joint_names = list(chain.joint_names)
+        return answer(response)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(KinematicsNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,290 @@
+"""Node parameters from one declarative table: a frozen dataclass whose fields are parameters.
+
+The table gives type, default, description, range and whether a value may change at run time.
+From it come the descriptors that ``ros2 param describe`` shows, the checks at start and at run
+time, the help text, and a frozen object with the values::
+
+    @dataclass(frozen=True)
+    class Settings:
+        rate: float = parameter(100.0, "How often joint_states is published", 1.0, 1000.0, "Hz")
+
+    settings = NodeParameters(node, Settings).settings
+"""
+
+import dataclasses
+import math
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import Any, Generic, TypeVar, get_args, get_type_hints
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from robomech_ros.errors import RobomechError
+
+__all__ = ["NodeParameters", "ParameterError", "ParameterRow", "parameter", "table_rows"]
+
+Settings = TypeVar("Settings")
+
+_METADATA = "robomech parameter"
+_SHORTENED = 120
+_TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
+# The wildcard and the parameters that rclpy itself declares.
+_FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides")
+
+
+class ParameterError(RobomechError):
+    """A parameter was given a value that is not allowed."""
+
+    def __init__(self, name: str, value: object, allowed: str) -> None:
+        self.name = name
+        self.value = value
+        self.allowed = allowed
+        shown = repr(value)
+        if len(shown) > _SHORTENED:
+            shown = shown[:_SHORTENED] + "..."
+        super().__init__(f"parameter '{name}' is {shown}; allowed is {allowed}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.name, self.value, self.allowed)
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """One row of the table.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter.
+    kind : type
+        bool, int, float, str, or ``tuple[float, ...]``.
+    default : object
+        Value where none is given.
+    description : str
+        What it means and what empty or zero means.
+    low, high : float or None
+        Allowed range, ends included.
+    unit : str
+        Unit, "" for none.
+    choices : tuple of str
+        Allowed strings; empty for any.
+    read_only : bool
+        Whether it is fixed once the node runs.
+    """
+
+    name: str
+    kind: Any
+    default: Any
+    description: str
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+    choices: tuple[str, ...] = ()
+    read_only: bool = True
+
+    @property
+    def allowed(self) -> str:
+        """Say in words which values are allowed."""
+        if self.choices:
+            return "one of " + ", ".join(f"'{choice}'" for choice in self.choices)
+        numbers = self.kind not in _TYPE_NAMES
+        text = "a list of numbers" if numbers else _TYPE_NAMES[self.kind]
+        each = ", each" if numbers else ""
+        unit = f" {self.unit}" if self.unit else ""
+        low, high = (
+            None if end is None else f"{int(end)}" if self.kind is int else f"{end:g}"
+            for end in (self.low, self.high)
+        )
+        if low is not None and high is not None:
+            return f"{text}{each} from {low} to {high}{unit}"
+        if low is not None:
+            return f"{text}{each} of at least {low}{unit}"
+        if high is not None:
+            return f"{text}{each} of at most {high}{unit}"
+        return text + unit
+
+    def checked(self, value: Any) -> Any:
+        """Return the value in the type of the row.
+
+        Raises
+        ------
+        ParameterError
+            It is of another type or out of range.
+        """
+        if self.kind not in _TYPE_NAMES:
+            return self._checked_list(value)
+        if self.kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not self.kind or (self.choices and value not in self.choices):
+            raise ParameterError(self.name, value, self.allowed)
+        if self.kind in (int, float) and not self._in_range(value):
+            raise ParameterError(self.name, value, self.allowed)
+        return value
+
+    def _checked_list(self, value: Any) -> tuple[float, ...]:
+        # An empty list comes as a list of bytes or as not set: it carries no type.
+        entries = () if value is None else tuple(value) if not isinstance(value, str) else (value,)
+        if any(
+            isinstance(entry, bool | str | bytes) or not self._in_range(entry) for entry in entries
+        ):
+            raise ParameterError(self.name, value, self.allowed)
+        return tuple(float(entry) for entry in entries)
+
+    def _in_range(self, value: float) -> bool:
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
+        return math.isfinite(value) and low <= value <= high
+
+    def descriptor(self) -> ParameterDescriptor:
+        """Make what ``ros2 param describe`` shows."""
+        unit = f" [{self.unit}]" if self.unit else ""
+        result = ParameterDescriptor(
+            name=self.name, description=self.description + unit, read_only=self.read_only
+        )
+        if self.choices or self.kind not in _TYPE_NAMES:
+            result.additional_constraints = self.allowed
+        if self.low is None and self.high is None:
+            return result
+        if self.kind is int:
+            low = -(2**63) if self.low is None else int(self.low)
+            high = 2**63 - 1 if self.high is None else int(self.high)
+            result.integer_range = [IntegerRange(from_value=low, to_value=high)]
+        elif self.kind is float:
+            lowest = -sys.float_info.max if self.low is None else float(self.low)
+            highest = sys.float_info.max if self.high is None else float(self.high)
+            result.floating_point_range = [FloatingPointRange(from_value=lowest, to_value=highest)]
+        return result
+
+
+def parameter(
+    default: Any,
+    description: str,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+    *,
+    choices: tuple[str, ...] = (),
+    read_only: bool = True,
+) -> Any:
+    """Make a field of a settings dataclass that is a parameter of the node.
+
+    Parameters
+    ----------
+    default : bool, int, float, str or tuple of float
+        Value where none is given.
+    description : str
+        What it means, and what empty or zero means.
+    low, high : float, optional
+        Allowed range, ends included.
+    unit : str, optional
+        Unit.
+    choices : tuple of str, optional
+        Allowed strings.
+    read_only : bool, optional
+        False lets the value change while the node runs.
+    """
+    metadata = {
+        "description": description,
+        "low": low,
+        "high": high,
+        "unit": unit,
+        "choices": choices,
+        "read_only": read_only,
+    }
+    return field(default=default, metadata={_METADATA: metadata})
+
+
+def table_rows(table: type) -> tuple[ParameterRow, ...]:
+    """List the parameters of a settings dataclass."""
+    kinds = get_type_hints(table)
+    return tuple(
+        ParameterRow(entry.name, kinds[entry.name], entry.default, **entry.metadata[_METADATA])
+        for entry in dataclasses.fields(table)
+    )
+
+
+class NodeParameters(Generic[Settings]):
+    """The declared parameters of a node.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the parameters declared.
+    table : type
+        Frozen dataclass whose fields come from :func:`parameter`.
+    on_change : callable, optional
+        Called with the new settings after a parameter changed at run time.
+
+    Raises
+    ------
+    ParameterError
+        A value given at start is of the wrong type or out of range.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        table: type[Settings],
+        on_change: Callable[[Settings], None] | None = None,
+    ) -> None:
+        self._rows = {row.name: row for row in table_rows(table)}
+        self._on_change = on_change
+        self.settings: Settings = table(**{r.name: _declared(node, r) for r in self._rows.values()})
+        for name, hint in _unknown_overrides(node, self._rows):
+            node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._store)
+
+    def _check(self, changes: list[Parameter]) -> SetParametersResult:
+        try:
+            for change in changes:
+                if change.name in self._rows:
+                    self._rows[change.name].checked(change.value)
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _store(self, changes: list[Parameter]) -> None:
+        values = {
+            change.name: self._rows[change.name].checked(change.value)
+            for change in changes
+            if change.name in self._rows
+        }
+        if values:
+            self.settings = dataclasses.replace(self.settings, **values)  # type: ignore[type-var]
+            if self._on_change is not None:
+                self._on_change(self.settings)
+
+
+def _declared(node: Node, row: ParameterRow) -> Any:
+    """Declare one parameter and return its value."""
+    # A first declaration without a type shows what was given, an integer for a number included.
+    untyped = ParameterDescriptor(dynamic_typing=True)
+    default = list(row.default) if isinstance(row.default, tuple) else row.default
+    value = row.checked(node.declare_parameter(row.name, default, untyped).value)
+    node.undeclare_parameter(row.name)
+    kept = Parameter.Type.DOUBLE_ARRAY if get_args(row.kind) and not value else _plain(value)
+    node.declare_parameter(row.name, kept, row.descriptor(), ignore_override=True)
+    return value
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _unknown_overrides(node: Node, known: dict[str, ParameterRow]) -> Iterator[tuple[str, str]]:
+    """List given parameters that the node does not have, each with a hint."""
+    for name in getattr(node, "_parameter_overrides", {}):
+        if name in known or name.split(".")[0] in _FOREIGN:
+            continue
+        close = get_close_matches(name, known, n=1)
+        yield name, f" (did you mean '{close[0]}'?)" if close else ""

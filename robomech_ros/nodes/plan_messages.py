@@ -1,0 +1,122 @@
+"""Decoding of PlanJoint requests, encoding of plans, and the path that a plan lets the tip take."""
+
+from typing import Any
+
+import numpy as np
+from nav_msgs.msg import Path
+from numpy.typing import NDArray
+
+from robomech_interfaces.srv import PlanJoint
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.kinematics import tip_poses
+from robomech_ros.nodes.conversions import (
+    duration_from_seconds,
+    floats,
+    joint_trajectory,
+    seconds_from_duration,
+    stamped_pose,
+)
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import PROFILES, SampledPlan
+
+__all__ = ["SHORTEST_PERIOD", "encode_plan", "plan_options", "profile_name", "tip_path"]
+
+# Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
+SHORTEST_PERIOD = 1e-4
+
+_NAMES = {
+    getattr(PlanJoint.Request, name): name
+    for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
+}
+_OFFERED = ", ".join(
+    f"{name} ({number})" for number, name in _NAMES.items() if name.lower() in PROFILES
+)
+_SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
+
+
+def profile_name(number: int) -> str:
+    """Give the name in `PROFILES` of a profile's number in a request.
+
+    Raises
+    ------
+    BadValueError
+        There is no such profile, or it is not offered; those that are get listed.
+    """
+    name = _NAMES.get(number)
+    if name is None or name.lower() not in PROFILES:
+        shown = f"{name} ({number})" if name else number
+        raise BadValueError("profile", shown, f"one of {_OFFERED}")
+    return name.lower()
+
+
+def plan_options(request: Any, period: float) -> dict[str, Any]:
+    """Read what a PlanJoint request wants as keywords of `sampled_point_to_point`.
+
+    Parameters
+    ----------
+    request : PlanJoint.Request
+        Its zeros stand for defaults.
+    period : float
+        Default time between two samples (s).
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        A profile that is not offered, via points, a value out of range.
+    """
+    options: dict[str, Any] = {"profile": profile_name(request.profile)}
+    if request.via:
+        expected = f"none: {_NAMES[request.profile]} goes straight from start to goal"
+        raise BadValueError("via", f"{len(request.via)} points", expected)
+    options["duration"] = seconds_from_duration(request.duration, "duration") or None
+    options |= {name: getattr(request, name) or 1.0 for name in _SCALES}
+    options["period"] = _period(request.sample_period) or period
+    return options
+
+
+def _period(seconds: float) -> float:
+    if not np.isfinite(seconds):
+        raise NonFiniteError("sample_period", seconds)
+    if seconds and seconds < SHORTEST_PERIOD:
+        expected = f"at least {SHORTEST_PERIOD:g} s, or 0 for the default"
+        raise BadValueError("sample_period", seconds, expected)
+    return seconds
+
+
+def encode_plan(
+    plan: SampledPlan, chain: SerialChain, options: dict[str, Any], response: Any
+) -> Any:
+    """Fill a PlanJoint response; ratios are relative to the limits of the joints, not scaled."""
+    points, peaks = plan.waypoints, plan.verification
+    assert points.velocities is not None
+    assert points.accelerations is not None
+    response.trajectory = joint_trajectory(
+        chain.joint_names, points.times, points.positions, points.velocities, points.accelerations
+    )
+    response.duration = duration_from_seconds(float(points.times[-1]))
+    velocity, acceleration, jerk = (options[name] for name in _SCALES)
+    response.peak_velocity_ratio = floats(peaks.peak_velocity_ratio * velocity)
+    response.peak_acceleration_ratio = floats(peaks.peak_acceleration_ratio * acceleration)
+    if np.isfinite(chain.jerk).any():
+        response.peak_jerk_ratio = floats(peaks.peak_jerk_ratio * jerk)
+    return response
+
+
+def tip_path(chain: SerialChain, positions: NDArray[np.float64]) -> Path:
+    """Make the path of the tip in the base link.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        n joints.
+    positions : ndarray, shape (m, n)
+        Joint values along the way, rad or m.
+
+    Returns
+    -------
+    Path
+        m poses; the stamps stay 0.
+    """
+    path = Path(poses=[stamped_pose(T, chain.base) for T in tip_poses(chain, positions)])
+    path.header.frame_id = chain.base
+    return path

@@ -1,0 +1,1 @@
+"""Parts of the node trajectory_publisher."""

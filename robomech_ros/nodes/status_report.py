@@ -1,0 +1,72 @@
+"""What a node says of itself on /diagnostics, once a second."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+__all__ = ["Condition", "StatusReport"]
+
+TOPIC = "/diagnostics"
+PERIOD = 1.0
+_DEPTH = 10
+
+
+@dataclass(frozen=True)
+class Condition:
+    """How a node is.
+
+    Attributes
+    ----------
+    summary : str
+        In one line.
+    warning : bool
+        Whether somebody should look at it.
+    values : mapping
+        Further facts by name.
+    """
+
+    summary: str
+    warning: bool
+    values: Mapping[str, object]
+
+
+class StatusReport:
+    """Publishes one status a second.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of publisher and timer.
+    part : str
+        What of the node is reported.
+    hardware : str
+        What it belongs to.
+    describe : callable
+        Gives the present condition.
+    """
+
+    def __init__(
+        self, node: Node, part: str, hardware: str, describe: Callable[[], Condition]
+    ) -> None:
+        self._clock = node.get_clock()
+        self._describe = describe
+        self._name = f"{node.get_fully_qualified_name().lstrip('/')}: {part}"
+        self._hardware = hardware
+        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, _DEPTH)
+        node.create_timer(PERIOD, self.publish)
+
+    def publish(self) -> None:
+        """Publish the present condition."""
+        condition = self._describe()
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.WARN if condition.warning else DiagnosticStatus.OK,
+            name=self._name,
+            hardware_id=self._hardware,
+            message=condition.summary,
+            values=[KeyValue(key=k, value=str(v)) for k, v in condition.values.items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._clock.now().to_msg()
+        self._publisher.publish(message)

@@ -1,0 +1,1 @@
+"""Plots, where people would rather look than read; needs matplotlib."""

@@ -1,0 +1,108 @@
+"""Plots of joint motions over time."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+
+__all__ = ["PlottingUnavailableError", "plot_motion"]
+
+Array = NDArray[np.float64]
+
+_SIZE = (10.0, 8.0)
+_DPI = 110
+_LABELS = ("position", "velocity", "acceleration")
+_UNITS = {False: ("rad", "rad/s", "rad/s²"), True: ("m", "m/s", "m/s²")}
+
+
+class PlottingUnavailableError(RobomechError):
+    """matplotlib is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__("plots need matplotlib: pip install matplotlib")
+
+
+def plot_motion(
+    path: str | Path,
+    joint_names: Sequence[str],
+    times: Array,
+    curves: Sequence[Array],
+    *,
+    title: str = "",
+    prismatic: Sequence[bool] | None = None,
+    marks: Sequence[tuple[float, str]] = (),
+) -> Path:
+    """Write a picture of positions, velocities and accelerations of all joints over time.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture; its ending (png, svg, pdf) gives the format.
+    joint_names : sequence of str
+        n joints, one curve each.
+    times : ndarray, shape (m,)
+        s.
+    curves : sequence of ndarray, shape (m, n)
+        Positions, velocities, accelerations (rad or m, and per s and s^2); later ones may be
+        left out.
+    title : str, optional
+        Above the picture.
+    prismatic : sequence of bool, optional
+        Which joints slide; they are marked in the legend.
+    marks : sequence of (float, str), optional
+        Instants (s) to be marked, each with its label.
+
+    Returns
+    -------
+    Path
+        Where the picture is.
+
+    Raises
+    ------
+    PlottingUnavailableError
+        matplotlib is not installed.
+    BadValueError, WrongSizeError
+        No curve or more than three, or one whose shape does not fit.
+    """
+    slides = list(prismatic) if prismatic is not None else [False] * len(joint_names)
+    _check(joint_names, times, curves)
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise PlottingUnavailableError from None
+    figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
+    axes = np.atleast_1d(figure.subplots(len(curves), 1, sharex=True))
+    for i, (ax, curve) in enumerate(zip(axes, curves, strict=True)):
+        for joint, name in enumerate(joint_names):
+            label = f"{name} (m)" if slides[joint] and not all(slides) else name
+            ax.plot(times, curve[:, joint], linewidth=1.4, label=label)
+        for instant, _ in marks:
+            ax.axvline(instant, color="0.6", linewidth=0.8, linestyle=":")
+        units = " or ".join(_UNITS[kind][i] for kind in sorted(set(slides)))
+        ax.set_ylabel(f"{_LABELS[i]} ({units})")
+        ax.grid(visible=True, color="0.9")
+        ax.margins(x=0.01)
+    for instant, label in marks:
+        axes[0].annotate(
+            label, (instant, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -11),
+            textcoords="offset points", fontsize=8, color="0.4",
+        )  # fmt: skip
+    axes[-1].set_xlabel("time (s)")
+    figure.suptitle(title)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    path = Path(path)
+    figure.savefig(path)
+    return path
+
+
+def _check(joint_names: Sequence[str], times: Array, curves: Sequence[Array]) -> None:
+    if not 1 <= len(curves) <= len(_LABELS):
+        raise BadValueError("number of curves", len(curves), f"1 to {len(_LABELS)}")
+    wanted = (len(times), len(joint_names))
+    for label, curve in zip(_LABELS, curves, strict=False):
+        if curve.shape != wanted:
+            raise WrongSizeError(label, curve.shape, wanted)

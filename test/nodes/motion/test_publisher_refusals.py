@@ -1,0 +1,134 @@
+"""What cannot be executed is said, with code and text, and the publisher goes on."""
+
+import numpy as np
+import pytest
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+
+MOVE = np.array([0.05, -0.05, 0.05, 0.0, 0.05, -0.05])
+TIMEOUT = 30.0
+JOINTS = ("waist", "shoulder", "elbow", "wrist_roll", "wrist_bend", "wrist_swivel")
+
+
+def no_joints(trajectory):
+    trajectory.joint_names = []
+    for point in trajectory.points:
+        point.positions = point.velocities = point.accelerations = []
+
+
+def five_joints(trajectory):
+    trajectory.joint_names = JOINTS[:5]
+    for point in trajectory.points:
+        point.positions = point.positions[:5]
+        point.velocities = point.accelerations = []
+
+
+def unknown_joint(trajectory):
+    trajectory.joint_names[5] = "thumb"
+
+
+def unchanged(trajectory):
+    """What is wrong is in the numbers."""
+
+
+CASES = {
+    "far start": (0.5, 0.0, 0.2, unchanged, 221, "starts with joint 'waist' at 0.5"),
+    "too fast": (0.0, MOVE, 0.01, unchanged, 213, "velocity of joint 'waist'"),
+    "nan": (0.0, MOVE * np.nan, 0.2, unchanged, 104, "points[1].positions of joint 'waist' is nan"),
+    "unknown joint": (0.0, MOVE, 0.2, unknown_joint, 107, "joint states of waist, shoulder"),
+    "missing joint": (0.0, MOVE, 0.2, five_joints, 108, "missing: wrist_swivel"),
+    "no joints": (0.0, MOVE, 0.2, no_joints, 108, "joint_names has size 0"),
+}
+
+
+def test_execute_says_what_is_wrong(suite):
+    arm = suite(controller_timeout=1.0)
+    for case, (start, goal, duration, change, code, text) in CASES.items():
+        trajectory = arm.trajectory(start, goal, duration)
+        change(trajectory)
+        answer = arm.execute(trajectory)
+        assert answer.error_code == code, (case, answer.error_msg)
+        assert text in answer.error_msg, case
+    assert arm.execute(arm.trajectory(0.0, MOVE)).error_code == ErrorCode.NONE
+
+
+def test_joints_are_checked_at_once_where_the_robot_is_known(suite):
+    arm = suite(robot_description="puma560")
+    trajectory = arm.trajectory(0.0, MOVE)
+    unknown_joint(trajectory)
+    answer = arm.execute(trajectory)
+    assert answer.error_code == ErrorCode.UNKNOWN_JOINT
+    assert "unknown joint 'thumb'" in answer.error_msg and "wrist_swivel" in answer.error_msg
+
+
+def test_the_node_serves_while_it_waits(suite):
+    arm = suite()
+    slow = arm.start_execute(arm.trajectory(0.0, MOVE, duration=0.8))
+    arm.until_moving()
+    refused = arm.execute(arm.trajectory(0.0, MOVE, names=["waist"] * 6))
+    assert refused.error_code == ErrorCode.WRONG_SIZE
+    assert "'waist' is repeated" in refused.error_msg
+    assert not slow.done()
+    arm.until_at(arm.home + MOVE)
+    arm.condition(lambda status: True)
+    assert slow.result().error_code == ErrorCode.NONE
+
+
+def test_execute_without_a_controller(suite):
+    arm = suite(controller=False, controller_timeout=0.3)
+    answer = arm.execute(arm.trajectory(0.0, MOVE))
+    assert answer.error_code == ErrorCode.REJECTED
+    assert "'/joint_trajectory_controller/execute_trajectory' not there" in answer.error_msg
+    assert answer.duration.sec == answer.duration.nanosec == 0
+
+
+def test_a_plan_refused_by_the_controller_is_reported(suite):
+    arm = suite(arrival_timeout=0.2)
+    arm.plan(0.0, MOVE, duration=0.01)
+    status = arm.condition(lambda status: "off its goal" in status.message)
+    assert "the robot has not moved, the controller's log may say why" in status.message
+
+
+def test_a_bad_plan_is_reported_and_the_next_one_executed(suite):
+    arm = suite()
+    arm.plan(0.0, MOVE + np.inf)
+    status = arm.condition(lambda status: "waist" in status.message)
+    assert status.level == status.WARN
+    assert "points[1].positions of joint 'waist' is inf" in status.message
+    arm.plan(0.0, MOVE)
+    arm.until_at(arm.home + MOVE)
+    arm.condition(lambda status: status.message == "idle")
+
+
+def test_a_full_queue_is_reported(suite):
+    arm = suite(controller=False, queue_size=2)
+    for _ in range(3):
+        arm.plan(0.0, MOVE)
+    assert arm.value("waiting", lambda status: "waiting already" in status.message) == "2"
+
+
+def test_stopping_answers_those_who_wait(suite):
+    arm = suite()
+    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=0.9))
+    arm.until_moving()
+    arm.node.executor.create_task(arm.node.stop)
+    arm.until(waiting.done)
+    assert waiting.result().error_code == ErrorCode.REJECTED
+    assert "shuts down" in waiting.result().error_msg
+    # The motion goes on to its end.
+    arm.until_at(arm.home + MOVE)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "text"),
+    [
+        ({"transport": "pigeon"}, "'transport' is 'pigeon'; allowed is one of 'topic', 'action'"),
+        ({"queue_size": 0}, "'queue_size' is 0"),
+        ({"robot_description": "puma650"}, "did you mean 'puma560'"),
+    ],
+)
+def test_bad_parameters(graph, parameters, text):
+    with pytest.raises(RobomechError, match=text):
+        graph.start(TrajectoryPublisherNode, **parameters)

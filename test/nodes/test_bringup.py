@@ -1,0 +1,52 @@
+"""What `robomech bringup` starts, and with which parameters."""
+
+import argparse
+from pathlib import Path
+
+import pytest
+import yaml
+
+from robomech_ros.nodes.commands import bringup
+from robomech_ros.nodes.parameters import table_rows
+from robomech_ros.nodes.process_group import NODE_MODULES
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+
+
+def commands(*arguments):
+    parser = argparse.ArgumentParser()
+    bringup.add_arguments(parser)
+    return bringup._commands(bringup._ros_arguments(parser.parse_args(list(arguments))))
+
+
+def test_every_node_gets_the_robot_and_its_own_file():
+    for node, command in commands("--robot", "puma560").items():
+        assert command[-2:] == ["-p", 'robot_description:="puma560"']
+        assert command[command.index("--params-file") + 1] == str(CONFIG / f"{node}.yaml")
+
+
+def test_paths_are_made_absolute(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command = commands("--robot", "arm.urdf", "--namespace", "/left/", "--rate", "50")["kinematics"]
+    assert f'robot_description:="{tmp_path}/arm.urdf"' in command
+    assert "__ns:=/left" in command
+    assert "joint_trajectory_controller:publish_rate:=50.0" in command
+
+
+def test_without_a_robot_the_nodes_wait_for_the_topic():
+    assert not [word for word in commands()["kinematics"] if "robot_description" in word]
+
+
+@pytest.mark.parametrize("node", NODE_MODULES)
+def test_file_of_each_node_gives_the_defaults_of_its_table(node):
+    values = yaml.safe_load((CONFIG / f"{node}.yaml").read_text(encoding="utf-8"))
+    given = values["/**"][node]["ros__parameters"]
+    rows = {row.name: row for row in table_rows(bringup._factory(node).SETTINGS)}
+    assert given.keys() <= rows.keys()
+    for name, value in given.items():
+        assert value == rows[name].default, name
+
+
+@pytest.mark.parametrize("node", NODE_MODULES)
+def test_every_node_is_found_and_has_its_name(node, graph):
+    assert graph.start(bringup._factory(node), robot_description="scara").get_name() == node

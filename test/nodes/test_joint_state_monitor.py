@@ -1,0 +1,77 @@
+"""The present joint state, by name, from whoever publishes it."""
+
+import time
+
+import numpy as np
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from robomech_ros.nodes.error_codes import NoStateError
+from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+
+NAMES = ("a", "b")
+PATIENCE = 30.0
+
+
+class Listener(Node):
+    def __init__(self, **options):
+        super().__init__("listener", **options)
+        self.monitor = JointStateMonitor(self)
+
+
+@pytest.fixture
+def listener(graph):
+    return graph.start(Listener)
+
+
+@pytest.fixture
+def publish(graph, listener):
+    publisher = graph.client.create_publisher(JointState, "joint_states", 100)
+    deadline = time.monotonic() + PATIENCE
+    while not publisher.get_subscription_count():
+        assert time.monotonic() < deadline
+    return lambda names, values: publisher.publish(
+        JointState(name=list(names), position=[float(value) for value in values])
+    )
+
+
+def wait_for(listener, names, expected):
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        found = listener.monitor.positions(names)
+        if found is not None and np.array_equal(found, expected):
+            return
+    pytest.fail(f"got {found}, expected {expected}")
+
+
+def test_nothing_is_known_at_first(listener):
+    assert listener.monitor.positions(NAMES) is None
+    with pytest.raises(NoStateError, match=r"joint\(s\) a, b: nothing received on '/joint_states'"):
+        listener.monitor.require(NAMES)
+
+
+def test_latest_state_in_any_order(listener, publish):
+    for value in range(60):
+        publish("ab", (value, -value))
+    wait_for(listener, ("b", "a"), (-59.0, 59.0))
+    np.testing.assert_array_equal(listener.monitor.require(NAMES), (59.0, -59.0))
+
+
+def test_states_of_several_publishers_are_put_together(listener, publish):
+    publish("a", [1])
+    for value in range(20):
+        publish("b", [value])
+    wait_for(listener, NAMES, (1.0, 19.0))
+    publish("a", [2])
+    wait_for(listener, NAMES, (2.0, 19.0))
+
+
+def test_useless_messages_are_passed_over(listener, publish):
+    publish("ab", (1, 2))
+    publish("ab", ())
+    publish("ab", (3,))
+    publish("ab", (np.nan, 4))
+    wait_for(listener, NAMES, (1.0, 4.0))
+    with pytest.raises(NoStateError, match=r"joint\(s\) c"):
+        listener.monitor.require(("a", "c"))

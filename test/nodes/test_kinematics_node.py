@@ -1,0 +1,335 @@
+"""The kinematics node: right answers, over real DDS."""
+
+import time
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Point
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.kinematics_node import KinematicsNode
+from robomech_ros.robots import load_description, load_robot
+
+PUMA = load_robot("puma560")
+Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
+
+
+@pytest.fixture
+def puma(graph):
+    graph.start(KinematicsNode, robot_description="puma560")
+    return graph
+
+
+def solve_ik(graph, **fields):
+    return graph.call(SolveIK, "kinematics/solve_ik", SolveIK.Request(**fields))
+
+
+def solve_fk(graph, **fields):
+    return graph.call(SolveFK, "kinematics/solve_fk", SolveFK.Request(**fields))
+
+
+def get_jacobian(graph, **fields):
+    return graph.call(GetJacobian, "kinematics/get_jacobian", GetJacobian.Request(**fields))
+
+
+def target(q=Q, chain=PUMA, frame=""):
+    return stamped_pose(forward_kinematics(chain, q), frame)
+
+
+def positions(response):
+    return np.array([list(point.positions) for point in response.solutions])
+
+
+def publish_present(graph, q, names=PUMA.joint_names):
+    """Publish a joint state until the node uses it as the present one."""
+    publisher = graph.client.create_publisher(JointState, "joint_states", 10)
+    timer = graph.client.create_timer(
+        0.01, lambda: publisher.publish(joint_state(names, np.asarray(q)))
+    )
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        if solve_fk(graph).error_code == ErrorCode.NONE:
+            timer.cancel()
+            return
+    pytest.fail("the present state does not arrive")
+
+
+def test_fk_of_many_states_and_links_is_state_major(puma):
+    states = [joint_state(PUMA.joint_names, q) for q in (Q, 0.5 * Q)]
+    links = ["tool0", PUMA.links[2]]
+    response = solve_fk(puma, states=states, links=links)
+    assert (response.error_code, response.error_msg) == (0, "")
+    expected = [
+        forward_kinematics(chain, q[: chain.n])
+        for q in (Q, 0.5 * Q)
+        for chain in (PUMA, PUMA.with_tip(links[1]))
+    ]
+    assert len(response.poses) == 4
+    for pose, T in zip(response.poses, expected, strict=True):
+        np.testing.assert_allclose(matrix_from_pose(pose.pose), T, atol=1e-14)
+        assert pose.header.frame_id == PUMA.base
+
+
+def test_fk_takes_states_without_names_in_the_order_of_the_chain(puma):
+    links = ["tool0", PUMA.links[2], PUMA.base]
+    named = solve_fk(puma, states=[joint_state(PUMA.joint_names, Q)], links=links)
+    unnamed = solve_fk(puma, states=[joint_state((), Q)], links=links)
+    assert named.error_code == 0
+    assert named.poses == unnamed.poses
+    assert matrix_from_pose(named.poses[2].pose).tolist() == np.eye(4).tolist()
+
+
+def test_ik_gives_all_solutions_nearest_first_with_every_list_filled(puma):
+    seed = joint_state(PUMA.joint_names[::-1], Q[::-1])
+    response = solve_ik(puma, target=target(), seed=seed, ignore_limits=True)
+    expected = inverse_kinematics(PUMA, forward_kinematics(PUMA, Q), seed=Q, respect_limits=False)
+    assert (response.error_code, response.complete) == (0, True)
+    assert response.joint_names == list(PUMA.joint_names)
+    assert response.family == expected.family == "decoupled"
+    np.testing.assert_allclose(positions(response), expected.q, atol=1e-9)
+    k = len(expected.q)
+    assert k == 8
+    np.testing.assert_allclose(positions(response)[0], Q, atol=1e-9)
+    assert np.all(np.diff(response.seed_distances) >= 0.0)
+    assert max(response.position_errors) < 1e-9
+    assert max(response.orientation_errors) < 1e-9
+    assert min(response.condition_numbers) >= 1.0
+    lists = (
+        response.seed_distances,
+        response.position_errors,
+        response.orientation_errors,
+        response.condition_numbers,
+        response.limit_margins,
+        response.branches,
+    )
+    assert [len(entries) for entries in lists] == [k] * len(lists)
+    assert len(set(response.branches)) == 8
+    assert response.solve_time.sec == 0
+    assert response.solve_time.nanosec > 0
+
+
+def test_limits_hold_unless_they_are_ignored(puma):
+    inside = solve_ik(puma, target=target(), seed=joint_state((), Q))
+    everything = solve_ik(puma, target=target(), seed=joint_state((), Q), ignore_limits=True)
+    assert 0 < len(inside.solutions) < len(everything.solutions)
+    assert min(inside.limit_margins) >= 0.0 > min(everything.limit_margins)
+
+
+def test_nearest_and_a_cap_cut_the_list(puma):
+    seed = joint_state((), Q)
+    everything = solve_ik(puma, target=target(), seed=seed, ignore_limits=True)
+    nearest = solve_ik(
+        puma, target=target(), seed=seed, ignore_limits=True, mode=SolveIK.Request.NEAREST
+    )
+    three = solve_ik(puma, target=target(), seed=seed, ignore_limits=True, max_solutions=3)
+    assert positions(nearest).tolist() == positions(everything)[:1].tolist()
+    assert positions(three).tolist() == positions(everything)[:3].tolist()
+    assert nearest.complete
+    assert three.complete
+
+
+def test_metric_changes_the_distances(puma):
+    options = {"target": target(), "seed": joint_state((), 0.9 * Q), "ignore_limits": True}
+    largest = solve_ik(puma, **options)
+    squares = solve_ik(puma, **options, metric=SolveIK.Request.L2)
+    for response, norm in ((largest, np.inf), (squares, 2)):
+        expected = np.linalg.norm(positions(response) - 0.9 * Q, ord=norm, axis=1)
+        np.testing.assert_allclose(response.seed_distances, expected, atol=1e-9)
+
+
+def test_windings_are_listed_on_request(graph):
+    graph.start(KinematicsNode, robot_description="ur5e")
+    chain = load_robot("ur5e")
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
+    options = {"target": target(q, chain), "seed": joint_state((), q)}
+    once, wound = solve_ik(graph, **options), solve_ik(graph, **options, include_windings=True)
+    assert len(once.solutions) == 8
+    assert once.family == "three-parallel"
+    assert len(wound.solutions) > len(once.solutions)
+    assert np.all(positions(wound) >= chain.lower)
+    assert np.all(positions(wound) <= chain.upper)
+
+
+def test_same_request_same_answer(puma):
+    first, second = (solve_ik(puma, target=target(), seed=joint_state((), Q)) for _ in range(2))
+    first.solve_time = second.solve_time
+    assert first == second
+
+
+def test_an_empty_seed_is_the_present_state_else_the_mid_range(puma):
+    middle = solve_ik(puma, target=target(), ignore_limits=True)
+    expected = np.abs(positions(middle) - PUMA.midrange()).max(axis=1)
+    np.testing.assert_allclose(middle.seed_distances, expected, atol=1e-9)
+    publish_present(puma, 0.9 * Q)
+    near = solve_ik(puma, target=target(), ignore_limits=True)
+    np.testing.assert_allclose(
+        near.seed_distances, np.abs(positions(near) - 0.9 * Q).max(axis=1), atol=1e-9
+    )
+    poses = solve_fk(puma).poses
+    np.testing.assert_allclose(
+        matrix_from_pose(poses[0].pose), forward_kinematics(PUMA, 0.9 * Q), atol=1e-12
+    )
+
+
+def test_present_state_beyond_a_limit_is_no_error(puma):
+    publish_present(puma, PUMA.upper + 1e-3)
+    assert solve_ik(puma, target=target()).error_code == 0
+
+
+def test_target_in_a_frame_fixed_to_the_base(graph):
+    graph.start(KinematicsNode, robot_description="ur5e", base_link="base_link_inertia")
+    description = load_description("ur5e")
+    chain = description.chain("base_link_inertia")
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
+    above = description.chain("base_link")
+    response = solve_ik(graph, target=target(q, above, frame="base_link"), seed=joint_state((), q))
+    assert response.error_code == 0, response.error_msg
+    np.testing.assert_allclose(positions(response)[0], q, atol=1e-8)
+    same = solve_ik(graph, target=target(q, chain), seed=joint_state((), q))
+    np.testing.assert_allclose(positions(response), positions(same), atol=1e-8)
+
+
+def test_another_tip(graph):
+    graph.start(KinematicsNode, robot_description="ur5e")
+    chain = load_description("ur5e").chain(None, "wrist_3_link")
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
+    response = solve_ik(
+        graph, target=target(q, chain), tip_link="wrist_3_link", seed=joint_state((), q)
+    )
+    assert response.error_code == 0
+    np.testing.assert_allclose(positions(response)[0], q, atol=1e-8)
+
+
+def test_task_mask(graph):
+    graph.start(KinematicsNode, robot_description="planar3r")
+    chain = load_robot("planar3r")
+    wanted = target(np.array([0.4, 0.5, 0.6]), chain)
+    wanted.pose.position.z = 0.5
+    mask = [True, True, False, False, False, True]
+    refused = solve_ik(graph, target=wanted)
+    assert refused.error_code in (ErrorCode.OUT_OF_REACH, ErrorCode.NOT_CONVERGED)
+    response = solve_ik(graph, target=wanted, task_mask=mask)
+    assert response.error_code == 0, response.error_msg
+    for q in positions(response):
+        reached = forward_kinematics(chain, q)
+        np.testing.assert_allclose(
+            reached[:2, 3], (wanted.pose.position.x, wanted.pose.position.y), atol=1e-6
+        )
+
+
+def test_batch_agrees_with_single_calls(puma):
+    rng = np.random.default_rng(3)
+    q = rng.uniform(PUMA.lower, PUMA.upper, (20, 6))
+    T = forward_kinematics(PUMA, q)
+    T[7, :3, 3] = (5.0, 0.0, 0.0)
+    rows = []
+    for pose in (stamped_pose(t, "").pose for t in T):
+        p, o = pose.position, pose.orientation
+        rows += [p.x, p.y, p.z, o.x, o.y, o.z, o.w]
+    request = SolveIKBatch.Request(poses=rows, seed=Q.tolist())
+    response = puma.call(SolveIKBatch, "kinematics/solve_ik_batch", request)
+    assert response.error_code == 0
+    assert response.joint_names == list(PUMA.joint_names)
+    solutions = np.array(response.solutions).reshape(-1, 6)
+    assert len(solutions) == sum(response.counts) == len(response.position_errors)
+    starts = np.cumsum([0, *response.counts])
+    for i, t in enumerate(T):
+        single = inverse_kinematics(PUMA, t, seed=Q)
+        assert response.codes[i] == int(single.status)
+        mine = solutions[starts[i] : starts[i + 1]]
+        assert mine.shape == single.q.shape
+        np.testing.assert_allclose(mine, single.q, atol=1e-8)
+    assert response.codes[7] == ErrorCode.OUT_OF_REACH
+    assert max(response.position_errors) < 1e-9
+    assert max(response.orientation_errors) < 1e-8
+    request.mode = SolveIKBatch.Request.NEAREST
+    nearest = puma.call(SolveIKBatch, "kinematics/solve_ik_batch", request)
+    assert list(nearest.counts) == [min(count, 1) for count in response.counts]
+    first = solutions[[s for s, c in zip(starts, response.counts, strict=False) if c]]
+    np.testing.assert_array_equal(np.array(nearest.solutions).reshape(-1, 6), first)
+
+
+def test_empty_batch(puma):
+    response = puma.call(SolveIKBatch, "kinematics/solve_ik_batch", SolveIKBatch.Request())
+    assert response.error_code == 0
+    assert list(response.counts) == list(response.solutions) == list(response.codes) == []
+
+
+def matrix(response):
+    return np.array(response.jacobian).reshape(6, -1)
+
+
+def test_jacobian_has_linear_rows_first(puma):
+    response = get_jacobian(puma, state=joint_state(PUMA.joint_names, Q))
+    assert response.error_code == 0
+    assert response.joint_names == list(PUMA.joint_names)
+    J = jacobian(PUMA, Q)
+    np.testing.assert_allclose(matrix(response), np.vstack((J[3:], J[:3])), atol=1e-14)
+
+
+def test_jacobian_of_a_point_in_the_axes_of_the_tip(puma):
+    point = np.array([0.1, -0.2, 0.3])
+    response = get_jacobian(
+        puma,
+        state=joint_state((), Q),
+        reference_frame="tool0",
+        tool_point=Point(x=0.1, y=-0.2, z=0.3),
+    )
+    assert response.error_code == 0, response.error_msg
+    T = forward_kinematics(PUMA, Q)
+    step = 1e-6
+    numeric = np.empty((3, 6))
+    for i in range(6):
+        ends = [
+            forward_kinematics(PUMA, Q + sign * step * np.eye(6)[i])[:3] @ (*point, 1.0)
+            for sign in (1, -1)
+        ]
+        numeric[:, i] = T[:3, :3].T @ (ends[0] - ends[1]) / (2 * step)
+    np.testing.assert_allclose(matrix(response)[:3], numeric, atol=1e-8)
+    np.testing.assert_allclose(
+        matrix(response)[3:], T[:3, :3].T @ jacobian(PUMA, Q)[:3], atol=1e-14
+    )
+
+
+def test_jacobian_of_a_link_on_the_way(puma):
+    link = PUMA.links[3]
+    response = get_jacobian(puma, state=joint_state((), Q[:3]), tip_link=link)
+    assert response.error_code == 0, response.error_msg
+    assert response.joint_names == list(PUMA.joint_names[:3])
+    J = jacobian(PUMA.with_tip(link), Q[:3])
+    np.testing.assert_allclose(matrix(response), np.vstack((J[3:], J[:3])), atol=1e-14)
+
+
+def test_robot_from_the_topic(graph):
+    graph.start(KinematicsNode, tip_link="wrist_3_link")
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = graph.client.create_publisher(String, "robot_description", latched)
+    publisher.publish(String(data="<robot>"))
+    with open(load_description("ur5e").where, encoding="utf-8") as file:
+        publisher.publish(String(data=file.read()))
+    chain = load_description("ur5e").chain(None, "wrist_3_link")
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
+    response = solve_fk(graph, states=[joint_state(chain.joint_names, q)])
+    assert response.error_code == 0
+    np.testing.assert_allclose(
+        matrix_from_pose(response.poses[0].pose), forward_kinematics(chain, q), atol=1e-12
+    )
+
+
+def test_namespace(graph):
+    graph.start(KinematicsNode, namespace="/left", robot_description="puma560")
+    request = SolveIK.Request(target=target())
+    assert graph.call(SolveIK, "/left/kinematics/solve_ik", request).error_code == 0
+
+
+def test_later_services_are_not_advertised(puma):
+    names = [name for name, _ in puma.client.get_service_names_and_types()]
+    assert "/kinematics/solve_ik" in names
+    assert not [n for n in names if "singularity" in n or "workspace" in n]

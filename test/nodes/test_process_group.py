@@ -1,0 +1,79 @@
+"""Child processes: watched together, ended together."""
+
+import signal
+import subprocess
+import sys
+import time
+
+from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
+
+WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]
+FAILS = [sys.executable, "-c", "raise SystemExit(7)"]
+DEAF = [
+    sys.executable,
+    "-c",
+    "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN);"
+    "signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM}); print('.', flush=True);"
+    "time.sleep(60)",
+]
+
+
+def test_the_first_to_end_is_named_and_the_others_are_stopped():
+    group = ProcessGroup({"patient": WAITS, "hasty": FAILS})
+    assert group.wait_for_first() == ("hasty", 7)
+    assert group.dead() == {"hasty": 7}
+    group.stop()
+    assert set(group.dead()) == {"patient", "hasty"}
+
+
+def test_waiting_can_be_interrupted():
+    group = ProcessGroup({"patient": WAITS})
+    group.interrupt_wait()
+    assert group.wait_for_first() is None
+    group.stop()
+
+
+def test_a_signal_before_the_child_can_answer_waits_for_it():
+    slow = "import time; time.sleep(0.5); from robomech_ros.nodes import start; start.main(['?'])"
+    group = ProcessGroup({"node": [sys.executable, "-c", slow]})
+    assert group.stop() == {"node": 0}
+
+
+def test_what_does_not_listen_is_killed(monkeypatch):
+    monkeypatch.setattr("robomech_ros.nodes.process_group._STOP_SECONDS", 0.2)
+    group = ProcessGroup({"deaf": DEAF}, log=subprocess.PIPE)
+    # It says a word once it is deaf.
+    group.processes["deaf"].stdout.read(1)
+    assert group.stop() == {"deaf": -signal.SIGKILL}
+
+
+def test_children_die_with_a_parent_that_is_killed():
+    program = (
+        "import sys, time; from robomech_ros.nodes.process_group import ProcessGroup;"
+        f" g = ProcessGroup({{'child': {DEAF!r}}}); print(g.processes['child'].pid, flush=True);"
+        " time.sleep(60)"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    assert parent.stdout is not None
+    child = int(parent.stdout.readline())
+    parent.kill()
+    parent.wait()
+    deadline = time.monotonic() + 20.0
+    while _is_alive(child):
+        assert time.monotonic() < deadline, "the child lives on"
+    parent.stdout.close()
+
+
+def _is_alive(pid):
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_every_node_has_a_command():
+    start = [sys.executable, "-m", "robomech_ros.nodes.start"]
+    for node in NODE_MODULES:
+        assert node_command(node) == [*start, node]
+        assert node_command(node, ["-p", "a:=1"]) == [*start, node, "--ros-args", "-p", "a:=1"]

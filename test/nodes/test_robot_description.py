@@ -1,0 +1,80 @@
+"""The robot of a node: its chains to any link, and the frames fixed to its base."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.error_codes import FrameUnavailableError
+from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.robots import load_description
+
+BRANCHED = """
+<robot name="branched">
+  <link name="world"/><link name="base"/><link name="arm"/><link name="hand"/><link name="finger"/>
+  <link name="mast"/><link name="camera"/>
+  <joint name="mounting" type="fixed"><parent link="world"/><child link="base"/>
+    <origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/></joint>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="wrist" type="revolute"><parent link="arm"/><child link="hand"/>
+    <origin xyz="1 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="grip" type="prismatic"><parent link="hand"/><child link="finger"/>
+    <axis xyz="1 0 0"/><limit lower="0" upper="0.1" velocity="1" effort="1"/></joint>
+  <joint name="post" type="fixed"><parent link="base"/><child link="mast"/>
+    <origin xyz="0 2 0"/></joint>
+  <joint name="pan" type="revolute"><parent link="mast"/><child link="camera"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+</robot>
+"""
+
+
+@pytest.fixture
+def model():
+    return RobotModel(load_description(BRANCHED), "base", "hand")
+
+
+def test_chain_and_joints(model):
+    assert model.chain.joint_names == ("shoulder", "wrist")
+    assert model.joint_names == ("shoulder", "wrist", "grip", "pan")
+    assert model.chain_to("") is model.chain
+    assert model.chain_to("hand") is model.chain
+
+
+def test_chain_to_links_on_the_way_beyond_and_beside(model):
+    assert model.chain_to("arm").joint_names == ("shoulder",)
+    assert model.chain_to("finger").joint_names == ("shoulder", "wrist", "grip")
+    assert model.chain_to("camera").joint_names == ("pan",)
+    assert model.chain_to("finger") is model.chain_to("finger")
+    mast = forward_kinematics(model.chain_to("mast"), np.empty(0))
+    np.testing.assert_allclose(mast[:3, 3], (0.0, 2.0, 0.0))
+
+
+def test_chain_to_nowhere(model):
+    with pytest.raises(UnknownLinkError, match="unknown link 'hnad'") as caught:
+        model.chain_to("hnad")
+    assert set(caught.value.available) == set(model.description.links)
+    with pytest.raises(RobotDescriptionError, match="'world' is not below link 'base'"):
+        model.chain_to("world")
+
+
+def test_frames_fixed_to_the_base_up_and_down_the_tree(model):
+    assert model.frame_in_base("") is None
+    assert model.frame_in_base("base") is None
+    np.testing.assert_allclose(model.frame_in_base("mast")[:3, 3], (0.0, 2.0, 0.0))
+    world = model.frame_in_base("world")
+    expected = np.array([[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, -1], [0, 0, 0, 1]])
+    np.testing.assert_allclose(world, expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("frame", ["arm", "camera"])
+def test_frames_that_move_are_refused(model, frame):
+    with pytest.raises(FrameUnavailableError, match="moves with the joints") as caught:
+        model.frame_in_base(frame)
+    assert set(caught.value.known) == {"base", "world", "mast"}
+
+
+def test_frames_of_nobody_are_refused(model):
+    with pytest.raises(FrameUnavailableError, match="frame 'map': its relation .* is not known"):
+        model.frame_in_base("map")

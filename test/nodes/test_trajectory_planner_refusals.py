@@ -1,0 +1,222 @@
+"""The trajectory planner: every bad request with its code and text, and the node still serving."""
+
+import math
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Duration
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import PlanJoint
+from robomech_ros.nodes.conversions import joint_state
+from robomech_ros.nodes.parameters import ParameterError
+from robomech_ros.nodes.trajectory_planner_node import TrajectoryPlannerNode
+from robomech_ros.robots import load_robot
+
+PUMA = load_robot("puma560")
+START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
+GOAL = np.array([-1.2, 0.8, -1.5, 1.5, -0.4, 2.7])
+NAMES = list(PUMA.joint_names)
+RUCKIG = PlanJoint.Request.RUCKIG
+
+UNLIMITED_URDF = """<robot name="bare">
+  <link name="base"/><link name="arm"/><link name="tip"/>
+  <joint name="lift" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="swing" type="continuous"><parent link="arm"/><child link="tip"/>
+    <axis xyz="1 0 0"/><origin xyz="0.5 0 0"/></joint>
+</robot>"""
+
+
+def request(**fields):
+    values = {"start": joint_state(NAMES, START), "goal": joint_state(NAMES, GOAL)} | fields
+    return PlanJoint.Request(**values)
+
+
+def plan(graph, message):
+    return graph.call(PlanJoint, "trajectory_planner/plan_joint", message)
+
+
+def named(names, values):
+    return JointState(name=list(names), position=list(values))
+
+
+def replaced(values, k, value):
+    changed = values.copy()
+    changed[k] = value
+    return joint_state(NAMES, changed)
+
+
+CASES = {
+    "goal without joints": (
+        {"goal": JointState()},
+        ErrorCode.WRONG_SIZE,
+        ["goal.position", "size 0", "waist"],
+    ),
+    "goal with too few positions": (
+        {"goal": JointState(position=[0.0] * 5)},
+        ErrorCode.WRONG_SIZE,
+        ["goal.position", "size 5", "expected 6"],
+    ),
+    "goal with more names than positions": (
+        {"goal": named(NAMES, [0.0] * 5)},
+        ErrorCode.WRONG_SIZE,
+        ["goal.position", "one for every name"],
+    ),
+    "goal that names a joint twice": (
+        {"goal": named([*NAMES[:5], NAMES[0]], [0.0] * 6)},
+        ErrorCode.WRONG_SIZE,
+        ["goal.name", "'waist' is repeated"],
+    ),
+    "goal that lacks a joint": (
+        {"goal": named(NAMES[1:], [0.0] * 5)},
+        ErrorCode.WRONG_SIZE,
+        ["goal.name", "missing: waist"],
+    ),
+    "goal with an unknown joint": (
+        {"goal": named([*NAMES[:5], "wrist_swivle"], [0.0] * 6)},
+        ErrorCode.UNKNOWN_JOINT,
+        ["wrist_swivle", "did you mean 'wrist_swivel'"],
+    ),
+    "goal that is not a number": (
+        {"goal": replaced(GOAL, 2, math.nan)},
+        ErrorCode.NON_FINITE,
+        ["goal of joint 'elbow'", "nan"],
+    ),
+    "goal that is infinite": (
+        {"goal": replaced(GOAL, 2, math.inf)},
+        ErrorCode.NON_FINITE,
+        ["goal of joint 'elbow'", "inf"],
+    ),
+    "start with too many positions": (
+        {"start": JointState(position=[0.0] * 7)},
+        ErrorCode.WRONG_SIZE,
+        ["start.position", "size 7", "expected 6"],
+    ),
+    "start that is not a number": (
+        {"start": replaced(START, 0, math.nan)},
+        ErrorCode.NON_FINITE,
+        ["start of joint 'waist'", "nan"],
+    ),
+    "start with an unknown joint": (
+        {"start": named([*NAMES[:5], "seventh"], [0.0] * 6)},
+        ErrorCode.UNKNOWN_JOINT,
+        ["seventh"],
+    ),
+    "no start and no present state": (
+        {"start": JointState()},
+        ErrorCode.NO_STATE,
+        ["waist", "joint_states"],
+    ),
+    "start outside its limits": (
+        {"start": replaced(START, 1, -1.0)},
+        ErrorCode.SEED_OUTSIDE_LIMITS,
+        ["start of joint 'shoulder' is -1,", "by 0.215"],
+    ),
+    "goal outside its limits": (
+        {"goal": replaced(GOAL, 2, 1.0)},
+        ErrorCode.LIMIT,
+        ["goal position of joint 'elbow' is 1,", "limit 0.785398163", "by 0.215"],
+    ),
+    "via points": (
+        {"via": [JointTrajectoryPoint(positions=[0.0] * 6)]},
+        ErrorCode.BAD_VALUE,
+        ["via is '1 points'", "POLY345"],
+    ),
+    "negative duration": (
+        {"duration": Duration(sec=-1)},
+        ErrorCode.BAD_VALUE,
+        ["duration is -1.0"],
+    ),
+    "duration too short": (
+        {"duration": Duration(nanosec=100_000_000)},
+        ErrorCode.LIMIT,
+        ["duration of 0.1 s is too short", "velocity limit of joint", "shortest possible"],
+    ),
+    "duration too short for ruckig": (
+        {"duration": Duration(nanosec=100_000_000), "profile": RUCKIG},
+        ErrorCode.LIMIT,
+        ["duration of 0.1 s is too short", "limit of joint", "shortest possible"],
+    ),
+    "negative scale": (
+        {"velocity_scale": -0.5},
+        ErrorCode.BAD_VALUE,
+        ["velocity_scale is -0.5", "at least 1e-06 and at most 1"],
+    ),
+    "scale above one": (
+        {"acceleration_scale": 1.5, "profile": RUCKIG},
+        ErrorCode.BAD_VALUE,
+        ["acceleration_scale is 1.5", "at least 1e-06 and at most 1"],
+    ),
+    "scale that is not a number": (
+        {"jerk_scale": math.nan},
+        ErrorCode.NON_FINITE,
+        ["jerk_scale is nan"],
+    ),
+    "negative period": ({"sample_period": -0.01}, ErrorCode.BAD_VALUE, ["sample_period is -0.01"]),
+    "period of nothing": (
+        {"sample_period": 1e-9},
+        ErrorCode.BAD_VALUE,
+        ["sample_period is 1e-09", "at least 0.0001 s"],
+    ),
+    "infinite period": ({"sample_period": math.inf}, ErrorCode.NON_FINITE, ["sample_period"]),
+    "too many points": (
+        {"velocity_scale": 0.01},
+        ErrorCode.BAD_VALUE,
+        ["sample_period is 0.01", "at least", "may have 10000 points"],
+    ),
+} | {
+    f"profile {number}": (
+        {"profile": number},
+        ErrorCode.BAD_VALUE,
+        [f"{number}", "one of POLY345 (0), RUCKIG (4)"],
+    )
+    for number in (1, 2, 3, 5, 6, 255)
+}
+
+
+def test_every_bad_request_is_refused_and_the_node_goes_on_serving(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560")
+    good = plan(graph, request())
+    assert good.error_code == ErrorCode.NONE
+    for name, (fields, code, parts) in CASES.items():
+        response = plan(graph, request(**fields))
+        assert response.error_code == code, (name, response.error_code, response.error_msg)
+        for part in parts:
+            assert part in response.error_msg, (name, response.error_msg)
+        assert not response.trajectory.points, name
+    assert plan(graph, request()) == good
+
+
+def test_refused_requests_publish_nothing(graph):
+    node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
+    published = []
+    node._trajectories.publish = published.append
+    assert plan(graph, request(goal=JointState())).error_code == ErrorCode.WRONG_SIZE
+    assert plan(graph, request()).error_code == ErrorCode.NONE
+    assert plan(graph, request(profile=9)).error_code == ErrorCode.BAD_VALUE
+    assert len(published) == 1
+
+
+def test_missing_limits_are_named(graph):
+    graph.start(TrajectoryPlannerNode, robot_description=UNLIMITED_URDF)
+    move = {"start": JointState(position=[0.0, 0.0]), "goal": JointState(position=[0.5, 0.5])}
+    for profile in (PlanJoint.Request.POLY345, RUCKIG):
+        response = plan(graph, PlanJoint.Request(**move, profile=profile))
+        assert response.error_code == ErrorCode.MISSING_LIMITS
+        assert response.error_msg == "no velocity limit for joint swing"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("sample_period", 0.0), ("sample_period", 100.0), ("max_points", 1)]
+)
+def test_parameters_out_of_range_are_refused_at_start(graph, name, value):
+    with pytest.raises(ParameterError, match=f"parameter '{name}' is {value}; allowed is"):
+        graph.start(TrajectoryPlannerNode, robot_description="puma560", **{name: value})
+
+
+def test_an_unknown_robot_is_refused_at_start(graph):
+    with pytest.raises(ValueError, match="no_such_robot"):
+        graph.start(TrajectoryPlannerNode, robot_description="no_such_robot")

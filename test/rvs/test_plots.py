@@ -1,0 +1,53 @@
+"""Plots are written where they are asked for, and wrong input is refused."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.rvs.plots import PlottingUnavailableError, plot_motion
+
+TIMES = np.linspace(0.0, 1.0, 50)
+Q = np.column_stack((TIMES**2, 1.0 - TIMES))
+V = np.column_stack((2 * TIMES, -np.ones(50)))
+A = np.column_stack((np.full(50, 2.0), np.zeros(50)))
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_a_motion_is_drawn(tmp_path, suffix):
+    path = plot_motion(
+        tmp_path / f"motion.{suffix}",
+        ("turn", "slide"),
+        TIMES,
+        (Q, V, A),
+        title="two joints",
+        prismatic=(False, True),
+        marks=((0.5, "half"),),
+    )
+    data = path.read_bytes()
+    assert len(data) > 5000
+    assert data.startswith({"png": b"\x89PNG", "svg": b"<?xml"}[suffix])
+
+
+def test_positions_alone_will_do(tmp_path):
+    assert plot_motion(str(tmp_path / "q.png"), "ab", TIMES, (Q,)).stat().st_size > 0
+
+
+@pytest.mark.parametrize(
+    ("curves", "error", "text"),
+    [
+        ((), BadValueError, "number of curves is 0"),
+        ((Q, V, A, A), BadValueError, "number of curves is 4"),
+        ((Q, V[:-1]), WrongSizeError, r"velocity has shape \(49, 2\), expected \(50, 2\)"),
+    ],
+)
+def test_curves_that_do_not_fit(tmp_path, curves, error, text):
+    with pytest.raises(error, match=text):
+        plot_motion(tmp_path / "q.png", "ab", TIMES, curves)
+
+
+def test_without_matplotlib_the_way_to_get_it_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(PlottingUnavailableError, match="pip install matplotlib"):
+        plot_motion(tmp_path / "q.png", "ab", TIMES, (Q,))
