@@ -1,0 +1,125 @@
+"""All inverse-kinematic solutions of PUMA 560 and UR5e, against EAIK."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from eaik.IK_Homogeneous import HomogeneousRobot
+from peers import Array, eaik_robot
+from table import Row
+from timing import Work, interleave
+
+from robomech_ros.kinematics import (
+    forward_kinematics,
+    inverse_kinematics,
+    inverse_kinematics_batch,
+)
+from robomech_ros.robots import SerialChain, load_robot
+
+ARMS = ("puma560", "ur5e")
+POSES = 500
+BATCH = 200
+SINGLES = 40
+RESIDUAL = 1e-6
+SINGLE_LIMIT = 20.0
+BATCH_RATIO = 1.0
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many solutions each side found whose pose is within RESIDUAL of the target.
+
+    Attributes
+    ----------
+    ours, peer : int
+        Good solutions over all poses.
+    differing : int
+        Poses for which the two sides differ in number.
+    worst : float
+        The largest residual among our solutions (m, and rad by matrix entries).
+    """
+
+    ours: int
+    peer: int
+    differing: int
+    worst: float
+
+
+def rows() -> tuple[list[Row], list[str]]:
+    """Measure every arm; return the rows of the table and a remark on each arm's counts."""
+    table: list[Row] = []
+    remarks: list[str] = []
+    for name in ARMS:
+        chain = load_robot(name)
+        postures = np.random.default_rng(6).uniform(-np.pi, np.pi, (POSES, chain.n))
+        targets = forward_kinematics(chain, postures)
+        peer = eaik_robot(chain)
+        counts = count_solutions(chain, peer, targets)
+        remarks.append(
+            f"{name}: {counts.ours / POSES:.2f} solutions a pose, EAIK {counts.peer / POSES:.2f}, "
+            f"{counts.differing} of {POSES} poses differ, our worst residual {counts.worst:.1e}"
+        )
+        table += _time(name, chain, peer, targets)
+    return table, remarks
+
+
+def count_solutions(chain: SerialChain, peer: HomogeneousRobot, targets: Array) -> Counts:
+    """Count on both sides the solutions that reproduce their target."""
+    q, count, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
+    ours = theirs = differing = 0
+    worst = 0.0
+    for index, target in enumerate(targets):
+        mine = _residuals(chain, target, q[index, : count[index]])
+        other = _residuals(chain, target, np.asarray(peer.IK(target).Q).reshape(-1, chain.n))
+        good, peer_good = int((mine < RESIDUAL).sum()), int((other < RESIDUAL).sum())
+        ours, theirs = ours + good, theirs + peer_good
+        differing += good != peer_good
+        worst = max(worst, float(mine.max(initial=0.0)))
+    return Counts(ours, theirs, differing, worst)
+
+
+def _residuals(chain: SerialChain, target: Array, solutions: Array) -> Array:
+    """Return the largest entry of pose minus target for each solution."""
+    if not len(solutions):
+        return np.empty(0)
+    poses = forward_kinematics(chain, np.ascontiguousarray(solutions))
+    return np.abs(poses - target).max(axis=(1, 2))
+
+
+def _time(name: str, chain: SerialChain, peer: HomogeneousRobot, targets: Array) -> list[Row]:
+    """Time one arm, call by call and in batch, both sides without joint limits."""
+    batch = targets[:BATCH]
+    ordered = [np.asfortranarray(target) for target in batch]  # what EAIK takes without a copy
+    singles, peer_singles = list(batch[:SINGLES]), ordered[:SINGLES]
+
+    def run_public() -> None:
+        for target in singles:
+            inverse_kinematics(chain, target, respect_limits=False)
+
+    def run_peer() -> None:
+        for target in peer_singles:
+            peer.IK(target)
+
+    times = interleave(
+        {
+            "public": Work(run_public, SINGLES),
+            "peer": Work(run_peer, SINGLES),
+            "batch": Work(
+                lambda: inverse_kinematics_batch(chain, batch, respect_limits=False), BATCH
+            ),
+            "limits": Work(lambda: inverse_kinematics_batch(chain, batch), BATCH),
+            "peer batch": Work(lambda: peer.IK_batched(ordered, 1), BATCH),
+        }
+    )
+    single, many, limits = times["public"], times["batch"], times["limits"]
+    peer_single = times["peer"].median
+    peer_best = min(peer_single, times["peer batch"].median)  # its batch starts a worker thread
+    return [
+        Row(f"{name}, all solutions, one public call", single.median, peer=peer_single,
+            peer_name="EAIK", spread=single.spread, limit=SINGLE_LIMIT),
+        Row(f"{name}, all solutions, batch, a pose", many.median, peer=peer_best,
+            peer_name="EAIK", spread=many.spread, ratio_limit=BATCH_RATIO),
+        Row(f"{name}, batch with limits, a pose", limits.median, peer=peer_best,
+            peer_name="EAIK", spread=limits.spread),
+    ]  # fmt: skip

@@ -1,0 +1,235 @@
+"""Measure the running nodes from outside, with the Python that has ROS; print the figures as JSON.
+
+`bench_nodes.py` starts this script in the environment of the suite, whose packages the peers of the
+other benchmarks could disturb.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.client import Client
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.serialization import serialize_message
+
+from robomech_interfaces.srv import SolveIK
+
+ROBOT = "puma560"
+TARGET = (0.4, 0.2, 0.3)
+SOLUTIONS = 8
+STARTS = 5
+CALLS = 1000
+WARM_CALLS = 50
+SETTLE_SECONDS = 3.0
+IDLE_SECONDS = 10.0
+PATIENCE = 120.0
+# A node is up when its last service is there.
+SERVICES = {
+    "kinematics": "get_jacobian",
+    "trajectory_planner": "plan_joint",
+    "trajectory_publisher": "execute",
+    "joint_trajectory_controller": "reset",
+}
+EXECUTABLES = {name: f"{name}_node" for name in SERVICES} | {
+    "joint_trajectory_controller": "joint_state_simulator_node"
+}
+
+
+@dataclass(frozen=True)
+class Load:
+    """Resident memory in MB, and share of one core, of a process that nobody calls."""
+
+    megabytes: float
+    core: float
+
+
+@contextlib.contextmanager
+def running(*command: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Run `command` for the time of the block, then stop it as Ctrl-C would."""
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    try:
+        yield process
+        if process.poll() is not None:
+            raise SystemExit(f"{command[0]} ended by itself with exit code {process.returncode}")
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def node_command(name: str) -> tuple[str, ...]:
+    """Return the command line of the suite's node `name` for ROBOT."""
+    executable = Path(sys.executable).with_name(EXECUTABLES[name])
+    robot = f"robot_description:={ROBOT}"
+    return (str(executable), "--ros-args", "--log-level", "warn", "-p", robot)
+
+
+def request() -> SolveIK.Request:
+    """Return a request for all solutions at a pose where the arm has SOLUTIONS of them."""
+    message = SolveIK.Request()
+    position, orientation = message.target.pose.position, message.target.pose.orientation
+    position.x, position.y, position.z = TARGET
+    orientation.x, orientation.y, orientation.z, orientation.w = 0.0, 1.0, 0.0, 0.0
+    message.ignore_limits = True
+    return message
+
+
+class Caller:
+    """A node that calls SolveIK services and waits for each answer."""
+
+    def __init__(self) -> None:
+        self.node: Node = rclpy.create_node("benchmark")
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
+        self.request = request()
+
+    def client(self, service: str) -> Client:
+        """Return a client of the SolveIK service `service`."""
+        return self.node.create_client(SolveIK, service)
+
+    def wait(self, client: Client, process: subprocess.Popen[bytes]) -> None:
+        """Wait until the service of `client` is there, which `process` should bring up."""
+        deadline = time.monotonic() + PATIENCE
+        while not client.wait_for_service(timeout_sec=1.0):
+            if process.poll() is not None:
+                raise SystemExit(f"{process.args[0]} ended with exit code {process.returncode}")
+            if time.monotonic() > deadline:
+                raise SystemExit(f"no service {client.srv_name} after {PATIENCE:g} s")
+
+    def call(self, client: Client) -> SolveIK.Response:
+        """Return the answer of `client` to the request."""
+        future = client.call_async(self.request)
+        self.executor.spin_until_future_complete(future, timeout_sec=PATIENCE)
+        response = future.result()
+        if response is None:
+            raise SystemExit(f"no answer from {client.srv_name} within {PATIENCE:g} s")
+        return response
+
+
+def start_seconds(caller: Caller) -> list[float]:
+    """Return the seconds from starting the kinematics node to its first answer, several times."""
+    seconds = []
+    for _ in range(1 + STARTS):
+        client = caller.client("kinematics/solve_ik")
+        begin = time.perf_counter()
+        with running(*node_command("kinematics")) as process:
+            caller.wait(client, process)
+            check(caller.call(client))
+            seconds.append(time.perf_counter() - begin)
+        caller.node.destroy_client(client)
+    return seconds[1:]  # the first start may have had to fill a cache
+
+
+def check(response: SolveIK.Response) -> SolveIK.Response:
+    """Return `response` if it holds what the comparison rests on, else stop."""
+    if response.error_code or len(response.solutions) != SOLUTIONS:
+        raise SystemExit(
+            f"expected {SOLUTIONS} solutions and code 0, got {len(response.solutions)} "
+            f"and code {response.error_code}: {response.error_msg}"
+        )
+    return response
+
+
+def round_trips(caller: Caller) -> dict[str, list[float]]:
+    """Return the microseconds of calls to our node and to the bare server, taken in turn."""
+    microseconds: dict[str, list[float]] = {"ours": [], "bare": []}
+    with running(*node_command("kinematics")) as process, tempfile.NamedTemporaryFile() as canned:
+        clients = {"ours": caller.client("kinematics/solve_ik")}
+        caller.wait(clients["ours"], process)
+        canned.write(serialize_message(check(caller.call(clients["ours"]))))
+        canned.flush()
+        server = str(Path(__file__).with_name("bare_server.py"))
+        with running(sys.executable, server, canned.name) as process:
+            clients["bare"] = caller.client("bare/solve_ik")
+            caller.wait(clients["bare"], process)
+            for index in range(WARM_CALLS + CALLS):
+                for name, client in clients.items():
+                    begin = time.perf_counter_ns()
+                    caller.call(client)
+                    elapsed = (time.perf_counter_ns() - begin) / 1e3
+                    if index >= WARM_CALLS:
+                        microseconds[name].append(elapsed)
+    return microseconds
+
+
+def wait_for_all(caller: Caller) -> None:
+    """Wait until every node of the suite has brought its services up."""
+    deadline = time.monotonic() + PATIENCE
+    wanted = {f"/{node}/{service}" for node, service in SERVICES.items()}
+    while missing := wanted - {name for name, _ in caller.node.get_service_names_and_types()}:
+        if time.monotonic() > deadline:
+            raise SystemExit(f"no service {', '.join(sorted(missing))} after {PATIENCE:g} s")
+        time.sleep(0.1)
+
+
+def idle_loads(caller: Caller) -> dict[str, Load]:
+    """Return what each node of the suite costs while nobody calls it."""
+    with contextlib.ExitStack() as stack:
+        processes = {name: stack.enter_context(running(*node_command(name))) for name in SERVICES}
+        wait_for_all(caller)
+        time.sleep(SETTLE_SECONDS)
+        before = {name: cpu_seconds(process.pid) for name, process in processes.items()}
+        begin = time.perf_counter()
+        time.sleep(IDLE_SECONDS)
+        elapsed = time.perf_counter() - begin
+        return {
+            name: Load(
+                resident_megabytes(process.pid),
+                (cpu_seconds(process.pid) - before[name]) / elapsed,
+            )
+            for name, process in processes.items()
+        }
+
+
+def cpu_seconds(pid: int) -> float:
+    """Return the processor time, user and system, that process `pid` has used."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def resident_megabytes(pid: int) -> float:
+    """Return the resident memory of process `pid`, in units of 10^6 bytes."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def main() -> None:
+    """Measure everything and print one JSON object."""
+    rclpy.init()
+    caller = Caller()
+    try:
+        starts = start_seconds(caller)
+        trips = round_trips(caller)
+        loads = idle_loads(caller)
+    finally:
+        caller.node.destroy_node()
+        rclpy.try_shutdown()
+    print(
+        json.dumps(
+            {
+                "start_seconds": starts,
+                "round_trips": {name: statistics.quantiles(v, n=4) for name, v in trips.items()},
+                "idle": {name: asdict(load) for name, load in loads.items()},
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()
