@@ -1,0 +1,145 @@
+"""The tools behind `make setup`: what they keep out, what they choose, what they say."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCED = {
+    "AMENT_PREFIX_PATH": "/ws/install/a:/opt/ros/jazzy",
+    "COLCON_PREFIX_PATH": "/ws/install",
+    "CMAKE_PREFIX_PATH": "/opt/ros/jazzy",
+    "LD_LIBRARY_PATH": "/opt/ros/jazzy/lib:/usr/local/own/lib:/ws/install/a/lib",
+    "PYTHONPATH": "/opt/ros/jazzy/lib/python3.12/site-packages",
+    "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp",
+    "ROS_DISTRO": "jazzy",
+    "ROS_VERSION": "2",
+}
+
+
+def tool(name: str) -> ModuleType:
+    """Import a module of tools/, which is no package."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    try:
+        spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(ROOT / "tools"))
+    return module
+
+
+def make(*arguments: str, env: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    """Run make at the root of the repository."""
+    return subprocess.run(
+        ["make", *arguments], cwd=ROOT, env=env, capture_output=True, text=True, check=False
+    )
+
+
+def test_a_sourced_distribution_stays_outside(shell_environment, output_of):
+    env = shell_environment(**SOURCED)
+    env["PATH"] = f"/opt/ros/jazzy/bin:{env['PATH']}:/opt/roster/bin"
+    seen = dict(
+        line.split("=", 1)
+        for line in output_of("sh", "tools/run.sh", "OWN=1", "env", env=env).splitlines()
+        if "=" in line
+    )
+    assert set(SOURCED) & set(seen) == {"LD_LIBRARY_PATH"}
+    assert seen["LD_LIBRARY_PATH"] == "/usr/local/own/lib"
+    assert "/opt/ros/jazzy" not in seen["PATH"]
+    assert seen["PATH"].endswith("/opt/roster/bin")
+    assert seen["OWN"] == "1"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "variables", "folder"),
+    [
+        ((), {}, ".venv"),
+        (("ROS_DISTRO=jazzy",), {}, ".venv-jazzy"),
+        ((), {"ROS_DISTRO": "jazzy"}, ".venv-jazzy"),
+        ((), SOURCED, ".venv"),
+        (("ROS_DISTRO=jazzy",), SOURCED, ".venv-jazzy"),
+    ],
+)
+def test_the_distribution_is_ours_to_choose(arguments, variables, folder, shell_environment):
+    env = shell_environment(**variables)
+    for name in {"ROS_DISTRO", *SOURCED} - set(variables):
+        env.pop(name, None)
+    done = make("--dry-run", "setup", *arguments, env=env)
+    assert f"tools/set_up.py {folder} " in done.stdout
+    assert ("a ROS distribution is sourced here" in done.stdout) == (variables is SOURCED)
+
+
+def test_a_distribution_without_wheels_is_refused(shell_environment):
+    done = make("setup", "ROS_DISTRO=humble", env=shell_environment())
+    assert done.returncode != 0
+    assert "ROS_DISTRO=humble" in done.stderr
+    assert "colcon" in done.stderr
+
+
+def test_a_python_that_does_not_fit_is_named_with_the_remedy(shell_environment, tmp_path):
+    old = tmp_path / "python3.9"
+    old.write_text("#!/bin/sh\necho 'False 3.9.18 /usr/bin/python3.9'\n")
+    old.chmod(0o755)
+    done = make("setup", f"PYTHON={old}", env=shell_environment())
+    assert done.returncode != 0
+    assert f"PYTHON={old} cannot be used" in done.stderr
+    assert "3.9.18" in done.stderr
+    assert "install" in done.stderr
+
+
+def test_the_python_of_an_environment_is_kept(shell_environment, output_of):
+    found = output_of("sh", "tools/find_python.sh", Path(sys.prefix), env=shell_environment())
+    assert Path(found.strip()).resolve() == Path(sys.executable).resolve()
+
+
+def test_what_is_missing_is_named_with_the_command_that_installs_it(monkeypatch, tmp_path):
+    machine = tool("machine")
+    apt = tmp_path / "apt-get"
+    apt.touch(mode=0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CXX", raising=False)
+    monkeypatch.setattr(machine.sysconfig, "get_paths", lambda: {"include": str(tmp_path)})
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    headers, compiler = machine.missing()
+    assert headers.endswith(f"sudo apt-get install {version}-dev")
+    assert compiler.endswith("sudo apt-get install g++")
+    monkeypatch.setattr(machine.platform, "machine", lambda: "aarch64")
+    assert "x86-64 only" in machine.missing()[0]
+    assert "colcon" in machine.missing()[0]
+
+
+def test_a_repeat_is_quick(shell_environment):
+    other = ["ROS_DISTRO=jazzy"] if "jazzy" in Path(sys.prefix).name else ["ROS_DISTRO=kilted"]
+    make("setup", *other, env=shell_environment())
+    began = time.monotonic()
+    done = make("setup", *other, env=shell_environment())
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert time.monotonic() - began < 5.0
+    assert "is ready" in done.stdout
+    assert "once" not in done.stdout, "something was done again"
+
+
+def test_an_interrupted_step_is_done_again(tmp_path):
+    env = tool("set_up").Environment(tmp_path / "venv", "", "")
+    done = []
+
+    def interrupted() -> None:
+        done.append("begun")
+        raise KeyboardInterrupt
+
+    env.step("a", "key", lambda: done.append("first"))
+    env.step("a", "key", lambda: done.append("not again"))
+    with pytest.raises(KeyboardInterrupt):
+        env.step("a", "other key", interrupted)
+    env.step("a", "key", lambda: done.append("recovered"))
+    assert done == ["first", "begun", "recovered"]

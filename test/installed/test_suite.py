@@ -1,0 +1,424 @@
+"""The installed suite, driven from outside: processes of its own, over real DDS."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import threading
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+import rclpy
+import yaml
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.conversions import joint_state, matrix_from_pose
+from robomech_ros.nodes.run import Spinner
+from robomech_ros.robots import load_description, load_robot
+
+PATIENCE = 60.0
+NODES = {
+    "/joint_trajectory_controller",
+    "/kinematics",
+    "/trajectory_planner",
+    "/trajectory_publisher",
+}
+PUMA_Q = [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
+
+
+class Outsider:
+    """A process (this one) that knows of the suite only what is on the network."""
+
+    def __init__(self, domain: int) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(
+            args=[],
+            context=self.context,
+            domain_id=domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self.node = Node("outsider", context=self.context)
+        self._spinner = Spinner([self.node], self.context)
+        self._spinner.start()
+        self._clients = {}
+
+    def close(self):
+        self._spinner.stop()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+    def call(self, kind, service, request):
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+            assert self._clients[service].wait_for_service(PATIENCE), f"no {service}"
+        done = threading.Event()
+        future = self._clients[service].call_async(request)
+        future.add_done_callback(lambda _: done.set())
+        assert done.wait(PATIENCE), f"{service} does not answer"
+        return future.result()
+
+    def wait_for_joints(self, accept, topic="joint_states"):
+        """Wait for a joint state that is accepted."""
+        found = []
+        there = threading.Event()
+
+        def take(message):
+            if not there.is_set() and accept(
+                dict(zip(message.name, message.position, strict=True))
+            ):
+                found.append(message)
+                there.set()
+
+        subscription = self.node.create_subscription(JointState, topic, take, 10)
+        try:
+            assert there.wait(PATIENCE), f"no such state on {topic}"
+        finally:
+            self.node.destroy_subscription(subscription)
+        return found[0]
+
+
+@pytest.fixture
+def outsider(domain_id):
+    result = Outsider(domain_id)
+    yield result
+    result.close()
+
+
+@pytest.fixture
+def bringup(suite):
+    """Start `robomech bringup`, and require exit code 0 when it is told to end."""
+
+    @contextmanager
+    def start(*arguments, end=signal.SIGINT):
+        process = subprocess.Popen(
+            [str(suite.executables / "robomech"), "bringup", *arguments], env=suite.environment
+        )
+        try:
+            yield process
+            assert process.poll() is None, f"bringup ended by itself with {process.returncode}"
+            process.send_signal(end)
+            assert process.wait(PATIENCE) == 0
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+    return start
+
+
+def in_kinematics(outsider, chain, q, prefix=""):
+    """Ask for FK and IK of a posture, and check that it comes back."""
+    fk = outsider.call(
+        SolveFK,
+        f"{prefix}kinematics/solve_fk",
+        SolveFK.Request(states=[joint_state(chain.joint_names, np.array(q))]),
+    )
+    assert fk.error_code == 0, fk.error_msg
+    np.testing.assert_allclose(
+        matrix_from_pose(fk.poses[0].pose), forward_kinematics(chain, q), atol=1e-12
+    )
+    ik = outsider.call(
+        SolveIK,
+        f"{prefix}kinematics/solve_ik",
+        SolveIK.Request(target=fk.poses[0], seed=joint_state((), np.array(q))),
+    )
+    assert ik.error_code == 0, ik.error_msg
+    np.testing.assert_allclose(ik.solutions[0].positions, q, atol=1e-8)
+
+
+def plan(outsider, request, prefix=""):
+    """Plan from the present state, as soon as the planner has heard of it."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        response = outsider.call(PlanJoint, f"{prefix}trajectory_planner/plan_joint", request)
+        if response.error_code != ErrorCode.NO_STATE or time.monotonic() > deadline:
+            break
+    assert response.error_code == 0, response.error_msg
+
+
+def plan_and_arrive(outsider, goal, profile=PlanJoint.Request.POLY345, prefix=""):
+    """Plan to a goal, and wait until the published joints are there."""
+    names = list(goal)
+    request = PlanJoint.Request(
+        goal=JointState(name=names, position=list(goal.values())), profile=profile
+    )
+    plan(outsider, request, prefix)
+    outsider.wait_for_joints(
+        lambda q: all(abs(q[name] - goal[name]) < 1e-6 for name in names), f"{prefix}joint_states"
+    )
+
+
+def test_four_nodes_and_ten_rounds_none_lost(bringup, outsider):
+    chain = load_robot("puma560")
+    rng = np.random.default_rng(5)
+    goals = chain.midrange() + rng.uniform(-0.4, 0.4, (10, chain.n))
+    with bringup("--robot", "puma560"):
+        outsider.wait_for_joints(lambda q: set(q) == set(chain.joint_names))
+        for i, goal in enumerate(goals):
+            profile = PlanJoint.Request.RUCKIG if i % 2 else PlanJoint.Request.POLY345
+            plan_and_arrive(outsider, dict(zip(chain.joint_names, goal, strict=True)), profile)
+        in_kinematics(outsider, chain, PUMA_Q)
+        nodes = {
+            f"{namespace.rstrip('/')}/{name}"
+            for name, namespace in outsider.node.get_node_names_and_namespaces()
+        }
+        assert nodes >= NODES
+
+
+def readme_call(repository, tool):
+    """Find a call by a tool in README.md, as a command line, and what is shown below it."""
+    text = (repository / "README.md").read_text(encoding="utf-8")
+    block = next(b for b in re.findall(r"^```\w+\n(.*?)^```", text, re.S | re.M) if f"{tool} " in b)
+    lines = block.removeprefix("$ ").replace("\\\n", " ").splitlines(keepends=True)
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"{tool} "))
+    return shlex.split(lines[start]), "".join(lines[start + 1 :])
+
+
+def test_call_of_the_readme_is_answered_as_it_shows(suite, bringup, repository):
+    words, shown = readme_call(repository, "robomech call")
+    with bringup("--robot", "puma560"):
+        done = suite.run(*words, "--timeout", str(PATIENCE))
+    assert done.returncode == 0, done.stderr
+    answer, expected = yaml.safe_load(done.stdout), yaml.safe_load(shown)
+    assert answer.keys() == expected.keys()
+    for name in expected.keys() - {"solve_time"}:
+        assert_alike(answer[name], expected[name], name)
+
+
+if shutil.which("ros2"):
+
+    def test_call_of_the_readme_with_the_tool_of_ros(suite, bringup, repository, outsider):
+        words, _ = readme_call(repository, "ros2 service call")
+        _, shown = readme_call(repository, "robomech call")
+        with bringup("--robot", "puma560"):
+            in_kinematics(outsider, load_robot("puma560"), PUMA_Q)
+            done = subprocess.run(
+                words,
+                env=suite.environment,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+                check=True,
+            )
+        assert "error_code=0" in done.stdout
+        for solution in yaml.safe_load(shown)["solutions"]:
+            assert f"positions=[{solution['positions'][0]:.6f}"[:-1] in done.stdout
+
+
+def assert_alike(answer, shown, where):
+    """Compare what was answered with what is shown; rounding differs from machine to machine."""
+    if isinstance(shown, dict):
+        for name in shown:
+            assert_alike(answer[name], shown[name], f"{where}.{name}")
+    elif isinstance(shown, list):
+        assert len(answer) == len(shown), where
+        for i, (one, other) in enumerate(zip(answer, shown, strict=True)):
+            assert_alike(one, other, f"{where}[{i}]")
+    elif isinstance(shown, float):
+        assert answer == pytest.approx(shown, rel=1e-3, abs=1e-9), where
+    else:
+        assert answer == shown, where
+
+
+def test_robot_by_path(bringup, outsider, tmp_path, repository):
+    copy = tmp_path / "my arm.urdf"
+    source = repository / "config" / "robots" / "ur5e.urdf"
+    copy.write_bytes(source.read_bytes())
+    copy.with_suffix(".yaml").write_bytes(source.with_suffix(".yaml").read_bytes())
+    chain = load_robot(copy)
+    q = [0.3, -1.0, 1.2, 0.4, 0.9, -0.5]
+    with bringup("--robot", str(copy), end=signal.SIGTERM):
+        in_kinematics(outsider, chain, q)
+        plan_and_arrive(outsider, dict(zip(chain.joint_names, q, strict=True)))
+
+
+def test_robot_by_topic_in_one_process(bringup, outsider):
+    description = load_description("panda")
+    with open(description.where, encoding="utf-8") as file:
+        message = String(data=file.read())
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = outsider.node.create_publisher(String, "robot_description", latched)
+    chain = description.chain()
+    with bringup("--in-one-process"):
+        publisher.publish(message)
+        outsider.wait_for_joints(lambda q: set(q) >= set(chain.joint_names))
+        in_kinematics(outsider, chain, chain.midrange() + 0.1)
+
+
+def test_two_robots_in_namespaces(bringup, outsider):
+    with (
+        bringup("--robot", "puma560", "--namespace", "left", "--rate", "50"),
+        bringup("--robot", "scara", "--namespace", "/right", "--in-one-process"),
+    ):
+        for prefix, robot in (("/left/", "puma560"), ("/right/", "scara")):
+            chain = load_robot(robot)
+            goal = dict(zip(chain.joint_names, chain.midrange() + 0.05, strict=True))
+            plan_and_arrive(outsider, goal, prefix=prefix)
+        in_kinematics(outsider, load_robot("puma560"), PUMA_Q, prefix="/left/")
+
+
+def test_one_process_in_mid_motion_ends_cleanly(bringup, outsider):
+    chain = load_robot("puma560")
+    goal = dict(zip(chain.joint_names, chain.midrange() + 0.5, strict=True))
+    start = float(chain.midrange()[0])
+    with bringup("--robot", "puma560", "--in-one-process"):
+        outsider.wait_for_joints(lambda q: True)
+        request = PlanJoint.Request(
+            goal=JointState(name=list(goal), position=list(goal.values())),
+            duration=rclpy.duration.Duration(seconds=20.0).to_msg(),
+        )
+        plan(outsider, request)
+        outsider.wait_for_joints(lambda q: abs(q[chain.joint_names[0]] - start) > 1e-4)
+
+
+def test_when_a_node_dies_bringup_says_which_and_stops_the_others(suite):
+    process = subprocess.Popen(
+        [str(suite.executables / "robomech"), "bringup", "--robot", "puma560"],
+        env=suite.environment,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        children = wait_for_children(process.pid, {name.strip("/") for name in NODES})
+        subprocess.run(["kill", "-KILL", str(children["trajectory_planner"])], check=True)
+        _, errors = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 1
+        assert "trajectory_planner ended with exit code -9" in errors
+        assert not [name for name, pid in children.items() if is_alive(pid)]
+    finally:
+        if process.poll() is None:
+            process.kill()
+
+
+def wait_for_children(parent, names):
+    """Wait until a process has a child for each name in its command line; gives their ids.
+
+    A child that was just started still shows the command line of its parent.
+    """
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        listed = subprocess.run(
+            ["ps", "-o", "pid=,args=", "--ppid", str(parent)],
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stdout
+        lines = [line.split(maxsplit=1) for line in listed.splitlines()]
+        found = {name: int(pid) for pid, command in lines for name in names if name in command}
+        if len(found) == len(names):
+            return found
+    raise AssertionError(f"no process for each of {names}: {listed}")
+
+
+def is_alive(pid):
+    return (
+        subprocess.run(["kill", "-0", str(pid)], capture_output=True, check=False).returncode == 0
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["-p", "robot_description:=puma560", "-p", "largest_batch:=0"],
+            "parameter 'largest_batch' is 0; allowed is an integer from 1 to 10000000 poses",
+        ),
+        (
+            ["-p", "robot_description:=puma560", "-p", "largest_batch:=many"],
+            "parameter 'largest_batch' is 'many'",
+        ),
+        (
+            ["-p", "robot_description:=pumba560"],
+            "unknown robot 'pumba560' (did you mean 'puma560'?)",
+        ),
+        (
+            ["-p", "robot_description:=puma560", "-p", "tip_link:=hand"],
+            "unknown link 'hand'",
+        ),
+        (["-p", "robot_description:=<robot>"], "URDF string"),
+        (["-p", "robot_description"], "robot_description"),
+    ],
+)
+def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
+    done = suite.run("kinematics_node", "--ros-args", *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith("kinematics_node: ")
+    assert words in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "node",
+    [
+        "joint_state_simulator_node",
+        "kinematics_node",
+        "trajectory_planner_node",
+        "trajectory_publisher_node",
+    ],
+)
+def test_every_node_ends_with_0_on_a_signal(suite, node, number):
+    process = subprocess.Popen(
+        [str(suite.executables / node), "--ros-args", "-p", "robot_description:=puma560"],
+        env=suite.environment,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stderr is not None
+        assert "ready" in process.stderr.readline()
+        process.send_signal(number)
+        _, rest = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 0
+        assert "Traceback" not in rest
+    finally:
+        if process.poll() is None:
+            process.kill()
+
+
+def test_every_node_explains_its_parameters(suite):
+    for node in ("kinematics_node", "joint_state_simulator_node", "trajectory_planner_node"):
+        done = suite.run(node, "--help")
+        assert done.returncode == 0
+        assert "robot_description (default ''; a string)" in done.stdout
+
+
+def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
+    """A URDF without acceleration limits is taken, too, with a word about what is assumed."""
+    bare = tmp_path / "bare.urdf"
+    bare.write_bytes((repository / "config" / "robots" / "ur5e.urdf").read_bytes())
+    done = suite.run(
+        "robomech", "demo", "--robot", str(bare), "--output", str(tmp_path / "out"), timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert "bare.urdf gives no acceleration and no jerk limits" in done.stdout
+    assert "everything worked" in done.stdout
+    assert [path.suffix for path in (tmp_path / "out").iterdir()] == [".png"]
+
+
+def test_demo_that_fails_says_so(suite, tmp_path):
+    done = suite.run("robomech", "demo", "--robot", "pumba560", "--output", str(tmp_path))
+    assert done.returncode == 1
+    assert "robomech demo failed: unknown robot 'pumba560'" in done.stderr
+
+
+def test_target_out_of_reach_through_the_command(suite, bringup):
+    with bringup("--robot", "puma560"):
+        request = "{target: {pose: {position: {x: 5.0}, orientation: {w: 1.0}}}}"
+        words = ("call", "kinematics/solve_ik", request, "--timeout", str(PATIENCE))
+        done = suite.run("robomech", *words)
+    assert done.returncode == 1
+    assert "error 201 OUT_OF_REACH" in done.stderr
+    assert yaml.safe_load(done.stdout)["solutions"] == []
