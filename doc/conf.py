@@ -1,0 +1,29 @@
+"""Sphinx configuration; `make docs` builds with it, and rosdoc2 finds it here by itself."""
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+project = "robomech_ros"
+author = "The robomech_ros authors"
+project_copyright = f"2026, {author}"
+_found = re.search(r"<version>([^<]+)</version>", (ROOT / "package.xml").read_text("utf-8"))
+release = version = _found[1] if _found else ""
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["_build"]
+suppress_warnings = ["myst.header"]
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 3
+
+autodoc_member_order = "groupwise"
+autodoc_typehints = "none"  # the numpydoc sections say it, with shape, unit and frame
+autodoc_mock_imports = ["rclpy"]
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+
+html_theme = "sphinx_rtd_theme"

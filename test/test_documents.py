@@ -1,0 +1,60 @@
+"""The examples in doc/: every block of Python runs, every robot in YAML loads; no ROS needed."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from robomech_ros.kinematics.families import family_of
+from robomech_ros.robots import list_robots, load_robot
+
+DOC = Path(__file__).resolve().parent.parent / "doc"
+PAGES = sorted(DOC.glob("*.md"))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """Return the fenced blocks of a language in a page."""
+    text = page.read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.stem)
+def test_python_examples_run(page, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for source in blocks(page, "python"):
+        exec(compile(source, str(page), "exec"), names)
+
+
+def test_robot_in_yaml_loads_and_the_file_beside_a_urdf_is_accepted(tmp_path):
+    table, beside = blocks(DOC / "robots.md", "yaml")
+    assert load_robot(table).joint_names == ("joint_1", "joint_2")
+    robots = DOC.parent / "config" / "robots"
+    (tmp_path / "arm.urdf").write_bytes((robots / "ur5e.urdf").read_bytes())
+    (tmp_path / "arm.yaml").write_text(beside, encoding="utf-8")
+    assert load_robot(tmp_path / "arm.urdf").jerk[0] == 31.416
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_links_between_pages_lead_somewhere(page):
+    text = re.sub(
+        r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    )
+    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+        if not target.startswith(("http:", "https:")):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_every_robot_is_in_the_table_with_its_family():
+    text = (DOC / "robots.md").read_text(encoding="utf-8").split("## Base and tip")[0]
+    rows = [line.split("|") for line in text.splitlines() if line.startswith("| `")]
+    families = {name: row[4].strip() for row in rows for name in re.findall(r"`(\w+)`", row[1])}
+    assert families == {name: family_of(load_robot(name)).name for name in list_robots()}
+
+
+def test_every_error_code_is_explained():
+    text = (DOC / "interfaces.md").read_text(encoding="utf-8")
+    explained = re.findall(r"^\| (\d+) \| `(\w+)` \|", text, re.MULTILINE)
+    definition = DOC.parent / "robomech_interfaces" / "msg" / "ErrorCode.msg"
+    constants = re.findall(r"^uint16 (\w+)=(\d+)", definition.read_text("utf-8"), re.MULTILINE)
+    assert explained == [(number, name) for name, number in constants]

@@ -1,0 +1,89 @@
+"""What README.md says of services and calls, against the interface definitions; no ROS needed."""
+
+import re
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+NODES = sorted((ROOT / "robomech_ros" / "nodes").rglob("*.py"))
+INTERFACES = ROOT / "robomech_interfaces"
+FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
+FOREIGN = {
+    "sensor_msgs/msg/JointState",
+    "std_srvs/srv/Trigger",
+    "trajectory_msgs/msg/JointTrajectory",
+}
+
+
+def section(heading: str) -> str:
+    """Return the text under a heading of the second level."""
+    return README.split(f"## {heading}\n", 1)[1].split("\n## ", 1)[0]
+
+
+def served() -> list[tuple[list[str], str]]:
+    """Return the names and the type of each row of the table under "What it serves"."""
+    rows = [line for line in section("What it serves").splitlines() if line.startswith("|")][2:]
+    cells = [row.strip("|").split("|") for row in rows]
+    quoted = [[re.findall(r"`([^`]+)`", cell) for cell in row] for row in cells]
+    return [(row[1], row[2][0]) for row in quoted]
+
+
+def blocks(language: str) -> list[str]:
+    """Return the fenced blocks of a language under "Ask for all solutions"."""
+    pattern = rf"^```{language}\n(.*?)^```"
+    return re.findall(pattern, section("Ask for all solutions"), re.DOTALL | re.MULTILINE)
+
+
+def fields(name: str) -> tuple[list[str], list[str]]:
+    """Return the names of the fields of request and response of a service."""
+    text = (INTERFACES / "srv" / f"{name}.srv").read_text(encoding="utf-8")
+    request, response = text.split("\n---\n")
+    lines = [[line.split("#")[0].strip() for line in x.splitlines()] for x in (request, response)]
+    found = [[match[1] for line in part if (match := FIELD.match(line))] for part in lines]
+    return found[0], found[1]
+
+
+def test_types_in_the_table_are_defined():
+    for _, kind in served():
+        path = INTERFACES / f"{kind}.{kind.split('/')[0]}"
+        assert kind in FOREIGN or path.is_file(), kind
+
+
+def test_what_the_table_names_is_in_the_nodes():
+    source = "\n".join(path.read_text(encoding="utf-8") for path in NODES)
+    offered = set(re.findall(r'"(?:~/)?([a-z_]+)"', source))
+    for names, _ in served():
+        assert {name.removeprefix("~/") for name in names} <= offered, names
+
+
+def test_every_service_of_the_nodes_is_in_the_table():
+    source = "\n".join(path.read_text(encoding="utf-8") for path in NODES)
+    offered = set(re.findall(r'create_service\(\s*(\w+),\s*"~/(\w+)"', source))
+    assert offered
+    named = {(kind.split("/")[-1], n.removeprefix("~/")) for names, kind in served() for n in names}
+    assert offered <= named, f"served and not listed: {sorted(offered - named)}"
+
+
+def test_calls_name_the_service_and_fields_that_exist():
+    (with_ros2,) = blocks("sh")
+    (with_ours,) = blocks("console")
+    one = re.fullmatch(r'ros2 service call (\S+) (\S+) \\\n  "(.*)"\n', with_ros2)
+    other = re.match(r'\$ robomech call (\S+) \\\n  "(.*)"\n', with_ours)
+    assert one and other
+    assert one[2] == "robomech_interfaces/srv/SolveIK"
+    assert one[1] == f"/{other[1]}"
+    assert yaml.safe_load(one[3]) == yaml.safe_load(other[2])
+    assert set(yaml.safe_load(one[3])) <= set(fields("SolveIK")[0])
+
+
+def test_both_answers_show_the_same_fields():
+    response = fields("SolveIK")[1]
+    (text,) = blocks("text")
+    (console,) = blocks("console")
+    shown = yaml.safe_load(console.split('"\n', 1)[1])
+    assert list(shown) == response
+    assert [name for name in re.findall(r"\b([a-z_]+)=", text) if name in response] == response
+    assert shown["error_code"] == 0
+    assert len(shown["solutions"]) == len(re.findall(r"positions=", text)) > 1
