@@ -52,6 +52,8 @@ STATE = 4
 
 # Values of the free joints that are tried where the seed's leads out of the limits.
 _FREE_VALUES = 96
+# Limits hold; typed, so that numba does not compile a function anew for a literal.
+_BOUNDED = np.bool_(True)
 
 
 @inline
@@ -79,7 +81,7 @@ def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
     count = 0
     for k in range(total):
         if branch[k] & bit.CONTINUUM:
-            if not place(turns, lower, upper, seed, True, q[k], placed):
+            if not place(turns, lower, upper, seed, _BOUNDED, q[k], placed):
                 missing[count] = branch[k]
                 count += 1
     return count
@@ -97,7 +99,7 @@ def _add_missing(
         for j in range(state[MISSING]):
             if missing[j] != branch[m]:
                 continue
-            if place(turns, lower, upper, seed, True, q[m], placed):
+            if place(turns, lower, upper, seed, _BOUNDED, q[m], placed):
                 distance = distance_from(placed, seed, metric)
                 state[RANKED] = insert(
                     placed, branch[m], distance, state[RANKED], ranked, names, distances
@@ -145,7 +147,6 @@ def solve(
     ``distances`` (16,) the branches of the ranked ones and their distances, and ``state`` (STATE,)
     the numbers of each.
     """
-    # One kernel for all: each that holds the solvers would cost their compilation again.
     missing = np.empty(MAX_SOLUTIONS, np.int64)
     others = np.empty((MAX_SOLUTIONS, seed.shape[0]))
     marks = np.empty(MAX_SOLUTIONS, np.int64)

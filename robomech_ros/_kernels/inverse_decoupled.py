@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, kernel
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.decoupled_arm import (
     MOST_ARMS,
@@ -248,7 +248,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     return count
 
 
-@inline
+@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 
@@ -261,7 +261,7 @@ def solve_decoupled(data, T, seed, q, branch):
     angles = np.empty((2, 3))
     slack = 0.5 * ACCEPTED if data[at.EXACT] == 1.0 else data[at.SLACK]
     free_angle = seed[3] + data[at.ANGLES]
-    count = 0
+    count = ZERO
     for attempt in range(_TRIES):
         shift = 2.0 * math.pi / _TRIES * ((attempt + 1) // 2) * (1 - 2 * (attempt % 2))
         found = arm_postures(data, c, seed, shift, arms, bits)

@@ -1,10 +1,16 @@
 """``robomech warmup``: compile all kernels, or load them from the cache."""
 
 import argparse
+import ast
+import logging
+import os
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from graphlib import TopologicalSorter
 from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 from pkgutil import iter_modules
 
@@ -14,6 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 __all__ = ["add_arguments", "kernel_modules", "run", "warm"]
 
 PACKAGE = "robomech_ros._kernels"
+_FOLDER = Path(__file__).resolve().parents[2] / "_kernels"
 
 # Seconds.
 _NOTICEABLE = 1.5
@@ -27,8 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kernel_modules() -> tuple[str, ...]:
     """List the modules with kernels; importing one compiles it or loads it from the cache."""
-    folder = Path(__file__).resolve().parents[2] / "_kernels"
-    return tuple(sorted(module.name for module in iter_modules([str(folder)])))
+    return tuple(sorted(module.name for module in iter_modules([str(_FOLDER)])))
 
 
 def run(args: argparse.Namespace) -> int:
@@ -47,31 +53,73 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
     silent_if_quick : bool, optional
         Say nothing where hardly anything had to be compiled.
     """
+    # Numba is slow to load, and most commands do not need it.
+    from robomech_ros._kernels._jit import cache_directory
+
     start = time.perf_counter()
-    modules = kernel_modules()
+    modules, place = kernel_modules(), cache_directory()
+    cold = place is not None and not any(place.glob("*.nbi"))
+    compiled = _compiled_in_parallel(modules) if cold else _imported(modules)
     progress = _bar if sys.stdout.isatty() and not silent else _plain
-    for name in progress(modules, silent):
-        import_module(f"{PACKAGE}.{name}")
+    progress(compiled, len(modules), silent)
     seconds = time.perf_counter() - start
     if not silent and not (silent_if_quick and seconds < _QUICK):
-        from robomech_ros._kernels._jit import cache_directory
-
-        place = cache_directory() or "nowhere: no place to keep them is writable"
-        print(f"{len(modules)} kernel modules in {seconds:.1f} s, kept in {place}")
+        kept = place or "nowhere: no place to keep them is writable"
+        print(f"{len(modules)} kernel modules in {seconds:.1f} s, kept in {kept}")
 
 
-def _plain(modules: tuple[str, ...], silent: bool) -> Iterator[str]:
+def _imported(modules: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+    """Import the modules here; gives each with the seconds that it took."""
+    for name in modules:
+        yield name, _import(name)
+
+
+def _compiled_in_parallel(modules: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+    """Fill the cache from as many processes as there are cores, each module after what it needs."""
+    order = TopologicalSorter({name: _needs(name, modules) for name in modules})
+    order.prepare()
+    running: dict[Future[float], str] = {}
+    with ProcessPoolExecutor(
+        os.cpu_count(),
+        get_context("spawn"),
+        # What a process says of a cache that it finds empty was said here.
+        initializer=logging.disable,
+        initargs=(logging.WARNING,),
+    ) as pool:
+        while order.is_active():
+            running.update((pool.submit(_import, name), name) for name in order.get_ready())
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                name = running.pop(future)
+                order.done(name)
+                yield name, future.result()
+
+
+def _needs(name: str, modules: tuple[str, ...]) -> set[str]:
+    """List the kernel modules that a kernel module imports."""
+    tree = ast.parse((_FOLDER / f"{name}.py").read_text(encoding="utf-8"))
+    needed = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            needed.update([node.module, *(f"{node.module}.{entry.name}" for entry in node.names)])
+    return {other for other in modules if f"{PACKAGE}.{other}" in needed}
+
+
+def _import(name: str) -> float:
+    """Import a kernel module; gives the seconds that it took."""
+    before = time.perf_counter()
+    import_module(f"{PACKAGE}.{name}")
+    return time.perf_counter() - before
+
+
+def _plain(compiled: Iterator[tuple[str, float]], total: int, silent: bool) -> None:
     """Say a line for every module that took a noticeable time."""
-    for index, name in enumerate(modules, start=1):
-        before = time.perf_counter()
-        yield name
-        seconds = time.perf_counter() - before
+    for index, (name, seconds) in enumerate(compiled, start=1):
         if seconds > _NOTICEABLE and not silent:
-            print(f"[{index}/{len(modules)}] {name}: {seconds:.1f} s", flush=True)
+            print(f"[{index}/{total}] {name}: {seconds:.1f} s", flush=True)
 
 
-def _bar(modules: tuple[str, ...], silent: bool) -> Iterator[str]:
-    """Show a bar that names the module being compiled."""
+def _bar(compiled: Iterator[tuple[str, float]], total: int, silent: bool) -> None:
+    """Show a bar that names the module that was compiled last."""
     columns = (
         TextColumn("compiling kernels"),
         BarColumn(),
@@ -80,8 +128,7 @@ def _bar(modules: tuple[str, ...], silent: bool) -> Iterator[str]:
         TextColumn("{task.description}"),
     )
     with Progress(*columns, console=Console(), transient=True) as progress:
-        task = progress.add_task("", total=len(modules))
-        for name in modules:
+        task = progress.add_task("", total=total)
+        for name, _ in compiled:
             progress.update(task, description=name)
-            yield name
             progress.advance(task)
