@@ -34,6 +34,7 @@ __all__ = [
     "OUT1",
     "OUT2",
     "OUT3",
+    "ZERO",
     "b1",
     "cache_directory",
     "f8",
@@ -55,6 +56,10 @@ OUT2 = types.Array(f8, 2, "C")
 OUT3 = types.Array(f8, 3, "C")
 IOUT1 = types.Array(i8, 1, "C")
 IOUT2 = types.Array(i8, 2, "C")
+
+# Where a count begins that is handed to another function: numba would compile that function once
+# more for the literal 0, and count it as a second one.
+ZERO = numpy.int64(0)
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": False}
 _lock = threading.Lock()

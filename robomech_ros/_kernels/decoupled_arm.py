@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import ZERO, inline
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_prismatic import prismatic_arm
 from robomech_ros._kernels.arm_revolute import FREE_1, FREE_2, FREE_3, revolute_arm
@@ -156,7 +156,7 @@ def _improve_arm(data, arm, c, J, e, error):
 
 @inline
 def is_among(data, posture, others, apart):
-    """Tell whether the joints of a posture, all or the first three, are a row of ``others``."""
+    """Tell whether the joints of a posture, all or the first three, begin a row of ``others``."""
     for i in range(others.shape[0]):
         same = True
         for j in range(posture.shape[0]):
@@ -256,7 +256,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
         good = error <= (limit if start == 0 else SHARP)
         regular = arm[4] > NEAR_SINGULAR and error <= limit
         apart = SAME_POSTURE if first_error <= POLISH_ABOVE else FOLD_APART
-        if good and not is_among(data, arm[:3], arms[:count, :3], apart):
+        if good and not is_among(data, arm[:3], arms[:count], apart):
             bits[count] = _arm_bits(data, k, arm, shoulder, elbow)
             count += 1
         # Beside a good posture of a continuum the next start would find the continuum again.
@@ -277,7 +277,7 @@ def arm_postures(data, c, seed, shift, arms, bits):
     e = np.empty(3)
     candidates = np.empty((16, 4))
     found = _candidates(data, c, seed, shift, candidates)
-    count = 0
+    count = ZERO
     for k in range(found):
         if count < MOST_ARMS:
             count = _add_postures(data, c, k, candidates[k], J, e, arms, bits, count)

@@ -9,20 +9,47 @@ from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT1, OUT2, i8, inline, 
 from robomech_ros._kernels.iterative_steps import attempt
 from robomech_ros._kernels.polishing import polish, pose_difference, pose_error
 from robomech_ros._kernels.serial import forward_body
+from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 
 __all__ = ["polish", "pose_error", "search", "solve_iterative"]
 
+NOT_NEW = -1
+
 
 @inline
-def _start(data, seed, number, rows, q):
-    """Write the start of an attempt: the seed first, then a sequence that fills the box evenly."""
+def _stretch(data, packed, weights, T):
+    """How many times farther than the arm is long a target is that slides without limits reach.
+
+    It is 1 where the target is nearer, or no slide is without limits.
+    """
+    square = 0.0
+    for k in range(3):
+        away = T[k, 3] - packed[0, 10 + k]
+        square += weights[3 + k] * away * away
+    return max(1.0, math.sqrt(square) / data[at.OPEN])
+
+
+@inline
+def _start(seed, number, rows, stretch, q):
+    """Write the start of an attempt: the seed first, then a sequence that fills the box evenly.
+
+    The box of a slide without limits, or with one, is stretched away from that limit.
+    """
     n = q.shape[0]
     for i in range(n):
         if number == 0:
             q[i] = min(max(seed[i], rows[0, i]), rows[1, i])
+            continue
+        part = 0.5 + number * rows[4, i]
+        part -= math.floor(part)
+        if stretch == 1.0 or rows[5, i] != 0.0 or rows[1, i] - rows[0, i] < math.inf:
+            q[i] = rows[2, i] + rows[3, i] * part
+        elif rows[0, i] > -math.inf:
+            q[i] = rows[0, i] + stretch * rows[3, i] * part
+        elif rows[1, i] < math.inf:
+            q[i] = rows[1, i] - stretch * rows[3, i] * part
         else:
-            part = 0.5 + number * rows[4, i]
-            q[i] = rows[2, i] + rows[3, i] * (part - math.floor(part))
+            q[i] = stretch * (rows[2, i] + rows[3, i] * part)
 
 
 @inline
@@ -35,18 +62,41 @@ def _wrap(rows, q):
 
 
 @inline
-def _is_new(rows, q, solutions, found, apart):
-    """Tell whether q differs from every solution so far."""
+def _distance(rows, p, q):
+    """Largest difference of two postures, angles modulo a turn."""
+    largest = 0.0
+    for i in range(q.shape[0]):
+        difference = abs(q[i] - p[i])
+        if rows[5, i] != 0.0:
+            difference = min(difference, 2.0 * math.pi - difference)
+        largest = max(largest, difference)
+    return largest
+
+
+@inline
+def _entered(data, rows, q, sharp, solutions, marks, found):
+    """Enter q unless it is there already; return how many solutions there are then, or NOT_NEW.
+
+    Loose tolerances admit a whole neighbourhood of a posture; one of it is enough, and the sharp
+    one the best.  Two sharp ones are two solutions, however near to each other.
+    """
     for k in range(found):
-        largest = 0.0
+        both = sharp and marks[k] != 0.0
+        least = data[at.SHARP_APART] if both else data[at.APART]
+        if (both or not sharp) and _distance(rows, q, solutions[k]) < least:
+            return NOT_NEW
+    kept = 0
+    for k in range(found):
+        if sharp and marks[k] == 0.0 and _distance(rows, q, solutions[k]) < data[at.APART]:
+            continue
+        marks[kept] = marks[k]
         for i in range(q.shape[0]):
-            difference = abs(q[i] - solutions[k, i])
-            if rows[5, i] != 0.0:
-                difference = min(difference, 2.0 * math.pi - difference)
-            largest = max(largest, difference)
-        if largest < apart:
-            return False
-    return True
+            solutions[kept, i] = solutions[k, i]
+        kept += 1
+    marks[kept] = 1.0 if sharp else 0.0
+    for i in range(q.shape[0]):
+        solutions[kept, i] = q[i]
+    return kept + 1
 
 
 @inline
@@ -66,8 +116,8 @@ def search(data, T, seed, first, restarts, q, found, state):
 
     Attempt 0 starts from ``seed`` (n,), the others from a low-discrepancy sequence.  New
     solutions are entered in q (MAX, n) after the ``found`` that are there; returns how many there
-    are then.  ``state`` (4 + n,) goes from call to call: start with zeros and an infinite best
-    score.
+    are then.  ``state`` (4 + n + MAX,) goes from call to call: start with zeros and an infinite
+    best score.
     """
     n = int(data[at.JOINTS])
     rows = data[at.ROWS : at.ROWS + at.N_ROWS * n].reshape(at.N_ROWS, n)
@@ -78,14 +128,15 @@ def search(data, T, seed, first, restarts, q, found, state):
     J = np.empty((6, n))
     H = np.empty((n, n))
     A = np.empty((n + 1, n))
-    v = np.empty((3, n))
+    v = np.empty((4, n))
     current = np.empty((4, 4))
     e = np.empty(6)
     free = np.empty(n, dtype=np.int64)
+    stretch = _stretch(data, packed, weights, T)
     for number in range(first, first + restarts):
         if found >= wanted or (found > 0 and state[at.IDLE] >= data[at.PATIENCE]):
             break
-        _start(data, seed, number, rows, x)
+        _start(seed, number, rows, stretch, x)
         attempt(
             packed,
             T,
@@ -93,7 +144,8 @@ def search(data, T, seed, first, restarts, q, found, state):
             rows[0],
             rows[1],
             weights,
-            data[at.UNIT],
+            data[at.UNIT] / (stretch * stretch),
+            stretch,
             int(data[at.ITERATIONS]),
             data[at.STALL],
             J,
@@ -116,18 +168,19 @@ def search(data, T, seed, first, restarts, q, found, state):
             state[at.BEST_ORIENTATION] = angular
             for i in range(n):
                 state[at.BEST_Q + i] = x[i]
-        if score <= 1.0 and _is_new(rows, x, q, found, data[at.APART]):
-            for i in range(n):
-                q[found, i] = x[i]
-            found += 1
-            state[at.IDLE] = 0.0
+        if score <= 1.0:
+            sharp = linear <= POSITION_TOLERANCE and angular <= ORIENTATION_TOLERANCE
+            more = _entered(data, rows, x, sharp, q, state[at.BEST_Q + n :], found)
+            if more != NOT_NEW:
+                found = more
+                state[at.IDLE] = 0.0
     return found
 
 
 @kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_iterative(data, T, seed, q, branch):
     """Write the solutions found for the pose T (4, 4) to q (MAX, n); return how many."""
-    state = np.zeros(at.BEST_Q + int(data[at.JOINTS]))
+    state = np.zeros(at.BEST_Q + int(data[at.JOINTS]) + q.shape[0])
     state[at.BEST_SCORE] = math.inf
     found = search(data, T, seed, 0, int(data[at.RESTARTS]), q, 0, state)
     for k in range(found):

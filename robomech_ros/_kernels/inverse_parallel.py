@@ -3,7 +3,7 @@
 import numpy as np
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, kernel
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
@@ -136,7 +136,7 @@ def solve_parallel(data, T, seed, q, branch):
     if found == FREE:
         found = free_pairs(data, G, seed, pairs)
     named = data[at.NAMED] != 0.0
-    count = 0
+    count = ZERO
     for k in range(found):
         count = finish_pair(data, G, seed, pairs[k], named, q, branch, errors, count)
     count, doubtful = _refined(data, T, q, branch, errors, count)

@@ -11,7 +11,9 @@ PATIENCE = 7  # attempts in a row without a new solution after which to stop, on
 APART = 8  # least distance (rad or m, largest over the joints) of two solutions
 STALL = 9  # an attempt ends when six steps leave more than this part of the squared error
 WEIGHTS = 10  # six of 0 or 1: rotation about x y z, position x y z of the base
-ROWS = 16  # from here n numbers each: lower, upper, start, width, stride, turns
+OPEN = 16  # arm length (m) beyond which a target is far, infinite where no slide is without limits
+SHARP_APART = 17  # as APART, of two solutions that hold to the default tolerances
+ROWS = 18  # from here n numbers each: lower, upper, start, width, stride, turns
 # lower and upper bound the search; starts lie in [start, start + width], advanced by the
 # stride, a fraction of the width; turns is 1 for a joint whose angle may be wrapped.
 N_ROWS = 6  # then the packed chain, n + 1 rows of 13
@@ -21,4 +23,4 @@ IDLE = 0  # attempts since the last new solution
 BEST_SCORE = 1  # least error so far, in units of the tolerances
 BEST_POSITION = 2  # its position error (m) and orientation error (rad)
 BEST_ORIENTATION = 3
-BEST_Q = 4  # and its n joint values
+BEST_Q = 4  # and its n joint values; then, of each solution, whether it is sharp (1) or loose (0)

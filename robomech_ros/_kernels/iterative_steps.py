@@ -3,7 +3,7 @@
 import math
 
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import ZERO, inline
 from robomech_ros._kernels.polishing import pose_difference
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
@@ -11,6 +11,7 @@ from robomech_ros._kernels.tolerances import (
     ATTEMPT_LEAST_DAMPING,
     ATTEMPT_STEP,
     CONVERGED,
+    CONVERGED_FAR,
 )
 
 
@@ -39,15 +40,18 @@ def _correct_for_partial_orientation(J, e, weights, n):
 
 
 @inline
-def _bounded_step(H, g, q, lower, upper, damping, n, A, step, free):
-    """Solve (H + damping 1) step = g with q + step inside the limits; joints at one stay there."""
+def _bounded_step(H, g, q, lower, upper, damping, scales, n, A, step, free):
+    """Solve (H + damping D) step = g with q + step inside the limits; joints at one stay there.
+
+    D is diagonal, with the squares of ``scales`` (n,).
+    """
     for i in range(n):
         free[i] = 1
         if (q[i] <= lower[i] and g[i] < 0.0) or (q[i] >= upper[i] and g[i] > 0.0):
             free[i] = 0
             step[i] = 0.0
     for _ in range(n + 1):
-        m = 0
+        m = ZERO
         b = A[n]
         for i in range(n):
             if free[i] == 0:
@@ -62,13 +66,13 @@ def _bounded_step(H, g, q, lower, upper, damping, n, A, step, free):
                 if free[j] == 1:
                     A[m, c] = H[i, j]
                     c += 1
-            A[m, m] = H[i, i] + damping
+            A[m, m] = H[i, i] + damping * scales[i] * scales[i]
             m += 1
         if m == 0:
             return True
         if not cholesky_solve(A, b, m):
             return False
-        m = 0
+        m = ZERO
         inside = True
         for i in range(n):
             if free[i] == 0:
@@ -91,17 +95,37 @@ def _bounded_step(H, g, q, lower, upper, damping, n, A, step, free):
 
 @inline
 def attempt(
-    packed, T, q, lower, upper, weights, unit, iterations, stall, J, current, e, H, A, v, free
+    packed,
+    T,
+    q,
+    lower,
+    upper,
+    weights,
+    unit,
+    stretch,
+    iterations,
+    stall,
+    J,
+    current,
+    e,
+    H,
+    A,
+    v,
+    free,
 ):
     """Improve q (n,) in place inside the limits until it converges or stalls.
 
-    The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  Returns the
-    weighted error.
+    The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  A slide's
+    displacement counts ``stretch`` times less than an angle.  Returns the weighted error.
     """
     n = packed.shape[0] - 1
     g = v[0]
     step = v[1]
     kept = v[2]
+    scales = v[3]
+    for i in range(n):
+        scales[i] = 1.0 if packed[i, 0] == 0.0 else 1.0 / stretch
+    converged = max(CONVERGED / (stretch * stretch), CONVERGED_FAR)
     best = math.inf
     damping = ATTEMPT_DAMPING
     partial = weights[0] * weights[1] * weights[2] == 0.0
@@ -116,7 +140,7 @@ def attempt(
             best = error
             for i in range(n):
                 kept[i] = q[i]
-            if error < CONVERGED:
+            if error < converged:
                 break
             damping = max(0.25 * damping, ATTEMPT_LEAST_DAMPING)
             if partial:
@@ -141,12 +165,12 @@ def attempt(
                 break
             checkpoint = best
         shift = damping * best + 1e-16
-        if not _bounded_step(H, g, kept, lower, upper, shift, n, A, step, free):
+        if not _bounded_step(H, g, kept, lower, upper, shift, scales, n, A, step, free):
             damping *= 8.0
             continue
         longest = 0.0
         for i in range(n):
-            longest = max(longest, abs(step[i]))
+            longest = max(longest, scales[i] * abs(step[i]))
         scale = 1.0 if longest <= ATTEMPT_STEP else ATTEMPT_STEP / longest
         for i in range(n):
             q[i] = min(max(kept[i] + scale * step[i], lower[i]), upper[i])

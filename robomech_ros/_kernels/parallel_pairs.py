@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import ZERO, inline
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
@@ -374,7 +374,7 @@ def joint_pairs(data, G, pairs):
     found = order_two_roots(a0, a1, b1, a2, b2, PARALLEL_TOUCHING, roots)
     if found < 0:
         return FREE
-    count = 0
+    count = ZERO
     for k in range(found):
         count = _add_pairs(data, d, roots[k, 0], roots[k, 1], pairs, count)
     if min(factor1, abs(factor2)) < NEARLY_SEPARATE * max(factor1, abs(factor2)):

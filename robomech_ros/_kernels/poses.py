@@ -5,13 +5,14 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._jit import OUT3, f8, i8, inline, kernel
-from robomech_ros._kernels.tolerances import ORTHOGONAL
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ORTHOGONAL
 
-__all__ = ["IMPROPER", "NOT_FINITE", "NOT_RIGID", "clean_poses"]
+__all__ = ["IMPROPER", "NOT_FINITE", "NOT_RIGID", "TOO_FAR", "clean_poses"]
 
 NOT_FINITE = 1
 NOT_RIGID = 2
 IMPROPER = 3
+TOO_FAR = 4
 
 
 @inline
@@ -51,8 +52,12 @@ def _clean(T, G, tolerance):
         for j in range(4):
             if not math.isfinite(T[i, j]):
                 return NOT_FINITE
-    if T[3, 0] != 0.0 or T[3, 1] != 0.0 or T[3, 2] != 0.0 or T[3, 3] != 1.0:
+    row = max(max(abs(T[3, 0]), abs(T[3, 1])), max(abs(T[3, 2]), abs(T[3, 3] - 1.0)))
+    if row > tolerance:
         return NOT_RIGID
+    if max(max(abs(T[0, 3]), abs(T[1, 3])), abs(T[2, 3])) > LARGEST_LENGTH:
+        return TOO_FAR
+    T[3, 0], T[3, 1], T[3, 2], T[3, 3] = 0.0, 0.0, 0.0, 1.0
     error = _gram(T, G)
     if not error <= tolerance or not _determinant(T) > 0.0:
         return IMPROPER
@@ -66,10 +71,11 @@ def _clean(T, G, tolerance):
 
 @kernel(i8(OUT3, f8))
 def clean_poses(T, tolerance):
-    """Check the poses T (m, 4, 4) and make their rotations orthogonal in place.
+    """Check the poses T (m, 4, 4) and remove their rounding in place.
 
-    Returns 0, or what is wrong with the first one at fault: NOT_FINITE, NOT_RIGID (the last row)
-    or IMPROPER (off a proper rotation by more than ``tolerance``).
+    Returns 0, or what is wrong with the first one at fault: NOT_FINITE, NOT_RIGID (the last row
+    off 0 0 0 1) or IMPROPER (off a proper rotation), both by more than ``tolerance``, or TOO_FAR
+    (beyond LARGEST_LENGTH).
     """
     G = np.empty((3, 3))
     for k in range(T.shape[0]):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels._jit import IN1, IN2, OUT2, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, OUT2, ZERO, i8, inline, kernel
 from robomech_ros._kernels.polishing import pose_difference
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import ROWS_ORTHOGONAL, SINGULAR
@@ -16,6 +16,9 @@ POSITION = 0
 ORIENTATION = 1
 MARGIN = 2
 CONDITION = 3
+
+# Where the position's components begin; typed as ZERO is.
+_LINEAR = np.int64(3)
 
 # Sweeps over all pairs of rows; six rows need about five.
 _SWEEPS = 30
@@ -96,8 +99,8 @@ def measure(packed, T, weights, lower, upper, q, out):
     for k in range(q.shape[0]):
         jacobian_body(packed, q[k], J, current)
         pose_difference(T, current, e)
-        out[ORIENTATION, k] = _task_norm(T, weights, e, 0)
-        out[POSITION, k] = _task_norm(T, weights, e, 3)
+        out[ORIENTATION, k] = _task_norm(T, weights, e, ZERO)
+        out[POSITION, k] = _task_norm(T, weights, e, _LINEAR)
         margin = math.inf
         for i in range(n):
             margin = min(margin, q[k, i] - lower[i], upper[i] - q[k, i])

@@ -4,7 +4,20 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels._jit import IIN1, IN1, IN2, IOUT1, OUT1, OUT2, b1, f8, i8, inline, kernel
+from robomech_ros._kernels._jit import (
+    IIN1,
+    IN1,
+    IN2,
+    IOUT1,
+    OUT1,
+    OUT2,
+    ZERO,
+    b1,
+    f8,
+    i8,
+    inline,
+    kernel,
+)
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
 __all__ = ["INSIDE", "LINF", "excesses", "first_outside", "rank", "rank_body", "winding_count"]
@@ -96,7 +109,7 @@ def rank_body(turns, lower, upper, seed, metric, bounded, q, branch, ranked, nam
     Of more solutions than ``ranked`` has room for, the nearest are kept.  Returns how many.
     """
     placed = np.empty(q.shape[1])
-    count = 0
+    count = ZERO
     for k in range(q.shape[0]):
         if place(turns, lower, upper, seed, bounded, q[k], placed):
             distance = distance_from(placed, seed, metric)
@@ -151,7 +164,7 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
         )
     placed = np.empty(q.shape[1])
     wound = np.empty(q.shape[1])
-    count = 0
+    count = ZERO
     for k in range(q.shape[0]):
         if not place(turns, lower, upper, seed, bounded, q[k], placed):
             continue

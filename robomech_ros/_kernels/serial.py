@@ -6,7 +6,8 @@ A chain is the constant transforms C_0 .. C_n between its joints, one row each o
 ``C_0 J_1(q_1) C_1 J_2(q_2) ... J_n(q_n) C_n`` with J_i a rotation about, or a translation along,
 the joint's z axis.
 
-Status: 0, or 1 where a joint variable is not finite; the pose is then NaN, the Jacobian undefined.
+Status: 0, or 1 where a joint variable is not finite, or so large that the pose is not; the pose is
+then NaN, the Jacobian undefined.
 """
 
 import math
@@ -92,6 +93,12 @@ def _write_pose(frame, T):
 
 
 @inline
+def _is_finite(frame):
+    """Tell whether the origin is finite, which sums of huge displacements are not."""
+    return math.isfinite(frame[9]) and math.isfinite(frame[10]) and math.isfinite(frame[11])
+
+
+@inline
 def forward_body(packed, q, T):
     """Write the tip's pose in the base to T (4, 4); return the status."""
     frame = _first_frame(packed)
@@ -101,6 +108,9 @@ def forward_body(packed, q, T):
             _write_pose(_NO_FRAME, T)
             return NOT_FINITE
         frame = _advance(frame, packed, i, value)
+    if not _is_finite(frame):
+        _write_pose(_NO_FRAME, T)
+        return NOT_FINITE
     _write_pose(frame, T)
     return OK
 
@@ -119,6 +129,9 @@ def jacobian_body(packed, q, J, T):
         J[0, i], J[1, i], J[2, i] = frame[2], frame[5], frame[8]
         J[3, i], J[4, i], J[5, i] = frame[9], frame[10], frame[11]
         frame = _advance(frame, packed, i, value)
+    if not _is_finite(frame):
+        _write_pose(_NO_FRAME, T)
+        return NOT_FINITE
     for i in range(n):
         ex, ey, ez = J[0, i], J[1, i], J[2, i]
         if packed[i, 0] == 0.0:

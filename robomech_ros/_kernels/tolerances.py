@@ -16,11 +16,21 @@ INTERSECTING = 1e-12
 # Deviation of a quaternion's norm from 1 that is taken for rounding: messages written by hand
 # carry four digits or more.
 QUATERNION_NORM = 1e-3
-# Largest entry of |Q^T Q - 1| of a rotation matrix that is taken for rounding: six digits.
-ROTATION_ERROR = 1e-6
+# Largest entry of |Q^T Q - 1| of a rotation matrix that is taken for rounding: entries with four
+# digits after the point are off by 5e-5, which makes up to 1.8e-4.  The last row of a pose, 0 0 0
+# 1, may be off by as much.
+ROTATION_ERROR = 2e-4
 
 # Below this the columns of a rotation are orthonormal up to rounding, and it is left as it is.
 ORTHOGONAL = 2e-15
+
+# --- Magnitudes from outside ---
+# Largest length (m) of a robot and of a target: more is a mistake of units, and doubles, 1e-10
+# apart there, would no longer hold a solution to 1e-9.
+LARGEST_LENGTH = 1e6
+# Largest angle (rad) of a seed and of a description, by the same measure; limits of joints beyond
+# it (rad or m) are what exporters write for none, as in 1e16.
+LARGEST_ANGLE = 1e5
 
 # --- Polishing of a solution on the pose ---
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
@@ -96,8 +106,10 @@ ATTEMPT_DAMPING = 0.1
 ATTEMPT_LEAST_DAMPING = 1e-4
 # Longest change of a joint (rad or m) in one step: beyond a radian linearisation says nothing.
 ATTEMPT_STEP = 1.0
-# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length.
+# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length ...
 CONVERGED = 1e-26
+# ... and of a far target, where that unit is long: rounding.
+CONVERGED_FAR = 1e-30
 # An attempt is given up when six steps have not lowered the squared error by this factor.
 STALLED = 0.5
 # Steps of an attempt at most; those that succeed need 8 in the middle, 30 at the most.
@@ -111,8 +123,11 @@ ITERATIVE_PATIENCE = 60
 ITERATIVE_WANTED_REDUNDANT = 8
 ITERATIVE_APART_REDUNDANT = 0.1
 # Isolated solutions nearer to each other than this (rad or m) are one, found at the accuracy
-# that a singular posture leaves (the square root of the tolerances).
+# that a singular posture leaves at the default tolerances.  Of solutions that only hold looser
+# ones it goes with their square root, as that accuracy does, up to a value that still tells
+# postures apart.
 ITERATIVE_APART = 1e-4
+ITERATIVE_APART_MOST = 0.5
 # Default tolerances of a pose: what an outside check may ask of every solution (m, rad).
 POSITION_TOLERANCE = 1e-9
 ORIENTATION_TOLERANCE = 1e-9

@@ -1,7 +1,7 @@
 """The iterative solver for chains without a closed form: its constants, and searching in time."""
 
+import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,6 +13,7 @@ from robomech_ros._kernels.inverse_iterative import search
 from robomech_ros._kernels.tolerances import (
     ATTEMPT_ITERATIONS,
     ITERATIVE_APART,
+    ITERATIVE_APART_MOST,
     ITERATIVE_APART_REDUNDANT,
     ITERATIVE_PATIENCE,
     ITERATIVE_RESTARTS,
@@ -33,7 +34,9 @@ __all__ = [
     "iterative_search",
     "least_orientation_error",
     "low_discrepancy_strides",
+    "packed_chain",
     "reach_bound",
+    "task_data",
 ]
 
 Array = NDArray[np.float64]
@@ -41,6 +44,7 @@ Array = NDArray[np.float64]
 MAX_SOLUTIONS = 16
 _CHUNK = 16
 FULL_TASK = (True, True, True, True, True, True)
+Task = tuple[bool, bool, bool, bool, bool, bool]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +110,7 @@ def iterative_data(
     chain: SerialChain,
     *,
     respect_limits: bool = True,
-    task: Sequence[bool] = FULL_TASK,
+    task: Task = FULL_TASK,
     position_tolerance: float = POSITION_TOLERANCE,
     orientation_tolerance: float = ORIENTATION_TOLERANCE,
     wanted: int | None = None,
@@ -159,13 +163,81 @@ def iterative_data(
     data[at.ITERATIONS], data[at.RESTARTS] = ATTEMPT_ITERATIONS, ITERATIVE_RESTARTS
     data[at.WANTED], data[at.PATIENCE] = wanted, ITERATIVE_PATIENCE
     data[at.STALL] = STALLED
-    data[at.APART] = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
+    sharp = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
+    data[at.SHARP_APART] = sharp
+    data[at.APART] = max(sharp, _neighbourhood(position_tolerance, orientation_tolerance))
+    sliding = ~turns & np.isinf(upper - lower)
+    data[at.OPEN] = size if sliding.any() else np.inf
     data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(task, dtype=float), 3)
     rows = np.stack([lower, upper, start, end - start, low_discrepancy_strides(n), turns])
     data[at.ROWS : at.ROWS + at.N_ROWS * n] = rows.ravel()
     data[at.ROWS + at.N_ROWS * n :] = chain.packed.ravel()
     data.setflags(write=False)
     return data
+
+
+def _neighbourhood(position_tolerance: float, orientation_tolerance: float) -> float:
+    """Give the distance (rad or m) below which solutions that just hold these are one."""
+    loose = max(
+        position_tolerance / POSITION_TOLERANCE, orientation_tolerance / ORIENTATION_TOLERANCE, 1.0
+    )
+    return min(ITERATIVE_APART * math.sqrt(loose), ITERATIVE_APART_MOST)
+
+
+def task_data(
+    chain: SerialChain,
+    T: Array,
+    *,
+    task: Task,
+    respect_limits: bool,
+    position_tolerance: float = POSITION_TOLERANCE,
+    orientation_tolerance: float = ORIENTATION_TOLERANCE,
+    wanted: int | None = None,
+) -> tuple[Array, Array]:
+    """Lay out the constants of a search for a task along and about the axes of its target.
+
+    The components of a search are those of the base; so the base is turned until its axes are
+    those of the target.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        Target pose of the tip in the base (m).
+    task, respect_limits, position_tolerance, orientation_tolerance, wanted
+        As for :func:`iterative_data`.
+
+    Returns
+    -------
+    data : ndarray
+        See ``_kernels.iterative_layout``.
+    target : ndarray, shape (4, 4)
+        The target in the base as it was turned (m).
+    """
+    data = iterative_data(
+        chain,
+        respect_limits=respect_limits,
+        task=task,
+        position_tolerance=position_tolerance,
+        orientation_tolerance=orientation_tolerance,
+        wanted=wanted,
+    )
+    if task == FULL_TASK:
+        return data, T
+    turned = data.copy()
+    base = packed_chain(turned)[0, 1:]
+    back = T[:3, :3].T
+    base[:9] = (back @ base[:9].reshape(3, 3)).ravel()
+    base[9:] = back @ base[9:]
+    target = np.eye(4)
+    target[:3, 3] = back @ T[:3, 3]
+    return turned, target
+
+
+def packed_chain(data: Array) -> Array:
+    """Give the packed chain, shape (n + 1, 13), that stands in the constants of a search."""
+    n = int(data[at.JOINTS])
+    return data[at.ROWS + at.N_ROWS * n :].reshape(n + 1, 13)
 
 
 def iterative_search(
@@ -192,7 +264,7 @@ def iterative_search(
     n = int(data[at.JOINTS])
     restarts = int(data[at.RESTARTS])
     q = np.empty((MAX_SOLUTIONS, n))
-    state = np.zeros(at.BEST_Q + n)
+    state = np.zeros(at.BEST_Q + n + MAX_SOLUTIONS)
     state[at.BEST_SCORE] = np.inf
     deadline = None if timeout is None else time.monotonic() + timeout
     chunk = restarts if deadline is None else _CHUNK
@@ -210,7 +282,7 @@ def iterative_search(
             break
     return IterativeSearch(
         q=q[:found].copy(),
-        best=state[at.BEST_Q :].copy(),
+        best=state[at.BEST_Q : at.BEST_Q + n].copy(),
         position_error=float(state[at.BEST_POSITION]),
         orientation_error=float(state[at.BEST_ORIENTATION]),
         attempts=done,
@@ -218,24 +290,24 @@ def iterative_search(
     )
 
 
-def least_orientation_error(chain: SerialChain, T: Array, start: Array) -> float:
+def least_orientation_error(data: Array, T: Array, start: Array) -> float:
     """Minimise the orientation error over the postures that put the tip at T's position.
 
     Parameters
     ----------
-    chain : SerialChain
-        Its position limits are ignored.
+    data : ndarray
+        From :func:`task_data`, for one solution and without limits.
     T : ndarray, shape (4, 4)
-        Target pose of the tip in the base (m); its position must be in reach.
+        The target from there (m); its position must be in reach.
     start : ndarray, shape (n,)
         A posture that reaches the position.
 
     Returns
     -------
     float
-        The angle (rad).
+        The angle (rad), of the components that the task counts.
     """
-    data = iterative_data(chain, respect_limits=False, wanted=1).copy()
+    data = data.copy()
     data[at.UNIT] *= REACH_POSITION_WEIGHT
     data[at.POSITION_TOLERANCE] = data[at.ORIENTATION_TOLERANCE] = 1e-7
     data[at.ITERATIONS], data[at.RESTARTS] = REACH_ATTEMPT_ITERATIONS, REACH_ATTEMPTS

@@ -8,6 +8,7 @@ from robomech_ros._kernels.ranking import excesses
 from robomech_ros._kernels.serial import jacobian_one
 from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
 from robomech_ros.kinematics.families import Family
+from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.reach import ReachGap, reach_gap
 from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
@@ -90,18 +91,26 @@ def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKine
     return nothing(chain, T, family, status, reason)
 
 
-def reach_outcome(chain: SerialChain, T: Array, gap: ReachGap) -> tuple[Status, str]:
+def reach_outcome(
+    chain: SerialChain, T: Array, gap: ReachGap, task: Task = FULL_TASK
+) -> tuple[Status, str]:
     """Put a gap of reach into a status and words."""
     position = ", ".join(f"{value:.6g}" for value in T[:3, 3])
+    part = "" if all(task) else f"; only {_components(task)} of the target count"
     if gap.distance > 0.0:
         return Status.OUT_OF_REACH, (
             f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is out of reach "
-            f"by {gap.distance:.6g} m"
+            f"by {gap.distance:.6g} m{part}"
         )
     if gap.orientation_error <= NO_GAP:
         return Status.NOT_CONVERGED, (
             f"the pose at ({position}) m of '{chain.tip}' in '{chain.base}' is in reach to "
             f"{gap.orientation_error:.3g} rad, but no posture was found"
+        )
+    if part:
+        return Status.ORIENTATION_UNREACHABLE, (
+            f"the orientation of '{chain.tip}' in '{chain.base}' at ({position}) m cannot be had: "
+            f"the nearest attainable one is {gap.orientation_error:.6g} rad away{part}"
         )
     return Status.ORIENTATION_UNREACHABLE, (
         f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is in reach, but not in "
@@ -126,6 +135,11 @@ def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) 
         f"singular: joints {_and(joints)} can move while the tip stays; every branch of this "
         "continuum is represented by one posture"
     )
+
+
+def _components(task: Task) -> str:
+    names = ("x", "y", "z", "rx", "ry", "rz")
+    return _and([name for name, counts in zip(names, task, strict=True) if counts])
 
 
 def _unit(chain: SerialChain, joint: int) -> str:

@@ -9,8 +9,12 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.reach import least_distance
 from robomech_ros._kernels.tolerances import REACH_ITERATIONS, REACH_STARTS, REACHED
 from robomech_ros.kinematics.iterative import (
+    FULL_TASK,
+    Task,
     least_orientation_error,
     low_discrepancy_strides,
+    packed_chain,
+    task_data,
 )
 from robomech_ros.robots.chain import SerialChain
 
@@ -26,17 +30,17 @@ class ReachGap(NamedTuple):
     ----------
     distance : float
         Least distance (m) of the tip from the target position in any orientation, 0 where the
-        position is reached.
+        position is reached or the task asks for none.
     orientation_error : float
         Least angle (rad) to the target orientation among the postures that reach the position;
-        NaN where none does.
+        NaN where none does, 0 where the task asks for no orientation.
     """
 
     distance: float
     orientation_error: float
 
 
-def reach_gap(chain: SerialChain, T: Array) -> ReachGap:
+def reach_gap(chain: SerialChain, T: Array, task: Task = FULL_TASK) -> ReachGap:
     """Find how far the target position is out of reach, else the least orientation error there.
 
     Parameters
@@ -45,6 +49,8 @@ def reach_gap(chain: SerialChain, T: Array) -> ReachGap:
         Its position limits are ignored, those of prismatic joints, too.
     T : ndarray, shape (4, 4)
         Target pose of the tip in the base (m).
+    task : tuple of six bool
+        Which of x, y, z, rx, ry, rz, along and about the axes of the target, count.
 
     Returns
     -------
@@ -52,23 +58,30 @@ def reach_gap(chain: SerialChain, T: Array) -> ReachGap:
         The distance to about 1e-7 m; the orientation error is the least of many local minima,
         attained at the position to about 1e-6 of the arm's length.
     """
-    distance, best = _nearest_posture(chain, T)
+    data, target = task_data(chain, T, task=task, respect_limits=False, wanted=1)
+    distance, best = _nearest_posture(packed_chain(data), target, task)
     if distance > 0.0 or not chain.n:
         return ReachGap(distance, math.nan)
-    return ReachGap(0.0, least_orientation_error(chain, T, best))
+    if not any(task[3:]):
+        return ReachGap(0.0, 0.0)
+    return ReachGap(0.0, least_orientation_error(data, target, best))
 
 
 def out_of_reach(chain: SerialChain, T: Array) -> float:
     """Give the distance of :func:`reach_gap` alone."""
-    return _nearest_posture(chain, T)[0]
+    return _nearest_posture(chain.packed, T, FULL_TASK)[0]
 
 
-def _nearest_posture(chain: SerialChain, T: Array) -> tuple[float, Array]:
+def _nearest_posture(packed: Array, T: Array, task: Task) -> tuple[float, Array]:
     """Find the least distance (m) of the tip from T's position, 0 for rounding, and its posture."""
-    best = np.empty(chain.n)
-    if chain.n == 0:
-        return float(np.linalg.norm(T[:3, 3] - chain.packed[0, 10:])), best
+    n = len(packed) - 1
+    best = np.zeros(n)
+    weights = np.array(task[:3], dtype=float)
+    if n == 0:
+        return float(np.linalg.norm(weights * (T[:3, 3] - packed[0, 10:]))), best
+    if not weights.any():
+        return 0.0, best
     point = np.ascontiguousarray(T[:3, 3])
-    strides = low_discrepancy_strides(chain.n)
-    distance = least_distance(chain.packed, point, strides, REACH_STARTS, REACH_ITERATIONS, best)
+    strides = low_discrepancy_strides(n)
+    distance = least_distance(packed, point, weights, strides, REACH_STARTS, REACH_ITERATIONS, best)
     return (distance if distance > REACHED else 0.0), best

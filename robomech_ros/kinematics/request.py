@@ -19,14 +19,13 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.kinematics.iterative import FULL_TASK
+from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["METRICS", "Request", "as_metric", "as_seed", "as_task", "as_timeout", "as_tolerance"]
 
 Array = NDArray[np.float64]
-Task = tuple[bool, bool, bool, bool, bool, bool]
 
 METRICS = {"linf": 0, "l2": 1}
 

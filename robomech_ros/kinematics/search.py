@@ -1,19 +1,15 @@
 """Solutions by iteration: chains without a closed form, partial tasks, loose tolerances."""
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels import iterative_layout as at
 from robomech_ros._kernels.inverse import MAX_SOLUTIONS
 from robomech_ros._kernels.ranking import rank
 from robomech_ros.kinematics.closed_form import rank_windings
 from robomech_ros.kinematics.families import Family, iterative_family
-from robomech_ros.kinematics.iterative import (
-    FULL_TASK,
-    IterativeSearch,
-    iterative_data,
-    iterative_search,
-)
+from robomech_ros.kinematics.iterative import IterativeSearch, iterative_search, task_data
 from robomech_ros.kinematics.outcome import (
     NO_EXCESS,
     NO_GAP,
@@ -31,22 +27,24 @@ __all__ = ["solve_by_search"]
 
 Array = NDArray[np.float64]
 
-_POSITION = FULL_TASK[:3]
-
 
 def solve_by_search(chain: SerialChain, T: Array, request: Request) -> InverseKinematicsResult:
     """Search for solutions of the pose T (4, 4), or explain why none was found."""
+    started = time.monotonic()
     data, target = _task_data(chain, T, request, request.respect_limits)
     family = iterative_family(chain, data)
     search = iterative_search(data, target, request.seed, timeout=request.timeout)
     if len(search.q):
-        return _ranked(chain, T, request, family, search.q)
+        return _ranked(chain, T, request, family, search)
     if search.timed_out:
         reason = f"no solution within {request.timeout:g} s; {_best(search)}"
         return nothing(chain, T, family, Status.TIMED_OUT, reason)
     if request.respect_limits:
         data, target = _task_data(chain, T, request, False)
-        beyond = iterative_search(data, target, request.seed, timeout=request.timeout)
+        left = None
+        if request.timeout is not None:
+            left = max(0.0, request.timeout - (time.monotonic() - started))
+        beyond = iterative_search(data, target, request.seed, timeout=left)
         if len(beyond.q):
             return explain_limits(chain, T, beyond.q, family, continuum=False)
     return _explained(chain, T, request, family, search)
@@ -55,37 +53,23 @@ def solve_by_search(chain: SerialChain, T: Array, request: Request) -> InverseKi
 def _task_data(
     chain: SerialChain, T: Array, request: Request, respect_limits: bool
 ) -> tuple[Array, Array]:
-    """Give the constants of the search and its target.
-
-    The components of a partial task are along the axes of the target, those of the search along
-    the base's; so the base is turned until both are the same.
-    """
+    """Give the constants of the search and its target."""
     redundant = chain.n > sum(request.task)
-    data = iterative_data(
+    return task_data(
         chain,
-        respect_limits=respect_limits,
+        T,
         task=request.task,
+        respect_limits=respect_limits,
         position_tolerance=request.position_tolerance,
         orientation_tolerance=request.orientation_tolerance,
         wanted=1 if redundant and request.max_solutions == 1 else None,
     )
-    if request.task == FULL_TASK:
-        return data, T
-    turned = data.copy()
-    first = at.ROWS + at.N_ROWS * chain.n
-    base = turned[first + 1 : first + 13]
-    back = T[:3, :3].T
-    base[:9] = (back @ base[:9].reshape(3, 3)).ravel()
-    base[9:] = back @ base[9:]
-    target = np.eye(4)
-    target[:3, 3] = back @ T[:3, 3]
-    return turned, target
 
 
 def _ranked(
-    chain: SerialChain, T: Array, request: Request, family: Family, q: Array
+    chain: SerialChain, T: Array, request: Request, family: Family, search: IterativeSearch
 ) -> InverseKinematicsResult:
-    """Order the solutions q (k, n) that a search has found."""
+    """Order the solutions that a search has found."""
     ranked = np.empty((MAX_SOLUTIONS, chain.n))
     names = np.zeros(MAX_SOLUTIONS, np.int64)
     distances = np.empty(MAX_SOLUTIONS)
@@ -97,7 +81,7 @@ def _ranked(
         request.metric,
         request.respect_limits,
         False,
-        q,
+        search.q,
         names,
         ranked,
         names.copy(),
@@ -107,13 +91,6 @@ def _ranked(
     if request.include_windings:
         ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)
-    redundant = chain.n > sum(request.task)
-    reason = ""
-    if redundant:
-        reason = (
-            f"{chain.n} joints for {sum(request.task)} conditions: the solutions form a continuum, "
-            "of which these are samples"
-        )
     return InverseKinematicsResult(
         chain=chain,
         target=T,
@@ -122,7 +99,7 @@ def _ranked(
         family=family.name,
         complete=False,
         status=Status.SUCCESS,
-        reason=reason,
+        reason=_reason(chain, request, search),
         blocking_joints=(),
         blocking_excess=NO_EXCESS,
         branch_bits=names[kept],
@@ -130,18 +107,31 @@ def _ranked(
     )
 
 
+def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:
+    """Say what the solutions that were found are not."""
+    parts = []
+    if chain.n > sum(request.task):
+        parts.append(
+            f"{chain.n} joints for {sum(request.task)} conditions: the solutions form a continuum, "
+            "of which these are samples"
+        )
+    if search.timed_out:
+        parts.append(
+            f"the search was cut short after {request.timeout:g} s and {search.attempts} starts: "
+            "there may be more solutions, and nearer ones"
+        )
+    return "; ".join(parts)
+
+
 def _explained(
     chain: SerialChain, T: Array, request: Request, family: Family, search: IterativeSearch
 ) -> InverseKinematicsResult:
     """Say of a search without success how far the target is out of reach, if it is."""
-    if request.task[:3] == _POSITION:
-        gap = reach_gap(chain, T)
-        whole = request.task == FULL_TASK
-        if gap.distance > request.position_tolerance or (
-            whole and gap.orientation_error > max(NO_GAP, request.orientation_tolerance)
-        ):
-            status, reason = reach_outcome(chain, T, gap)
-            return nothing(chain, T, family, status, reason)
+    gap = reach_gap(chain, T, request.task)
+    least_angle = max(NO_GAP, request.orientation_tolerance)
+    if gap.distance > request.position_tolerance or gap.orientation_error > least_angle:
+        status, reason = reach_outcome(chain, T, gap, request.task)
+        return nothing(chain, T, family, status, reason)
     reason = f"no solution after {search.attempts} starts; {_best(search)}"
     return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
 

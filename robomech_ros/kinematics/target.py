@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.poses import IMPROPER, NOT_FINITE, NOT_RIGID, clean_poses
-from robomech_ros._kernels.tolerances import ROTATION_ERROR
+from robomech_ros._kernels.poses import IMPROPER, NOT_FINITE, NOT_RIGID, TOO_FAR, clean_poses
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ROTATION_ERROR
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.matrices import rotation_error
@@ -32,8 +32,9 @@ def as_targets(T: ArrayLike, what: str = "T") -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not real numbers, another shape, NaN or infinite, not a rotation by more than the
-        tolerance, or a last row other than 0 0 0 1; of a batch the message names the pose.
+        Not real numbers, another shape, NaN or infinite, not a rotation or a last row other than
+        0 0 0 1 by more than the tolerance, or a position beyond LARGEST_LENGTH; of a batch the
+        message names the pose.
     """
     given = real_array(what, T)
     if given.ndim not in (2, 3) or given.shape[-2:] != (4, 4):
@@ -54,7 +55,15 @@ def _raise(poses: Array, what: str) -> None:
         if fault == NOT_FINITE:
             raise NonFiniteError(name, poses[index])
         if fault == NOT_RIGID:
-            raise BadValueError(f"last row of {name}", poses[index, 3].tolist(), "0, 0, 0, 1")
+            raise BadValueError(
+                f"last row of {name}", poses[index, 3].tolist(), f"0, 0, 0, 1 to {ROTATION_ERROR:g}"
+            )
+        if fault == TOO_FAR:
+            raise BadValueError(
+                f"position of {name}",
+                poses[index, :3, 3].tolist(),
+                f"at most {LARGEST_LENGTH:g} m along each axis",
+            )
         if fault == IMPROPER:
             off = float(rotation_error(poses[index, :3, :3]))
             raise BadValueError(
