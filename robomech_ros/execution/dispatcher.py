@@ -12,9 +12,10 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.execution.comparison import STILL, off_goal, off_start
+from robomech_ros.execution.comparison import off_goal, off_start
 from robomech_ros.execution.delivery import Delivery, Report, Stage, Transport
 from robomech_ros.execution.job import Code
+from robomech_ros.execution.progress import Progress
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -53,6 +54,9 @@ class Gateway(Protocol):
     def positions(self, names: Sequence[str]) -> FloatArray | None:
         """Give the present positions, rad or m; None if not known."""
 
+    def heard(self, names: Sequence[str]) -> int:
+        """Give a number that has grown when all these joints were heard of anew."""
+
     def continuous(self, names: Sequence[str]) -> npt.NDArray[np.bool_]:
         """Say which joints turn without limits."""
 
@@ -71,6 +75,9 @@ class DispatcherSettings:
         How long the controller may be away before those who wait are told, s.
     arrival_timeout : float
         How long after its end a motion may take to arrive, s.
+    standstill_timeout : float
+        How long the robot may stand away from the goal while a trajectory sent by topic should
+        move it, s; then it was stopped.
     """
 
     capacity: int = 50
@@ -78,6 +85,7 @@ class DispatcherSettings:
     goal_tolerance: float = 0.01
     controller_timeout: float = 3.0
     arrival_timeout: float = 2.0
+    standstill_timeout: float = 1.0
 
 
 @dataclass
@@ -133,7 +141,7 @@ class Dispatcher:
         self._away_since: float | None = None
         self._silent_since: float | None = None
         self._result: tuple[int, str, float] | None = None
-        self._seen: FloatArray | None = None
+        self._progress: Progress | None = None
 
     @property
     def busy(self) -> bool:
@@ -196,8 +204,9 @@ class Dispatcher:
         if off:
             self._end(delivery, Code.REJECTED, off)
             return True
-        self.current, self._result, self._seen = delivery, None, None
+        self.current, self._result = delivery, None
         delivery.stage, delivery.sent_at = Stage.SENT, self._now
+        self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
         self.tally.sent += 1
         self._gateway.send(delivery)
         return True
@@ -243,33 +252,61 @@ class Dispatcher:
         return off_start(delivery, positions, continuous, self._settings.start_tolerance)
 
     def _watch(self, delivery: Delivery) -> None:
-        elapsed = self._now - delivery.sent_at
+        elapsed, progress = self._now - delivery.sent_at, self._look(delivery)
+        off = self._off_goal(delivery)
         if self._result is not None:
             code, text, since = self._result
-            off = self._off_goal(delivery)
             if not off or self._now - since > _CONFIRMATION:
                 unconfirmed = off and f"the controller reports success, but {off}"
                 self._end(delivery, code, text or unconfirmed)
+        elif gone := self._gone(delivery, progress, self._settings.controller_timeout):
+            self._gateway.cancel(delivery)
+            self._end(delivery, Code.REJECTED, _with(gone, off))
         elif delivery.transport is Transport.ACTION:
             self._watch_controller(delivery, elapsed)
-        elif elapsed >= delivery.lasts:
-            off = self._off_goal(delivery)
-            if not off and self._stands(delivery):
-                self._end(delivery, Code.SUCCESS, "")
-            elif elapsed > delivery.lasts + self._settings.arrival_timeout:
+        else:
+            self._watch_robot(delivery, elapsed, progress, off)
+
+    def _look(self, delivery: Delivery) -> Progress:
+        assert self._progress is not None
+        positions = self._gateway.positions(delivery.names)
+        self._progress.look(self._now, positions, self._gateway.heard(delivery.names))
+        return self._progress
+
+    def _watch_robot(
+        self, delivery: Delivery, elapsed: float, progress: Progress, off: str
+    ) -> None:
+        """See by the joint states whether the robot has arrived, or will not."""
+        settings, late = self._settings, elapsed - delivery.lasts
+        if late >= 0.0 and not off and progress.stands:
+            self._end(delivery, Code.SUCCESS, "")
+        elif off and progress.stuck > settings.standstill_timeout:
+            self._end(delivery, *_stopped(progress, off))
+        elif late > settings.arrival_timeout:
+            gone = self._gone(delivery, progress, settings.arrival_timeout)
+            if gone:
+                self._end(delivery, Code.REJECTED, _with(gone, off))
+            else:
                 self._end(delivery, Code.GOAL_TOLERANCE, off or "the robot does not come to rest")
 
-    def _watch_controller(self, delivery: Delivery, elapsed: float) -> None:
-        """See that the controller is still there, and not overdue."""
-        missing = self._gateway.missing(Transport.ACTION)
+    def _gone(self, delivery: Delivery, progress: Progress, patience: float) -> str:
+        """Say what was not there for longer than `patience` (s); empty if all is there."""
+        missing = self._gateway.missing(delivery.transport)
         if not missing:
             self._away_since = None
         elif self._away_since is None:
             self._away_since = self._now
-        elif self._now - self._away_since > self._settings.controller_timeout:
-            text = f"{missing} disappeared; how the motion ended is not known"
-            self._end(delivery, Code.REJECTED, text)
-            return
+        if self._away_since is not None and self._now - self._away_since > patience:
+            return f"the controller is gone: {missing} disappeared"
+        if progress.silent > patience:
+            joints = ", ".join(delivery.names)
+            return (
+                f"the controller is gone: no joint states of {joints} for {progress.silent:.1f} s"
+            )
+        return ""
+
+    def _watch_controller(self, delivery: Delivery, elapsed: float) -> None:
+        """See that the controller is not overdue."""
         allowed = (
             delivery.lasts + self._settings.arrival_timeout + self._settings.controller_timeout
         )
@@ -289,12 +326,6 @@ class Dispatcher:
         continuous = self._gateway.continuous(delivery.names)
         return off_goal(delivery, positions, continuous, self._settings.goal_tolerance)
 
-    def _stands(self, delivery: Delivery) -> bool:
-        before, self._seen = self._seen, self._gateway.positions(delivery.names)
-        if before is None or self._seen is None:
-            return False
-        return bool(np.max(np.abs(self._seen - before)) <= STILL)
-
     def _end(self, delivery: Delivery, code: int, text: str) -> None:
         duration = self._now - delivery.sent_at if delivery.stage is Stage.SENT else 0.0
         if delivery is self.current:
@@ -306,3 +337,18 @@ class Dispatcher:
         self.tally.last_failure = text if code else ""
         delivery.end(Report(int(code), text, duration))
         self._on_end(delivery)
+
+
+def _with(gone: str, off: str) -> str:
+    """Add to what is gone where the robot was seen last."""
+    last = f"; at last {off}" if off else ""
+    return f"{gone}; how the motion ended is not known{last}"
+
+
+def _stopped(progress: Progress, off: str) -> tuple[int, str]:
+    """Say of a robot that stands off its goal that it was stopped, or never began to move."""
+    since = f"for {progress.stuck:.1f} s, in which the trajectory should have moved it"
+    if progress.moved:
+        how = "it was stopped, or something else moves it"
+        return int(Code.PREEMPTED), f"the robot stands {since}: {how}; {off}"
+    return int(Code.REJECTED), f"the robot does not move {since}; {off}"

@@ -30,16 +30,18 @@ class Progress:
     ----------
     moved : bool
         Whether the robot has moved at all.
+    stands : bool
+        Whether, since the trajectory should have ended, it was heard of twice at the same place.
     """
 
     def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
-        self.moved = False
+        self.moved = self.stands = False
         self._curve = _curve(delivery.waypoints, position)
-        self._delay = max(delivery.delay, 0.0)
+        self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
         self._sent_at = self._heard_at = self._now = delivery.sent_at
         self._heard = heard
         self._last = self._anchor = position
-        self._due = self._expected(delivery.sent_at)
+        self._left_at = self._expected(delivery.sent_at)
         self._overdue_since: float | None = None
 
     @property
@@ -49,50 +51,44 @@ class Progress:
 
     @property
     def stuck(self) -> float:
-        """How long the robot stands although the trajectory should have moved it, s.
-
-        It ends when the robot was heard of for the last time: of a robot that is silent nobody
-        knows.
-        """
+        """How long the robot is known to stand although the trajectory should have moved it, s."""
         return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
 
-    @property
-    def stands(self) -> bool:
-        """Whether the robot did not move between the last two looks."""
-        return self._still
-
-    def look(self, now: float, position: FloatArray, heard: int) -> None:
+    def look(self, now: float, position: FloatArray | None, heard: int) -> None:
         """Take note of the present positions.
 
         Parameters
         ----------
         now : float
             The time, s.
-        position : ndarray, shape (n,)
-            Where the joints are as far as known, rad or m.
+        position : ndarray, shape (n,), or None
+            Where the joints are, rad or m, where that is known.
         heard : int
             How often all of them were heard of.
         """
         self._now = now
-        self._still = bool(np.max(np.abs(position - self._last)) <= STILL)
-        self._last = position
-        if heard == self._heard:
+        if position is None or heard == self._heard:
             return
         self._heard, self._heard_at = heard, now
-        due = self._expected(now)
+        self.stands = self._over and bool(np.max(np.abs(position - self._last)) <= STILL)
+        self._last, self._over = position, now - self._sent_at >= self._lasts
+        expected = self._expected(now)
         if np.max(np.abs(position - self._anchor)) > STILL:
             self.moved = True
-            self._anchor, self._due, self._overdue_since = position, due, None
-        elif self._overdue_since is None and np.max(np.abs(due - self._due)) > NOTICEABLE:
+            self._anchor, self._left_at, self._overdue_since = position, expected, None
+        elif self._overdue_since is None and _leads(self._left_at, expected):
             self._overdue_since = now
-
-    _still = False
 
     def _expected(self, now: float) -> FloatArray:
         """Where the trajectory is by now, rad or m."""
         time = now - self._sent_at - self._delay
         last = float(self._curve.breaks[-1])
         return self._curve.sample(min(max(time, 0.0), last)).position
+
+
+def _leads(before: FloatArray, after: FloatArray) -> bool:
+    """Whether a way from one position to another (n,) is one to be noticed."""
+    return bool(np.max(np.abs(after - before)) > NOTICEABLE)
 
 
 def _curve(waypoints: Waypoints, position: FloatArray) -> PiecewisePolynomial:

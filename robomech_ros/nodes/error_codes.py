@@ -1,6 +1,7 @@
 """One table from what went wrong to the error code on the wire, and the guard of callbacks."""
 
 import functools
+import inspect
 import traceback
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -12,7 +13,15 @@ from robomech_ros import errors
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 
-__all__ = ["FrameUnavailableError", "NoStateError", "answer", "code_of", "guarded", "name_of"]
+__all__ = [
+    "FrameUnavailableError",
+    "NoStateError",
+    "RobotMovesError",
+    "answer",
+    "code_of",
+    "guarded",
+    "name_of",
+]
 
 _Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
@@ -36,6 +45,20 @@ class NoStateError(RobomechError):
         self.topic = topic
         listed = ", ".join(self.joints)
         super().__init__(f"no present state of joint(s) {listed}: nothing received on '{topic}'")
+
+
+class RobotMovesError(NoStateError):
+    """The present state is needed as one at rest, and a joint moves (speed in rad/s or m/s)."""
+
+    def __init__(self, joint: str, speed: float, tolerance: float) -> None:
+        self.joint = joint
+        self.speed = speed
+        self.tolerance = tolerance
+        RobomechError.__init__(
+            self,
+            f"the robot moves: joint '{joint}' at {speed:.3g} per s, at rest is up to "
+            f"{tolerance:g}; ask again when it stands, or name a start",
+        )
 
 
 # Searched along the bases of the error's class, so that a subclass finds its parent's code.
@@ -83,23 +106,36 @@ def answer(response: Any, code: int = 0, text: str = "") -> Any:
 
 
 def guarded(callback: _Callback) -> _Callback:
-    """Make a service callback of a node answer whatever happens.
+    """Make a service callback of a node, plain or async, answer whatever happens.
 
     A RobomechError becomes its code and text in an otherwise empty response; any other exception
     becomes INTERNAL, with the traceback in the log.  The node goes on serving.
     """
+    if inspect.iscoroutinefunction(callback):
+
+        @functools.wraps(callback)
+        async def wait(self: Node, request: Any, response: Any) -> Any:
+            try:
+                return await callback(self, request, response)
+            except Exception as error:
+                return _answer_of(error, self, callback.__name__, response)
+
+        return wait  # type: ignore[return-value]
 
     @functools.wraps(callback)
-    def wrapper(self: Node, request: Any, response: Any) -> Any:
+    def call(self: Node, request: Any, response: Any) -> Any:
         try:
             return callback(self, request, response)
-        except RobomechError as error:
-            return answer(type(response)(), code_of(error), str(error))
         except Exception as error:
-            self.get_logger().error(
-                f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
-            )
-            text = f"internal error, please report it: {type(error).__name__}: {error}"
-            return answer(type(response)(), ErrorCode.INTERNAL, text)
+            return _answer_of(error, self, callback.__name__, response)
 
-    return wrapper  # type: ignore[return-value]
+    return call  # type: ignore[return-value]
+
+
+def _answer_of(error: Exception, node: Node, callback: str, response: Any) -> Any:
+    """Answer a request whose callback raised an error; to be called while it is handled."""
+    if isinstance(error, RobomechError):
+        return answer(type(response)(), code_of(error), str(error))
+    node.get_logger().error(f"{callback} failed, please report this:\n{traceback.format_exc()}")
+    text = f"internal error, please report it: {type(error).__name__}: {error}"
+    return answer(type(response)(), ErrorCode.INTERNAL, text)

@@ -1,12 +1,14 @@
-"""The present positions of the joints, by name, from the topic ``joint_states``.
+"""The present state of the joints, by name, from the topic ``joint_states``.
 
 Messages are taken from the middleware only when somebody asks: a node that listens to a fast
 robot spends nothing while it is idle.
 """
 
+import math
+import time
 from array import array
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,8 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.error_codes import NoStateError
+from robomech_ros.nodes.error_codes import NoStateError, RobotMovesError
+from robomech_ros.nodes.pauses import pause
 
 __all__ = ["JointStateMonitor"]
 
@@ -26,6 +29,8 @@ _DEPTH = 50
 _QOS = QoSProfile(
     depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
 )
+# How often somebody who waits for the first state looks for it, s.
+_LOOK = 0.02
 
 
 class _Unattended(CallbackGroup):
@@ -41,8 +46,15 @@ class _Unattended(CallbackGroup):
         """Nothing was begun."""
 
 
+class _Seen(NamedTuple):
+    """What a message says of a joint: rad or m, and per s; NaN where it gives no velocity."""
+
+    position: float
+    velocity: float
+
+
 class JointStateMonitor:
-    """Knows the latest position of every joint that was ever published on ``joint_states``.
+    """Knows the latest state of every joint that was ever published on ``joint_states``.
 
     Parameters
     ----------
@@ -51,7 +63,10 @@ class JointStateMonitor:
     """
 
     def __init__(self, node: Node) -> None:
-        self._positions: dict[str, float] = {}
+        self._node = node
+        self._states: dict[str, _Seen] = {}
+        self._looks = 0
+        self._heard_in: dict[str, int] = {}
         self._subscription = node.create_subscription(
             JointState, TOPIC, self._store, _QOS, callback_group=_Unattended(), raw=True
         )
@@ -60,9 +75,17 @@ class JointStateMonitor:
         """Give the present positions (rad or m), shape (n,); None while one is not known."""
         self._take_all(joint_names)
         try:
-            return np.array([self._positions[name] for name in joint_names], dtype=np.float64)
+            states = [self._states[name].position for name in joint_names]
         except KeyError:
             return None
+        return np.array(states, dtype=np.float64)
+
+    def heard(self, joint_names: Sequence[str]) -> int:
+        """Give a number that has grown when every one of the joints was heard of anew.
+
+        It counts as of the last look at positions.
+        """
+        return min((self._heard_in.get(name, 0) for name in joint_names), default=0)
 
     def require(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
         """Give the present positions (rad or m), shape (n,).
@@ -74,20 +97,51 @@ class JointStateMonitor:
         """
         positions = self.positions(joint_names)
         if positions is None:
-            missing = [name for name in joint_names if name not in self._positions]
+            missing = [name for name in joint_names if name not in self._states]
             raise NoStateError(missing, self._subscription.topic_name)
         return positions
 
+    def require_rest(self, joint_names: Sequence[str], tolerance: float) -> NDArray[np.float64]:
+        """Give the present positions (rad or m), shape (n,), of a robot that stands.
+
+        Parameters
+        ----------
+        joint_names : sequence of str
+            The n joints.
+        tolerance : float
+            Speed up to which a joint stands, rad/s or m/s.  A joint whose velocity is not
+            published stands.
+
+        Raises
+        ------
+        NoStateError
+            The position of a joint is not known.
+        RobotMovesError
+            A joint moves; the fastest is named with its speed.
+        """
+        positions = self.require(joint_names)
+        speeds = np.abs([self._states[name].velocity for name in joint_names])
+        fastest = int(np.argmax(np.nan_to_num(speeds)))
+        if speeds[fastest] > tolerance:
+            raise RobotMovesError(joint_names[fastest], float(speeds[fastest]), tolerance)
+        return positions
+
+    async def wait_for(self, joint_names: Sequence[str], seconds: float) -> None:
+        """Wait until every one of the joints was heard of, so long at the most (s)."""
+        deadline = time.monotonic() + seconds
+        while self.positions(joint_names) is None and time.monotonic() < deadline:
+            await pause(self._node, _LOOK)
+
     def _take_all(self, joint_names: Sequence[str]) -> None:
         # Newest first, until every joint ever heard of was seen: most messages stay packed.
-        wanted = {*joint_names, *self._positions}
-        seen: dict[str, float] = {}
+        wanted = {*joint_names, *self._states}
+        seen: dict[str, _Seen] = {}
         for data in reversed(list(self._waiting())):
-            for name, position in _valid(deserialize_message(data, JointState)):
-                seen.setdefault(name, position)
+            for name, state in _valid(deserialize_message(data, JointState)):
+                seen.setdefault(name, state)
             if seen.keys() >= wanted:
                 break
-        self._positions.update(seen)
+        self._keep(seen)
 
     def _waiting(self) -> Iterator[bytes]:
         subscription = self._subscription
@@ -100,14 +154,22 @@ class JointStateMonitor:
 
     def _store(self, data: bytes) -> None:
         """Keep one message; serves executors that do not honour callback groups."""
-        self._positions.update(_valid(deserialize_message(data, JointState)))
+        self._keep(dict(_valid(deserialize_message(data, JointState))))
+
+    def _keep(self, seen: dict[str, _Seen]) -> None:
+        self._looks += 1
+        self._states.update(seen)
+        self._heard_in.update(dict.fromkeys(seen, self._looks))
 
 
-def _valid(message: JointState) -> Iterator[tuple[str, float]]:
+def _valid(message: JointState) -> Iterator[tuple[str, _Seen]]:
     """List the joints of a message with finite positions; none if its lengths disagree."""
     positions: array[float] = message.position
     if len(message.name) != len(positions):
         return
-    for name, position in zip(message.name, positions, strict=True):
+    velocities = message.velocity
+    if len(velocities) != len(positions):
+        velocities = [math.nan] * len(positions)
+    for name, position, velocity in zip(message.name, positions, velocities, strict=True):
         if position - position == 0.0:
-            yield name, position
+            yield name, _Seen(position, velocity)

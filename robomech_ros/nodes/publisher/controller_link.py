@@ -64,6 +64,10 @@ class ControllerLink:
         """Give the present positions, rad or m; None if not known."""
         return self._monitor.positions(names)
 
+    def heard(self, names: Sequence[str]) -> int:
+        """Give a number that has grown when all these joints were heard of anew."""
+        return self._monitor.heard(names)
+
     def continuous(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Say which joints turn without limits; all may as long as the robot is not known.
 

@@ -54,6 +54,14 @@ class PublisherSettings(RobotSettings):
     arrival_timeout: float = parameter(
         2.0, "How long after its end a motion may take to arrive", 0.1, 3600.0, "s"
     )
+    standstill_timeout: float = parameter(
+        1.0,
+        "How long the robot may stand away from the goal while a trajectory sent by topic should "
+        "move it; then it counts as stopped",
+        0.1,
+        3600.0,
+        "s",
+    )
     watch_rate: float = parameter(
         20.0, "How often the joint states are looked at while something moves", 1.0, 1000.0, "Hz"
     )
@@ -73,4 +81,5 @@ def dispatcher_settings(settings: PublisherSettings) -> DispatcherSettings:
         goal_tolerance=settings.goal_tolerance,
         controller_timeout=settings.controller_timeout,
         arrival_timeout=settings.arrival_timeout,
+        standstill_timeout=settings.standstill_timeout,
     )

@@ -25,14 +25,18 @@ def test_a_signal_in_mid_motion(suite, process, number):
     arm.until_at(arm.home + MOVE)
 
 
-def test_a_controller_that_is_killed(suite, drive_process):
+@pytest.mark.parametrize("transport", ["topic", "action"])
+def test_a_controller_that_is_killed(suite, drive_process, transport):
     _, controller = drive_process
-    arm = suite(controller=False, arrival_timeout=0.3, controller_timeout=0.5)
-    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=0.8))
+    arm = suite(controller=False, controller_timeout=2.0, transport=transport)
+    arm.plan(0.0, MOVE, duration=20.0)
+    waiting = arm.start_execute()
     arm.until_moving()
     controller.kill()
     controller.wait(TIMEOUT)
     arm.condition(lambda status: "idle" in status.message)
     answer = waiting.result()
-    assert answer.error_code == ErrorCode.TIMED_OUT
-    assert "no result from the controller" in answer.error_msg
+    assert answer.error_code == ErrorCode.REJECTED
+    assert answer.error_msg.startswith("the controller is gone: no joint states of waist, shoulder")
+    assert "how the motion ended is not known; at last joint '" in answer.error_msg
+    assert answer.duration.sec < 20

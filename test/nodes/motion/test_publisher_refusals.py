@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from std_srvs.srv import Trigger
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
@@ -35,7 +36,7 @@ def unchanged(trajectory):
 
 CASES = {
     "far start": (0.5, 0.0, 0.2, unchanged, 221, "starts with joint 'waist' at 0.5"),
-    "too fast": (0.0, MOVE, 0.01, unchanged, 213, "velocity of joint 'waist'"),
+    "too fast": (0.0, MOVE, 0.01, unchanged, 213, "velocity of joint '"),
     "nan": (0.0, MOVE * np.nan, 0.2, unchanged, 104, "points[1].positions of joint 'waist' is nan"),
     "unknown joint": (0.0, MOVE, 0.2, unknown_joint, 107, "joint states of waist, shoulder"),
     "missing joint": (0.0, MOVE, 0.2, five_joints, 108, "missing: wrist_swivel"),
@@ -89,6 +90,22 @@ def test_a_plan_refused_by_the_controller_is_reported(suite):
     arm.plan(0.0, MOVE, duration=0.01)
     status = arm.condition(lambda status: "off its goal" in status.message)
     assert "the robot has not moved, the controller's log may say why" in status.message
+
+
+def test_a_motion_stopped_by_hold_is_reported_at_once(suite):
+    arm = suite()
+    arm.plan(0.0, 5 * MOVE, duration=20.0)
+    waiting = arm.start_execute()
+    arm.until_moving()
+    arm.until(lambda: np.abs(arm.position - arm.home).max() > 0.02)
+    arm.graph.call(Trigger, "joint_trajectory_controller/hold", Trigger.Request())
+    arm.until(waiting.done)
+    answer = waiting.result()
+    assert answer.error_code == ErrorCode.PREEMPTED, answer.error_msg
+    assert "the robot stands for" in answer.error_msg
+    assert "it was stopped" in answer.error_msg
+    assert "off its goal" in answer.error_msg
+    assert answer.duration.sec < 20
 
 
 def test_a_bad_plan_is_reported_and_the_next_one_executed(suite):
