@@ -11,7 +11,6 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics
 from robomech_ros.nodes.conversions import duration_from_seconds, floats, seconds_from_duration
-from robomech_ros.nodes.error_codes import answer
 from robomech_ros.robots import SerialChain
 
 __all__ = ["SolutionPoints", "encode_batch", "encode_result", "inverse_options", "is_nearest"]
@@ -143,7 +142,7 @@ def encode_batch(
     chord = np.minimum(_lengths(turned) / (2.0 * math.sqrt(2.0)), 1.0)
     response.orientation_errors = floats(2.0 * np.arcsin(chord))
     response.codes = array("H", status.tolist())
-    return answer(response)
+    return response
 
 
 def _lengths(rows: Array) -> Array:

@@ -1,23 +1,45 @@
 """Joint positions as requests give them: named, unnamed, or left to the present state."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.nodes.conversions import positions_by_name
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.nodes.parameters import parameter
+from robomech_ros.nodes.robot_description import RobotModel, RobotSettings
 from robomech_ros.robots import SerialChain
 
-__all__ = ["JointPositions"]
+__all__ = ["JointPositions", "StateSettings", "is_empty"]
 
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class StateSettings(RobotSettings):
+    """Parameters of a node whose requests may leave the state to the present one."""
+
+    state_timeout: float = parameter(
+        1.0,
+        "How long a request that needs the present state waits for the first joint state; others "
+        "are served meanwhile. 0 = not at all",
+        0.0,
+        60.0,
+        "s",
+        read_only=False,
+    )
+
+
 class JointPositions:
     """Reads joint positions (rad or m) for the chains of one robot.
+
+    A state without names has one position for every joint of the configured chain, in its order,
+    whichever link it serves; for the chain to another link it may also have one for every joint
+    of that chain.
 
     Parameters
     ----------
@@ -33,19 +55,46 @@ class JointPositions:
 
     def given(self, chain: SerialChain, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
+        whole, size = self._model.chain, len(state.position)
+        if not state.name and chain is not whole:
+            if size == whole.n:
+                values = self.given(whole, state, what)
+                state = JointState(name=list(whole.joint_names), position=values.tolist())
+            elif size != chain.n:
+                expected = (
+                    f"{whole.n} for {', '.join(whole.joint_names)}, or {chain.n} for the joints "
+                    f"up to link '{chain.tip}'"
+                )
+                raise WrongSizeError(f"{what}.position", size, expected)
         return positions_by_name(state, chain.joint_names, what, self._model.joint_names)
 
-    def given_or_present(self, chain: SerialChain, state: JointState, what: str) -> Array:
+    async def given_or_present(
+        self, chain: SerialChain, state: JointState, what: str, patience: float
+    ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
 
         Raises
         ------
         NoStateError
-            They are not known.
+            They are not known, even after waiting for `patience` (s).
         """
         if is_empty(state):
+            await self._monitor.wait_for(chain.joint_names, patience)
             return self._monitor.require(chain.joint_names)
         return self.given(chain, state, what)
+
+    async def at_rest(self, chain: SerialChain, patience: float, tolerance: float) -> Array:
+        """Read the present positions, shape (n,), of a robot that stands.
+
+        Raises
+        ------
+        NoStateError
+            They are not known, even after waiting for `patience` (s).
+        RobotMovesError
+            A joint is faster than `tolerance` (rad/s or m/s).
+        """
+        await self._monitor.wait_for(chain.joint_names, patience)
+        return self._monitor.require_rest(chain.joint_names, tolerance)
 
     def seed(self, chain: SerialChain, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.
@@ -58,23 +107,26 @@ class JointPositions:
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
-    def rows(self, chain: SerialChain, states: Sequence[JointState]) -> Array:
-        """Read the positions of many states, shape (m, n); of no states, the present ones.
+    async def rows(
+        self, chains: Sequence[SerialChain], states: Sequence[JointState], patience: float
+    ) -> list[Array]:
+        """Read the positions of many states for many chains; of no states, the present ones.
 
-        A state without names is in the order of the configured chain, whichever link it serves.
+        Returns
+        -------
+        list of ndarray, shape (m, n)
+            For each chain the positions of its n joints in all m states.
         """
         if not states:
-            return self._monitor.require(chain.joint_names)[None, :]
-        return np.array([self._row(chain, state, i) for i, state in enumerate(states)])
-
-    def _row(self, chain: SerialChain, state: JointState, index: int) -> Array:
-        what = f"states[{index}]"
-        if state.name or chain is self._model.chain:
-            return self.given(chain, state, what)
-        whole = self._model.chain
-        values = self.given(whole, state, what)
-        named = JointState(name=list(whole.joint_names), position=values.tolist())
-        return self.given(chain, named, what)
+            empty = JointState()
+            return [
+                (await self.given_or_present(chain, empty, "states", patience))[None, :]
+                for chain in chains
+            ]
+        return [
+            np.array([self.given(chain, state, f"states[{i}]") for i, state in enumerate(states)])
+            for chain in chains
+        ]
 
 
 def is_empty(state: JointState) -> bool:

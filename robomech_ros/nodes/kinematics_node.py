@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
-from robomech_ros.errors import WrongSizeError
-from robomech_ros.kinematics import (
-    forward_kinematics,
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.conversions import (
     floats,
@@ -25,6 +23,7 @@ from robomech_ros.nodes.conversions import (
     stamped_pose,
 )
 from robomech_ros.nodes.error_codes import answer, guarded
+from robomech_ros.nodes.ik_batch import solve_in_turns
 from robomech_ros.nodes.ik_messages import (
     SolutionPoints,
     encode_batch,
@@ -32,25 +31,35 @@ from robomech_ros.nodes.ik_messages import (
     inverse_options,
     is_nearest,
 )
-from robomech_ros.nodes.joint_positions import JointPositions
+from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.parameters import NodeParameters, parameter
+from robomech_ros.nodes.pauses import give_way
 from robomech_ros.nodes.reference_axes import reference_axes
-from robomech_ros.nodes.robot_description import RobotModel, RobotSettings, when_robot_known
+from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
+from robomech_ros.robots import SerialChain
 
 
 @dataclass(frozen=True)
-class KinematicsSettings(RobotSettings):
+class KinematicsSettings(StateSettings):
     """Parameters of the node."""
 
     largest_batch: int = parameter(
         10_000,
-        "Largest number of poses in one SolveIKBatch request. Nobody else is served meanwhile: "
-        "a pose takes 10 us, but 10 ms where it has to be explained why it cannot be reached",
+        "Largest number of poses in one SolveIKBatch request",
         1,
         10_000_000,
         "poses",
+        read_only=False,
+    )
+    batch_timeout: float = parameter(
+        60.0,
+        "How long one SolveIKBatch request may take; others are served meanwhile, and poses that "
+        "are left then get the code TIMED_OUT",
+        0.001,
+        3600.0,
+        "s",
         read_only=False,
     )
 
@@ -73,21 +82,25 @@ class KinematicsNode(Node):
         chain = model.chain
         # The kernels are compiled or loaded on import; this decides the solver family, too.
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
-        self.create_service(SolveFK, "~/solve_fk", self._solve_fk)
         self.create_service(SolveIK, "~/solve_ik", self._solve_ik)
-        self.create_service(SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch)
-        self.create_service(GetJacobian, "~/get_jacobian", self._get_jacobian)
+        # While one of these waits, for a joint state or for its turn, others are served.
+        for kind, name, callback in (
+            (SolveFK, "~/solve_fk", self._solve_fk),
+            (SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch),
+            (GetJacobian, "~/get_jacobian", self._get_jacobian),
+        ):
+            self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         self.get_logger().info(
             f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
             f"inverse kinematics: {family}"
         )
 
     @guarded
-    def _solve_fk(self, request: Any, response: Any) -> Any:
+    async def _solve_fk(self, request: Any, response: Any) -> Any:
         chains = [self._model.chain_to(link) for link in request.links or [""]]
-        poses = [
-            forward_kinematics(chain, self._joints.rows(chain, request.states)) for chain in chains
-        ]
+        patience = self._table.settings.state_timeout
+        rows = await self._joints.rows(chains, request.states, patience)
+        poses = [forward_kinematics(chain, q) for chain, q in zip(chains, rows, strict=True)]
         base = self._model.chain.base
         response.poses = [
             stamped_pose(T, base) for of_state in zip(*poses, strict=True) for T in of_state
@@ -96,7 +109,7 @@ class KinematicsNode(Node):
 
     @guarded
     def _solve_ik(self, request: Any, response: Any) -> Any:
-        chain = self._model.chain_to(request.tip_link)
+        chain = self._moving_chain(request.tip_link)
         frame = self._model.frame_in_base(request.target.header.frame_id)
         T = matrix_from_pose(request.target.pose, "target")
         options = inverse_options(request)
@@ -108,16 +121,21 @@ class KinematicsNode(Node):
         return encode_result(result, chain.joint_names, self._points, seconds, response)
 
     @guarded
-    def _solve_ik_batch(self, request: Any, response: Any) -> Any:
-        chain = self._model.chain
+    async def _solve_ik_batch(self, request: Any, response: Any) -> Any:
+        chain, allowed = self._model.chain, self._table.settings.batch_timeout
         T = matrices_from_pose_rows(request.poses)
         self._check_batch(len(T))
-        cap = 1 if is_nearest(request.mode) else None
-        seed = self._joints.seed(chain, JointState(position=request.seed))
-        found = inverse_kinematics_batch(
-            chain, T, seed=seed, respect_limits=not request.ignore_limits, max_solutions=cap
-        )
-        return encode_batch(chain, T, found, response)
+        options = {
+            "seed": self._joints.seed(chain, JointState(position=request.seed)),
+            "respect_limits": not request.ignore_limits,
+            "max_solutions": 1 if is_nearest(request.mode) else None,
+        }
+        found, done = await solve_in_turns(chain, T, allowed, lambda: give_way(self), **options)
+        encode_batch(chain, T, found, response)
+        if done < len(T):
+            text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
+            return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
+        return answer(response)
 
     def _check_batch(self, poses: int) -> None:
         largest = self._table.settings.largest_batch
@@ -126,14 +144,23 @@ class KinematicsNode(Node):
             raise WrongSizeError("poses", poses, expected)
 
     @guarded
-    def _get_jacobian(self, request: Any, response: Any) -> Any:
-        chain = self._model.chain_to(request.tip_link)
-        q = self._joints.given_or_present(chain, request.state, "state")
+    async def _get_jacobian(self, request: Any, response: Any) -> Any:
+        chain = self._moving_chain(request.tip_link)
+        patience = self._table.settings.state_timeout
+        q = await self._joints.given_or_present(chain, request.state, "state", patience)
         point = point_vector(request.tool_point, "tool_point")
         axes = reference_axes(self._model, request.reference_frame, chain, q)
         response.jacobian = floats(linear_rows_first(point_jacobian(chain, q, point, axes)))
         response.joint_names = list(chain.joint_names)
         return answer(response)
+
+    def _moving_chain(self, link: str) -> SerialChain:
+        """Give the chain to a link, "" being the configured tip, that joints move."""
+        chain = self._model.chain_to(link)
+        if not chain.n:
+            expected = f"a link that joints move: nothing moves between it and '{chain.base}'"
+            raise BadValueError("tip_link", link, expected)
+        return chain
 
 
 def main(args: Sequence[str] | None = None) -> int:

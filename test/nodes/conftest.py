@@ -69,6 +69,17 @@ class Graph:
         finally:
             self.client.destroy_client(client)
 
+    def start_call(self, kind: Any, service: str, request: Any) -> Any:
+        """Call a service without waiting; returns the future of its answer."""
+        client = self.client.create_client(kind, service)
+        assert client.wait_for_service(TIMEOUT), f"no service {service}"
+        return client.call_async(request)
+
+    @staticmethod
+    def wait_for(future: Any) -> Any:
+        """Wait for the result of a future that another thread completes."""
+        return wait_for(future)
+
     def receive(self, kind: Any, topic: str, qos: Any, accept: Callable[[Any], bool]) -> Any:
         """Wait for a message on a topic that is accepted."""
         received: list[Any] = []

@@ -307,6 +307,83 @@ def test_jacobian_of_a_link_on_the_way(puma):
     np.testing.assert_allclose(matrix(response), np.vstack((J[3:], J[:3])), atol=1e-14)
 
 
+@pytest.mark.parametrize("given", [Q, Q[:3]], ids=["all joints", "those up to the link"])
+def test_states_without_names_mean_the_same_in_every_service(puma, given):
+    link = PUMA.links[3]
+    chain, state = PUMA.with_tip(link), joint_state((), given)
+    fk = solve_fk(puma, states=[state], links=[link])
+    assert fk.error_code == 0, fk.error_msg
+    T = forward_kinematics(chain, Q[:3])
+    np.testing.assert_allclose(matrix_from_pose(fk.poses[0].pose), T, atol=1e-14)
+    J = jacobian(chain, Q[:3])
+    response = get_jacobian(puma, state=state, tip_link=link)
+    assert response.error_code == 0, response.error_msg
+    np.testing.assert_allclose(matrix(response), np.vstack((J[3:], J[:3])), atol=1e-14)
+    ik = solve_ik(puma, target=fk.poses[0], seed=state, tip_link=link)
+    assert ik.error_code == 0, ik.error_msg
+    np.testing.assert_allclose(positions(ik)[0], Q[:3], atol=1e-6)
+    for answer in (
+        solve_fk(puma, states=[joint_state((), Q[:4])], links=[link]),
+        get_jacobian(puma, state=joint_state((), Q[:4]), tip_link=link),
+        solve_ik(puma, target=fk.poses[0], seed=joint_state((), Q[:4]), tip_link=link),
+    ):
+        assert answer.error_code == ErrorCode.WRONG_SIZE
+        assert "position has size 4, expected 6 for waist" in answer.error_msg
+        assert "or 3 for the joints up to link 'link_3'" in answer.error_msg
+
+
+def test_the_present_state_is_waited_for_while_others_are_served(graph):
+    graph.start(KinematicsNode, robot_description="puma560", state_timeout=30.0)
+    waiting = [
+        graph.start_call(SolveFK, "kinematics/solve_fk", SolveFK.Request()),
+        graph.start_call(GetJacobian, "kinematics/get_jacobian", GetJacobian.Request()),
+    ]
+    assert solve_fk(graph, states=[joint_state((), Q)]).error_code == ErrorCode.NONE
+    assert solve_ik(graph, target=target()).error_code == ErrorCode.NONE
+    assert not any(future.done() for future in waiting)
+    publish_present(graph, Q)
+    for future in waiting:
+        answer = graph.wait_for(future)
+        assert answer.error_code == ErrorCode.NONE, answer.error_msg
+
+
+def unreachable(count):
+    return [4.0, 0.1, 0.3, 0.0, 0.0, 0.0, 1.0] * count
+
+
+def test_others_are_served_while_a_batch_is_solved(graph):
+    graph.start(KinematicsNode, robot_description="panda")
+    request = SolveIKBatch.Request(poses=unreachable(10_000))
+    batch = graph.start_call(SolveIKBatch, "kinematics/solve_ik_batch", request)
+    state = joint_state((), load_robot("panda").midrange())
+    for _ in range(3):
+        assert solve_fk(graph, states=[state]).error_code == ErrorCode.NONE
+    # Ten thousand poses out of its reach take minutes.
+    assert not batch.done()
+
+
+@pytest.mark.parametrize("robot", ["panda", "puma560"])
+def test_a_batch_ends_in_its_time_and_says_what_is_left(graph, robot):
+    graph.start(KinematicsNode, robot_description=robot, batch_timeout=0.3)
+    chain = load_robot(robot)
+    p = stamped_pose(forward_kinematics(chain, chain.midrange()), "").pose
+    row = [p.position.x, p.position.y, p.position.z]
+    row += [p.orientation.x, p.orientation.y, p.orientation.z, p.orientation.w]
+    request = SolveIKBatch.Request(poses=row + unreachable(9_999))
+    response = graph.call(SolveIKBatch, "kinematics/solve_ik_batch", request)
+    assert response.error_code == ErrorCode.TIMED_OUT
+    codes = list(response.codes)
+    assert len(codes) == len(response.counts) == 10_000
+    left = codes.count(ErrorCode.TIMED_OUT)
+    assert 0 < left < 10_000
+    assert set(codes[-left:]) == {ErrorCode.TIMED_OUT}
+    assert set(codes[1:-left]) <= {ErrorCode.OUT_OF_REACH}
+    assert f"{left} of 10000 poses were left after 0.3 s" in response.error_msg
+    assert "batch_timeout" in response.error_msg
+    assert response.counts[0] >= 1
+    assert len(response.solutions) == sum(response.counts) * chain.n
+
+
 def test_robot_from_the_topic(graph):
     graph.start(KinematicsNode, tip_link="wrist_3_link")
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

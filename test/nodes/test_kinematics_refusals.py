@@ -63,6 +63,11 @@ IK_REFUSALS = {
         ErrorCode.UNKNOWN_LINK,
         ("unknown link 'tool9'", "did you mean 'tool0'", "link_3"),
     ),
+    "a link that nothing moves": (
+        {"tip_link": "base_link"},
+        ErrorCode.BAD_VALUE,
+        ("tip_link is 'base_link'", "nothing moves between it and 'base_link'"),
+    ),
     "unknown frame": (
         {"target": pose(frame="camera")},
         ErrorCode.FRAME_UNAVAILABLE,
@@ -226,6 +231,11 @@ def test_solve_fk_refuses(puma, case):
 
 
 JACOBIAN_REFUSALS = {
+    "a link that nothing moves": (
+        {"state": state(NAMES, Q), "tip_link": "base_link"},
+        ErrorCode.BAD_VALUE,
+        ("tip_link is 'base_link'", "nothing moves between it and 'base_link'"),
+    ),
     "no state known": ({}, ErrorCode.NO_STATE, ("waist",)),
     "unknown link": (
         {"state": state(NAMES, Q), "tip_link": "hand"},
