@@ -16,10 +16,18 @@ from robomech_ros.nodes.conversions import (
     seconds_from_duration,
     stamped_pose,
 )
+from robomech_ros.nodes.planning import check_duration
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import PROFILES, SampledPlan
 
-__all__ = ["SHORTEST_PERIOD", "encode_plan", "plan_options", "profile_name", "tip_path"]
+__all__ = [
+    "SHORTEST_PERIOD",
+    "encode_plan",
+    "plan_options",
+    "profile_name",
+    "tip_path",
+    "wanted_period",
+]
 
 # Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
 SHORTEST_PERIOD = 1e-4
@@ -49,15 +57,15 @@ def profile_name(number: int) -> str:
     return name.lower()
 
 
-def plan_options(request: Any, period: float) -> dict[str, Any]:
-    """Read what a PlanJoint request wants as keywords of `sampled_point_to_point`.
+def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
+    """Read what a PlanJoint request wants as keywords of `point_to_point`.
 
     Parameters
     ----------
     request : PlanJoint.Request
         Its zeros stand for defaults.
-    period : float
-        Default time between two samples (s).
+    max_duration : float
+        Longest trajectory (s).
 
     Raises
     ------
@@ -69,12 +77,19 @@ def plan_options(request: Any, period: float) -> dict[str, Any]:
         expected = f"none: {_NAMES[request.profile]} goes straight from start to goal"
         raise BadValueError("via", f"{len(request.via)} points", expected)
     options["duration"] = seconds_from_duration(request.duration, "duration") or None
-    options |= {name: getattr(request, name) or 1.0 for name in _SCALES}
-    options["period"] = _period(request.sample_period) or period
-    return options
+    check_duration(options["duration"] or 0.0, max_duration)
+    return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def _period(seconds: float) -> float:
+def wanted_period(request: Any) -> float:
+    """Read the largest time between two points (s) that a PlanJoint request wants; 0 = any.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        It is negative, too short, or no number.
+    """
+    seconds: float = request.sample_period
     if not np.isfinite(seconds):
         raise NonFiniteError("sample_period", seconds)
     if seconds and seconds < SHORTEST_PERIOD:

@@ -112,7 +112,10 @@ def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:
 
 
 def when_robot_known(
-    node: Node, settings: RobotSettings, on_robot: Callable[[RobotModel], None]
+    node: Node,
+    settings: RobotSettings,
+    on_robot: Callable[[RobotModel], None],
+    completed: Callable[[RobotDescription], RobotDescription] | None = None,
 ) -> None:
     """Call back with the robot: at once when the parameter names it, else when the topic has it.
 
@@ -124,6 +127,8 @@ def when_robot_known(
         Its parameters.
     on_robot : callable
         Called once.
+    completed : callable, optional
+        Gives the robot what its description lacks.
 
     Raises
     ------
@@ -132,8 +137,13 @@ def when_robot_known(
         logged, and the node goes on waiting for a better one.
     """
     base, tip = settings.base_link, settings.tip_link
+
+    def model_of(robot: str) -> RobotModel:
+        description = load_description(robot)
+        return RobotModel(completed(description) if completed else description, base, tip)
+
     if settings.robot_description:
-        on_robot(RobotModel(load_description(settings.robot_description), base, tip))
+        on_robot(model_of(settings.robot_description))
         return
     known: list[RobotModel] = []
 
@@ -143,7 +153,7 @@ def when_robot_known(
             node.get_logger().warning(text)
             return
         try:
-            model = RobotModel(load_description(message.data), base, tip)
+            model = model_of(message.data)
         except RobomechError as error:
             node.get_logger().error(f"unusable robot on '{subscription.topic_name}': {error}")
             return

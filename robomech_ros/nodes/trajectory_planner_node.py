@@ -5,19 +5,31 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from nav_msgs.msg import Path
+from numpy.typing import NDArray
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanJoint
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.nodes.error_codes import answer, guarded
-from robomech_ros.nodes.joint_positions import JointPositions
+from robomech_ros.nodes.joint_limits import NoLimitsForPlanError, read_joint_limits
+from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is_empty
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.parameters import NodeParameters, parameter
-from robomech_ros.nodes.plan_messages import SHORTEST_PERIOD, encode_plan, plan_options, tip_path
-from robomech_ros.nodes.robot_description import RobotModel, RobotSettings, when_robot_known
+from robomech_ros.nodes.plan_messages import (
+    SHORTEST_PERIOD,
+    encode_plan,
+    plan_options,
+    tip_path,
+    wanted_period,
+)
+from robomech_ros.nodes.planning import plan_that_fits
+from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.trajectory import PROFILES, SampledPlan, sampled_point_to_point
 
@@ -25,12 +37,18 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
-class PlannerSettings(RobotSettings):
+class PlannerSettings(StateSettings):
     """Parameters of the node."""
 
+    joint_limits: str = parameter(
+        "",
+        "Path of a YAML file with limits that the robot's description lacks: MoveIt's "
+        "joint_limits.yaml, or the form of a file beside a URDF. Empty = none",
+    )
     sample_period: float = parameter(
         0.01,
-        "Largest time between two points of a planned trajectory, where a request names none",
+        "Largest time between two points of a planned trajectory, where a request names none; "
+        "longer where a trajectory would otherwise have too many",
         SHORTEST_PERIOD,
         10.0,
         "s",
@@ -44,6 +62,22 @@ class PlannerSettings(RobotSettings):
         "points",
         read_only=False,
     )
+    max_duration: float = parameter(
+        3600.0,
+        "Longest trajectory; a request that needs more is refused",
+        0.001,
+        1e6,
+        "s",
+        read_only=False,
+    )
+    stopped_velocity_tolerance: float = parameter(
+        0.01,
+        "How fast a joint may be, rad/s or m/s, where a motion is to start from the present "
+        "state; every plan starts at rest",
+        0.0,
+        10.0,
+        read_only=False,
+    )
 
 
 class TrajectoryPlannerNode(Node):
@@ -55,7 +89,9 @@ class TrajectoryPlannerNode(Node):
         super().__init__("trajectory_planner", **options)
         self._table = NodeParameters(self, PlannerSettings)
         self._monitor = JointStateMonitor(self)
-        when_robot_known(self, self._table.settings, self._serve)
+        settings = self._table.settings
+        limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
+        when_robot_known(self, settings, self._serve, limits.on if limits else None)
 
     def _serve(self, model: RobotModel) -> None:
         self._chain = model.chain
@@ -65,7 +101,10 @@ class TrajectoryPlannerNode(Node):
             JointTrajectory, "~/planned_trajectory", _LATCHED
         )
         self._paths = self.create_publisher(Path, "~/planned_path", _LATCHED)
-        self.create_service(PlanJoint, "~/plan_joint", self._plan_joint)
+        # While one request waits for a joint state, others are served.
+        self.create_service(
+            PlanJoint, "~/plan_joint", self._plan_joint, callback_group=ReentrantCallbackGroup()
+        )
         profiles = ", ".join(name.upper() for name in PROFILES)
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {profiles}"
@@ -82,17 +121,33 @@ class TrajectoryPlannerNode(Node):
                 tip_path(self._chain, plan.waypoints.positions)
 
     @guarded
-    def _plan_joint(self, request: Any, response: Any) -> Any:
+    async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
-        options = plan_options(request, settings.sample_period)
+        options = plan_options(request, settings.max_duration)
         goal = self._joints.given(self._chain, request.goal, "goal")
-        start = self._joints.given_or_present(self._chain, request.start, "start")
-        plan = sampled_point_to_point(
-            start, goal, limits=self._chain, max_points=settings.max_points, **options
-        )
+        start = await self._start(request.start, settings)
+        try:
+            plan = plan_that_fits(
+                self._chain,
+                (start, goal),
+                wanted_period=wanted_period(request),
+                usual_period=settings.sample_period,
+                max_points=settings.max_points,
+                max_duration=settings.max_duration,
+                **options,
+            )
+        except MissingLimitsError as error:
+            raise NoLimitsForPlanError(error) from None
         encode_plan(plan, self._chain, options, response)
         self._publish_soon(response.trajectory, plan)
         return answer(response)
+
+    async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
+        if not is_empty(given):
+            return self._joints.given(self._chain, given, "start")
+        return await self._joints.at_rest(
+            self._chain, settings.state_timeout, settings.stopped_velocity_tolerance
+        )
 
     def _publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
         """Publish the plan after the answer has left."""

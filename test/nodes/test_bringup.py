@@ -27,10 +27,12 @@ def test_every_node_gets_the_robot_and_its_own_file():
 
 def test_paths_are_made_absolute(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    command = commands("--robot", "arm.urdf", "--namespace", "/left/", "--rate", "50")["kinematics"]
+    options = ("--namespace", "/left/", "--rate", "50", "--joint-limits", "limits.yaml")
+    command = commands("--robot", "arm.urdf", *options)["kinematics"]
     assert f'robot_description:="{tmp_path}/arm.urdf"' in command
     assert "__ns:=/left" in command
     assert "joint_trajectory_controller:publish_rate:=50.0" in command
+    assert f'trajectory_planner:joint_limits:="{tmp_path}/limits.yaml"' in command
 
 
 def test_without_a_robot_the_nodes_wait_for_the_topic():

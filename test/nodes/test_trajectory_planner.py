@@ -1,8 +1,11 @@
 """The trajectory planner: plans that keep what they promise, over real DDS."""
 
+import dataclasses
+from pathlib import Path
+
+import nav_msgs.msg
 import numpy as np
 import pytest
-from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -138,19 +141,77 @@ def test_a_motion_of_no_length(puma, profile):
     assert points.times[-1] <= 0.01
 
 
-def test_an_empty_start_is_the_present_state(puma):
-    response = plan(puma, start=JointState())
+@pytest.fixture
+def publish(graph):
+    """Publish a joint state of the PUMA 560 again and again, with these fields."""
+
+    def start(positions, velocities=()):
+        publisher = graph.client.create_publisher(JointState, "joint_states", 10)
+        message = joint_state(PUMA.joint_names[::-1], np.array(positions)[::-1])
+        message.velocity = list(velocities)[::-1]
+        graph.client.create_timer(0.01, lambda: publisher.publish(message))
+        return message
+
+    return start
+
+
+def plan_from_present(graph):
+    """Plan from the present state as soon as it is known."""
+    for _ in range(100):
+        response = plan(graph, start=JointState())
+        if response.error_code != ErrorCode.NO_STATE or "nothing received" not in str(response):
+            return response
+    pytest.fail("the present state does not arrive")
+
+
+def test_an_empty_start_is_the_present_state(graph, publish):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=0.0)
+    response = plan(graph, start=JointState())
     assert response.error_code == ErrorCode.NO_STATE
     assert "waist" in response.error_msg
-    publisher = puma.client.create_publisher(JointState, "joint_states", 10)
-    backwards = joint_state(PUMA.joint_names[::-1], START[::-1])
-    timer = puma.client.create_timer(0.01, lambda: publisher.publish(backwards))
+    publish(START)
+    check(plan_from_present(graph))
+
+
+def test_the_first_state_is_waited_for_and_others_are_served_meanwhile(graph, publish):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=30.0)
+    request = PlanJoint.Request(goal=joint_state(PUMA.joint_names, GOAL))
+    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", request)
+    check(plan(graph))
+    assert not waiting.done()
+    publish(START)
+    check(graph.wait_for(waiting))
+
+
+def test_a_state_that_never_comes_is_not_waited_for_longer_than_told(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=0.3)
+    response = plan(graph, start=JointState())
+    assert response.error_code == ErrorCode.NO_STATE
+    assert "nothing received on '/joint_states'" in response.error_msg
+
+
+def test_a_present_state_in_motion_is_refused(puma, publish):
+    velocity = np.array([0.0, 0.002, -0.4, 0.1, 0.0, 0.0])
+    state = publish(START, velocity)
+    response = plan_from_present(puma)
+    assert response.error_code == ErrorCode.NO_STATE
+    assert "the robot moves: joint 'elbow' at 0.4 per s, at rest is up to 0.01" in str(response)
+    assert not response.trajectory.points
+    # A start that the request names is taken as it is; and at last the robot stands.
+    check(plan(puma))
+    state.velocity = [0.009] * 6
     for _ in range(1000):
         response = plan(puma, start=JointState())
         if response.error_code == ErrorCode.NONE:
             break
-    timer.cancel()
     check(response)
+
+
+def test_velocities_of_no_use_count_as_rest(puma, publish):
+    state = publish(START)
+    check(plan_from_present(puma))
+    state.velocity = [np.nan] * 6
+    check(plan(puma, start=JointState()))
 
 
 def test_plans_and_paths_are_published_and_latched(puma, profile):
@@ -159,7 +220,9 @@ def test_plans_and_paths_are_published_and_latched(puma, profile):
         JointTrajectory, "trajectory_planner/planned_trajectory", LATCHED, lambda _: True
     )
     assert published == response.trajectory
-    path = puma.receive(Path, "trajectory_planner/planned_path", LATCHED, lambda _: True)
+    path = puma.receive(
+        nav_msgs.msg.Path, "trajectory_planner/planned_path", LATCHED, lambda _: True
+    )
     assert path.header.frame_id == PUMA.base
     points = waypoints(response.trajectory)
     assert len(path.poses) == len(points.times)
@@ -199,16 +262,74 @@ def test_the_robot_may_come_from_the_latched_topic(graph):
     publisher = graph.client.create_publisher(String, "robot_description", LATCHED)
     with open(load_description("ur5e").where, encoding="utf-8") as file:
         publisher.publish(String(data=file.read()))
-    chain = load_robot("ur5e")
-    response = graph.call(
+    response = plan_ur5e(graph)
+    # A URDF has no acceleration limits.
+    assert response.error_code == ErrorCode.MISSING_LIMITS
+    assert load_robot("ur5e").joint_names[0] in response.error_msg
+    assert "parameter joint_limits may name a file" in response.error_msg
+
+
+def plan_ur5e(graph, profile=PlanJoint.Request.RUCKIG):
+    return graph.call(
         PlanJoint,
         "trajectory_planner/plan_joint",
         PlanJoint.Request(
-            start=JointState(position=[0.0] * 6), goal=JointState(position=[1.0] * 6)
+            start=JointState(position=[0.0] * 6),
+            goal=JointState(position=[1.0] * 6),
+            profile=profile,
         ),
     )
-    assert response.error_code == ErrorCode.MISSING_LIMITS  # a URDF has no acceleration limits
-    assert chain.joint_names[0] in response.error_msg
+
+
+MOVEIT = """
+default_velocity_scaling_factor: 0.1
+joint_limits:
+"""
+MOVEIT_JOINT = """
+  {}:
+    has_velocity_limits: true
+    max_velocity: 1.5
+    has_acceleration_limits: true
+    max_acceleration: 2
+    has_jerk_limits: true
+    max_jerk: 20.0
+"""
+
+
+@pytest.mark.parametrize("form", ["moveit", "beside"])
+def test_limits_that_a_urdf_lacks_come_from_a_file(graph, tmp_path, form):
+    urdf = Path(load_description("ur5e").where)
+    chain = load_robot("ur5e")
+    file = tmp_path / "joint_limits.yaml"
+    if form == "beside":
+        file.write_bytes(urdf.with_suffix(".yaml").read_bytes())
+    else:
+        joints = "".join(MOVEIT_JOINT.format(name) for name in chain.joint_names)
+        file.write_text(MOVEIT + joints, encoding="utf-8")
+        fill = dict.fromkeys(("velocity", "acceleration", "jerk"), np.full(6, 1.0))
+        values = {"velocity": 1.5, "acceleration": 2.0, "jerk": 20.0}
+        chain = dataclasses.replace(chain, **{k: values[k] * fill[k] for k in values})
+    graph.start(TrajectoryPlannerNode, joint_limits=str(file))
+    publisher = graph.client.create_publisher(String, "robot_description", LATCHED)
+    publisher.publish(String(data=urdf.read_text(encoding="utf-8")))
+    points = check(plan_ur5e(graph), chain, np.zeros(6), np.ones(6))
+    fastest = point_to_point(np.zeros(6), np.ones(6), limits=chain, profile="ruckig")
+    assert points.times[-1] == pytest.approx(fastest.duration, rel=1e-4)
+
+
+@pytest.mark.parametrize(("seconds", "profile"), [(101.0, "poly345"), (3600.0, "ruckig")])
+def test_a_long_duration_makes_the_default_period_longer(puma, seconds, profile):
+    duration = duration_from_seconds(seconds)
+    points = check(plan(puma, duration=duration, profile=PROFILES[profile]))
+    assert points.times[-1] == seconds
+    assert 1000 < len(points.times) <= 10_000
+
+
+def test_small_scales_make_the_default_period_longer(puma, profile):
+    response = plan(puma, velocity_scale=0.005, profile=PROFILES[profile])
+    points = check(response)
+    assert points.times[-1] > 100.0
+    assert max(response.peak_velocity_ratio) == pytest.approx(0.005, rel=1e-3)
 
 
 def test_period_and_number_of_points_are_parameters(graph):

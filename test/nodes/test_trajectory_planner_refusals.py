@@ -140,6 +140,21 @@ CASES = {
         ErrorCode.LIMIT,
         ["duration of 0.1 s is too short", "limit of joint", "shortest possible"],
     ),
+    "duration too long": (
+        {"duration": Duration(sec=3601)},
+        ErrorCode.BAD_VALUE,
+        ["duration is 3601.0, expected at most 3600 s, the parameter max_duration"],
+    ),
+    "scale too small for any duration": (
+        {"velocity_scale": 1e-6},
+        ErrorCode.BAD_VALUE,
+        ["shortest duration within the scaled limits is 1593750.0", "at most 3600 s"],
+    ),
+    "scale below the least one": (
+        {"jerk_scale": 1e-7},
+        ErrorCode.BAD_VALUE,
+        ["jerk_scale is 1e-07", "at least 1e-06 and at most 1"],
+    ),
     "negative scale": (
         {"velocity_scale": -0.5},
         ErrorCode.BAD_VALUE,
@@ -163,7 +178,7 @@ CASES = {
     ),
     "infinite period": ({"sample_period": math.inf}, ErrorCode.NON_FINITE, ["sample_period"]),
     "too many points": (
-        {"velocity_scale": 0.01},
+        {"velocity_scale": 0.01, "sample_period": 0.01},
         ErrorCode.BAD_VALUE,
         ["sample_period is 0.01", "at least", "may have 10000 points"],
     ),
@@ -206,14 +221,23 @@ def test_missing_limits_are_named(graph):
     for profile in (PlanJoint.Request.POLY345, RUCKIG):
         response = plan(graph, PlanJoint.Request(**move, profile=profile))
         assert response.error_code == ErrorCode.MISSING_LIMITS
-        assert response.error_msg == "no velocity limit for joint swing"
+        assert response.error_msg == (
+            "no velocity limit for joint swing; the planner's parameter joint_limits may name a "
+            "file that gives it"
+        )
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("sample_period", 0.0), ("sample_period", 100.0), ("max_points", 1)]
+    ("name", "value"),
+    [
+        ("sample_period", 0.0),
+        ("sample_period", 100.0),
+        ("max_points", 1),
+        ("joint_limits", "no.yaml"),
+    ],
 )
 def test_parameters_out_of_range_are_refused_at_start(graph, name, value):
-    with pytest.raises(ParameterError, match=f"parameter '{name}' is {value}; allowed is"):
+    with pytest.raises(ParameterError, match=f"parameter '{name}' is {value!r}; allowed is"):
         graph.start(TrajectoryPlannerNode, robot_description="puma560", **{name: value})
 
 

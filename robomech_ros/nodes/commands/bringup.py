@@ -11,6 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from robomech_ros.nodes.joint_limits import read_joint_limits
 from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
 from robomech_ros.robots import load_description, robot_folders
 
@@ -31,6 +32,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
     parser.add_argument("--rate", type=float, help="rate of joint_states in Hz (100)")
+    parser.add_argument(
+        "--joint-limits",
+        default="",
+        help="YAML with limits that the robot's description lacks, such as MoveIt's "
+        "joint_limits.yaml",
+    )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
     parser.add_argument(
         "--in-one-process", action="store_true", help="all nodes in one process and one executor"
@@ -43,7 +50,10 @@ def run(args: argparse.Namespace) -> int:
     _on_signals(lambda *_: sys.exit(0))
     if args.robot:
         # Said once, here, instead of once by every node.
-        load_description(args.robot).chain(args.base_link, args.tip_link)
+        description = load_description(args.robot)
+        if args.joint_limits:
+            description = read_joint_limits(args.joint_limits).on(description)
+        description.chain(args.base_link, args.tip_link)
     if args.in_one_process:
         from robomech_ros.nodes.run import run_nodes
 
@@ -89,6 +99,9 @@ def _ros_arguments(args: argparse.Namespace) -> list[str]:
         if value:
             # Quoted: YAML would read a robot called 7 as a number.
             result += ["-p", f"{name}:={json.dumps(value)}"]
+    if args.joint_limits:
+        path = json.dumps(str(Path(args.joint_limits).expanduser().resolve()))
+        result += ["-p", f"trajectory_planner:joint_limits:={path}"]
     if args.rate is not None:
         result += ["-p", f"joint_trajectory_controller:publish_rate:={float(args.rate)}"]
     return result

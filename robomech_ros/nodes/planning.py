@@ -1,0 +1,78 @@
+"""Plans that fit into a message: sampled finely where that is possible, coarser where not."""
+
+from typing import Any
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import SampledPlan, point_to_point, sampled_point_to_point
+
+__all__ = ["check_duration", "plan_that_fits"]
+
+_SHORTEST = "shortest duration within the scaled limits"
+
+
+def plan_that_fits(
+    chain: SerialChain,
+    ends: tuple[Any, Any],
+    *,
+    wanted_period: float,
+    usual_period: float,
+    max_points: int,
+    max_duration: float,
+    **options: Any,
+) -> SampledPlan:
+    """Plan from point to point, in no more points and seconds than a trajectory may have.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    ends : tuple of ndarray, shape (n,)
+        Start and goal, rad or m.
+    wanted_period : float
+        Largest time between two points (s) that was asked for; 0 = the usual one, or a longer one
+        where the points would be too many.  Between points the curve is the same.
+    usual_period : float
+        Largest time between two points (s) where nobody asked for one.
+    max_points : int
+        Most points.
+    max_duration : float
+        Longest trajectory (s).
+    **options
+        Of `point_to_point`.
+
+    Raises
+    ------
+    RobomechError
+        As `sampled_point_to_point` does, and BadValueError for a motion that takes too long.
+    """
+    period = wanted_period or usual_period
+    try:
+        plan = sampled_point_to_point(
+            *ends, limits=chain, period=period, max_points=max_points, **options
+        )
+    except BadValueError as error:
+        if wanted_period or error.what != "sample_period":
+            raise
+        seconds = point_to_point(*ends, limits=chain, **options).duration
+        check_duration(seconds, max_duration, _SHORTEST)
+        # As many points as may be are left to the breaks of the curve.
+        period = 2.0 * seconds / max_points
+        plan = sampled_point_to_point(
+            *ends, limits=chain, period=period, max_points=max_points, **options
+        )
+    check_duration(float(plan.waypoints.times[-1]), max_duration, _SHORTEST)
+    return plan
+
+
+def check_duration(seconds: float, longest: float, what: str = "duration") -> None:
+    """Refuse a motion that takes longer (s) than a trajectory may.
+
+    Raises
+    ------
+    BadValueError
+        It does.
+    """
+    if seconds > longest:
+        expected = f"at most {longest:g} s, the parameter max_duration"
+        raise BadValueError(what, float(f"{seconds:.9g}"), expected)
