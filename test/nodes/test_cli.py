@@ -89,6 +89,15 @@ def test_call_of_a_service_that_is_not_there_lists_those_that_are(graph, capfd):
     assert "parameters" not in err
 
 
+@pytest.mark.parametrize("timeout", ["nan", "-1", "0", "inf", "1e9", "soon"])
+def test_call_with_a_time_that_is_none(capfd, timeout):
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["call", "servant/switch", f"--timeout={timeout}"])
+    assert caught.value.code == 2
+    expected = f"--timeout: '{timeout}', expected a number of seconds above 0 and up to 86400"
+    assert expected in capfd.readouterr().err
+
+
 def test_robots_are_listed_with_joints_and_family(capfd):
     code, out, _ = run(capfd, "robots")
     assert code == 0

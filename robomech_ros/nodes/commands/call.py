@@ -1,6 +1,7 @@
 """``robomech call``: a service client for machines without the ros2 tool."""
 
 import argparse
+import math
 import sys
 import time
 from difflib import get_close_matches
@@ -19,6 +20,8 @@ EXIT_REFUSED = 1
 EXIT_NO_ANSWER = 3
 
 _POLL = 0.02
+# A day, s.
+_LONGEST = 86400.0
 _MOST_LISTED = 12
 
 
@@ -32,11 +35,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("request", nargs="?", default="", help="fields in YAML; default all zero")
     parser.add_argument("--type", default="", help="interface type; default: ask the graph")
     parser.add_argument(
-        "--timeout", type=float, default=10.0, help="seconds to wait for service and answer (10)"
+        "--timeout", type=_seconds, default=10.0, help="seconds to wait for service and answer (10)"
     )
     parser.add_argument(
         "--full", action="store_true", help="show empty lists and zero times of inner messages, too"
     )
+
+
+def _seconds(text: str) -> float:
+    """Read a time to wait (s)."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.0 < seconds <= _LONGEST:
+        raise argparse.ArgumentTypeError(
+            f"{text[:80]!r}, expected a number of seconds above 0 and up to {_LONGEST:g}"
+        )
+    return seconds
 
 
 def run(args: argparse.Namespace) -> int:
