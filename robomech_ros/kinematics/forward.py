@@ -1,11 +1,12 @@
 """Forward kinematics of serial chains."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.serial import forward, forward_one
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
@@ -32,7 +33,7 @@ def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, or of rows of them.
+        q is not an array of n finite real numbers, or of rows of them, or the pose overflows.
 
     References
     ----------
@@ -72,13 +73,19 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
     ------
     UnknownLinkError
         A link that the chain has not.
+    BadValueError
+        The links are no list of names.
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`forward_kinematics`.
     """
     q = as_joint_values(chain, q)
     if not np.isfinite(q).all():
         raise_not_finite(chain, q)
-    names = chain.links if links is None else tuple(links)
+    if links is None:
+        links = chain.links
+    elif isinstance(links, str) or not isinstance(links, Iterable):
+        raise BadValueError("links", links, "a list of links, or None for all along the chain")
+    names = tuple(links)
     poses = np.empty((*q.shape[:-1], len(names), 4, 4))
     for i, name in enumerate(names):
         part = chain.with_tip(name)

@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.inverse import MAX_SOLUTIONS, NONE_EXISTS, STATE, solve
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
-from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.closed_form import solve_closed_form
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
@@ -15,6 +14,7 @@ from robomech_ros.kinematics.reach import out_of_reach
 from robomech_ros.kinematics.request import (
     Request,
     as_cap,
+    as_flag,
     as_metric,
     as_seed,
     as_task,
@@ -94,13 +94,12 @@ def inverse_kinematics(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.
     """
-    targets = as_targets(T)
-    if np.ndim(T) != 2:
-        raise WrongSizeError("T", np.shape(T), "(4, 4); inverse_kinematics_batch takes many")
+    target = as_targets(T)[0]
+    respect_limits = as_flag("respect_limits", respect_limits)
     request = Request(
         seed=as_seed(chain, seed, respect_limits),
-        respect_limits=bool(respect_limits),
-        include_windings=bool(include_windings),
+        respect_limits=respect_limits,
+        include_windings=as_flag("include_windings", include_windings),
         metric=as_metric(metric),
         max_solutions=as_cap(max_solutions),
         task=as_task(task_mask),
@@ -114,12 +113,12 @@ def inverse_kinematics(
     )
     family = family_of(chain)
     if not family.closed_form or request.task != FULL_TASK:
-        return solve_by_search(chain, targets[0], request)
-    result = solve_closed_form(chain, targets[0], request, family)
+        return solve_by_search(chain, target, request)
+    result = solve_closed_form(chain, target, request, family)
     undecided = result.status is Status.NOT_CONVERGED
     if len(result) or not (request.is_loose or undecided):
         return result
-    near = solve_by_search(chain, targets[0], request)
+    near = solve_by_search(chain, target, request)
     return near if len(near) else result
 
 
@@ -159,14 +158,13 @@ def inverse_kinematics_batch(
     BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
         As for :func:`inverse_kinematics`; of a target at fault the message names the index.
     """
-    if np.ndim(T) != 3:
-        raise WrongSizeError("T", np.shape(T), "(m, 4, 4)")
-    targets = as_targets(T)
-    family = family_of(chain)
+    targets = as_targets(T, batch=True)
+    respect_limits = as_flag("respect_limits", respect_limits)
     start = as_seed(chain, seed, respect_limits)
+    family = family_of(chain)
     data = family.data
     if not family.closed_form:
-        data = iterative_data(chain, respect_limits=bool(respect_limits))
+        data = iterative_data(chain, respect_limits=respect_limits)
     room = min(as_cap(max_solutions) or MAX_SOLUTIONS, MAX_SOLUTIONS)
     q = np.empty((len(targets), room, chain.n))
     count = np.empty(len(targets), np.int64)
@@ -180,7 +178,7 @@ def inverse_kinematics_batch(
         chain.upper,
         start,
         as_metric(metric),
-        bool(respect_limits),
+        respect_limits,
         spare,
         marks[0],
         q,

@@ -6,7 +6,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
@@ -32,10 +32,12 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     Raises
     ------
     BadValueError
-        Not an array of real numbers.
+        Not an array of real numbers, or no chain.
     WrongSizeError
         The last axis has not n entries.
     """
+    if not isinstance(chain, SerialChain):
+        raise BadValueError("chain", chain, "a SerialChain, as load_robot gives it")
     if type(q) is not np.ndarray or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
         q = np.array(real_array(what, q), order="C")
@@ -51,10 +53,14 @@ def as_rows(q: Array) -> Array:
 
 
 def raise_not_finite(chain: SerialChain, q: Array, what: str = "q") -> NoReturn:
-    """Raise :class:`NonFiniteError` with the first joint, and row of a batch, at fault."""
+    """Raise :class:`NonFiniteError` with the first joint, and row of a batch, at fault.
+
+    Where all are finite, the pose was not: then they are too large.
+    """
     bad = np.argwhere(~np.isfinite(q))
     if len(bad) == 0:
-        raise NonFiniteError(what, q)
+        largest = float(np.abs(q).max(initial=0.0))
+        raise BadValueError(f"largest of {what}", largest, "joint values with a finite pose")
     index = tuple(int(i) for i in bad[0])
     row = f" in row {', '.join(str(i) for i in index[:-1])}" if len(index) > 1 else ""
     joint = chain.joint_names[index[-1]]

@@ -1,7 +1,7 @@
 """What a caller of inverse kinematics asks for, checked."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,9 +21,19 @@ from robomech_ros.errors import (
 )
 from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["METRICS", "Request", "as_metric", "as_seed", "as_task", "as_timeout", "as_tolerance"]
+__all__ = [
+    "METRICS",
+    "Request",
+    "as_flag",
+    "as_metric",
+    "as_seed",
+    "as_task",
+    "as_timeout",
+    "as_tolerance",
+]
 
 Array = NDArray[np.float64]
 
@@ -60,8 +70,11 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
     ------
     SeedOutsideLimitsError
         A joint is outside its limits, and limits are respected.
+    BadValueError
+        A joint is beyond 1e5 rad or 1e6 m, where solutions near it would lose digits; or there is
+        no chain.
     """
-    if seed is None:
+    if seed is None and isinstance(chain, SerialChain):
         return chain.midrange()
     q = as_joint_values(chain, seed, "seed")
     if q.ndim != 1:
@@ -72,7 +85,19 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
             raise_not_finite(chain, q, "seed")
         if respect_limits:
             raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
+    i = first_outside(-chain.largest, chain.largest, q, 0.0)
+    if i != INSIDE:
+        unit = "m" if chain.types[i] == PRISMATIC else "rad"
+        expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
+        raise BadValueError(f"seed of joint '{chain.joint_names[i]}'", float(q[i]), expected)
     return q
+
+
+def as_flag(what: str, value: bool) -> bool:
+    """Check a truth value; 0 and 1 are taken as such."""
+    if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):
+        return bool(value)
+    raise BadValueError(what, value, "True or False")
 
 
 def as_metric(metric: str) -> int:
@@ -87,10 +112,13 @@ def as_task(mask: Sequence[bool] | None) -> Task:
     """Check a task mask; None and all False are the full pose."""
     if mask is None:
         return FULL_TASK
-    entries = tuple(bool(entry) for entry in mask)
-    if len(entries) != 6:
-        raise WrongSizeError("task_mask", len(entries), "6: x, y, z, rx, ry, rz")
-    x, y, z, rx, ry, rz = entries
+    expected = "six of True or False: x, y, z, rx, ry, rz"
+    if isinstance(mask, str | bytes | Mapping | Set) or not isinstance(mask, Iterable):
+        raise BadValueError("task_mask", mask, expected)
+    given = tuple(mask)
+    if len(given) != 6:
+        raise WrongSizeError("task_mask", len(given), "6: x, y, z, rx, ry, rz")
+    x, y, z, rx, ry, rz = entries = [as_flag(f"task_mask[{i}]", one) for i, one in enumerate(given)]
     return (x, y, z, rx, ry, rz) if any(entries) else FULL_TASK
 
 
@@ -116,10 +144,7 @@ def as_cap(max_solutions: int | None) -> int | None:
 
 
 def _positive(what: str, value: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise BadValueError(what, value, "a positive number") from None
+    number = real_number(what, value, "a positive number")
     if math.isnan(number):
         raise NonFiniteError(what, number)
     if number <= 0.0:

@@ -14,15 +14,17 @@ __all__ = ["as_targets"]
 Array = NDArray[np.float64]
 
 
-def as_targets(T: ArrayLike, what: str = "T") -> Array:
+def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
     """Give poses as contiguous float64 of shape (m, 4, 4), rotations made exactly orthogonal.
 
     Parameters
     ----------
-    T : array_like, shape (4, 4) or (m, 4, 4)
+    T : array_like, shape (4, 4), or (m, 4, 4) for a batch
         Poses (m).
     what : str
         Name of the quantity in messages.
+    batch : bool
+        Whether these are many.
 
     Returns
     -------
@@ -37,12 +39,13 @@ def as_targets(T: ArrayLike, what: str = "T") -> Array:
         message names the pose.
     """
     given = real_array(what, T)
-    if given.ndim not in (2, 3) or given.shape[-2:] != (4, 4):
-        raise WrongSizeError(what, given.shape, "(4, 4) or (m, 4, 4)")
+    if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):
+        expected = "(m, 4, 4)" if batch else "(4, 4); inverse_kinematics_batch takes many"
+        raise WrongSizeError(what, given.shape, expected)
     poses = np.array(given, order="C").reshape(-1, 4, 4)
     fault = clean_poses(poses, ROTATION_ERROR)
     if fault:
-        _raise(poses, f"{what}[{{}}]" if given.ndim == 3 else what)
+        _raise(poses, f"{what}[{{}}]" if batch else what)
     return poses
 
 

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
 __all__ = ["tip_poses"]
@@ -26,8 +28,17 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
     -------
     ndarray, shape (m, 4, 4)
         ``T_base_tip``, lengths in m.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not rows of n finite real numbers.
     """
-    values = np.asarray(q, dtype=np.float64)
+    values = as_joint_values(chain, q)
+    if values.ndim != 2:
+        raise WrongSizeError("q", values.shape, f"(m, {chain.n})")
+    if not np.isfinite(values).all():
+        raise_not_finite(chain, values)
     T = np.broadcast_to(_constant(chain, 0), (len(values), 4, 4))
     for joint in range(chain.n):
         motion = np.broadcast_to(np.eye(4), T.shape).copy()

@@ -3,9 +3,11 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinetostatics.jacobian import jacobian
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite
 
 __all__ = ["point_jacobian"]
@@ -40,16 +42,25 @@ def point_jacobian(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`jacobian`, and for a point that is not three finite numbers.
+        As for :func:`jacobian`, and for a point that is not three finite numbers or axes that are
+        no rotation.
 
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 5.
     """
     J = jacobian(chain, q)
-    r = forward_kinematics(chain, q)[:3, :3] @ as_finite("point", point, (3,))
+    if J.ndim != 2:
+        raise WrongSizeError("q", np.shape(q), (chain.n,))
+    arm = as_finite("point", point, (3,))
+    if arm.ndim != 1:
+        raise WrongSizeError("point", arm.shape, (3,))
+    r = forward_kinematics(chain, q)[:3, :3] @ arm
     omega, v = J[:3], J[3:] + np.cross(J[:3], r, axisa=0, axisc=0)
     if axes is None:
         return np.concatenate((omega, v))
-    turn = as_finite("axes", axes, (3, 3)).T
+    turn = as_rotation(axes, what="axes")
+    if turn.ndim != 2:
+        raise WrongSizeError("axes", turn.shape, (3, 3))
+    turn = turn.T
     return np.concatenate((turn @ omega, turn @ v))

@@ -1,5 +1,6 @@
 """The one model of a serial chain: constant transforms between its joints, and limits."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
     MissingLimitsError,
@@ -14,6 +16,7 @@ from robomech_ros.errors import (
     UnknownLinkError,
     WrongSizeError,
 )
+from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
 
 if TYPE_CHECKING:
     from robomech_ros.robots.dh import DHTable
@@ -70,7 +73,7 @@ class SerialChain:
         rotation row by row, then origin (m);
         ``T_base_tip = C_0 J_1(q_1) C_1 ... J_n(q_n) C_n``, J_i about or along z.
     lower, upper : ndarray, shape (n,)
-        Position limits (rad or m), infinite where there is none.
+        Position limits (rad or m), infinite where there is none; 1e5 and more stands for none.
     velocity, acceleration, jerk, effort : ndarray, shape (n,)
         Magnitudes of the limits (rad/s or m/s and so on; N m or N), NaN where there is none.
     frames : tuple of LinkFrame
@@ -95,15 +98,26 @@ class SerialChain:
     dh_given: "DHTable | None" = None
 
     def __post_init__(self) -> None:
+        for what in ("name", "base", "tip"):
+            _check_name(what, getattr(self, what))
+        _check_names("joint_names", self.joint_names)
+        _check_names("names of links", [frame.name for frame in self.frames])
         n = len(self.joint_names)
-        if len(set(self.joint_names)) < n:
-            raise BadValueError("joint_names", self.joint_names, "different names")
-        for field in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
+        for field in KEYS:
             self._freeze(field, np.float64, (n,))
+        check_limits(self.joint_names, {field: getattr(self, field) for field in KEYS})
+        for field, values in zip(KEYS, position_limits(self.lower, self.upper), strict=False):
+            object.__setattr__(self, field, values)
+            self._freeze(field, np.float64, (n,))
+        if not np.isin(self.types, (REVOLUTE, PRISMATIC)).all():
+            raise BadValueError("types", self.types, "0 (revolute) or 1 (prismatic)")
         self._freeze("types", np.int64, (n,))
         self._freeze("packed", np.float64, (n + 1, 13))
         if not np.isfinite(self.packed).all():
             raise NonFiniteError("packed", self.packed)
+        longest = float(np.abs(self.packed[:, 10:]).max())
+        if longest > LARGEST_LENGTH:
+            raise BadValueError("longest offset", longest, f"at most {LARGEST_LENGTH:g} m")
 
     def _freeze(self, field: str, dtype: type, shape: tuple[int, ...]) -> None:
         array: NDArray = np.array(getattr(self, field), dtype=dtype, order="C")
@@ -122,6 +136,13 @@ class SerialChain:
         """Which joints turn without any limit of position, shape (n,)."""
         unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
         result: NDArray[np.bool_] = (self.types == REVOLUTE) & unlimited
+        result.setflags(write=False)
+        return result
+
+    @cached_property
+    def largest(self) -> Array:
+        """Largest magnitude of joint values that solvers start from (rad or m), shape (n,)."""
+        result: Array = np.where(self.types == PRISMATIC, LARGEST_LENGTH, LARGEST_ANGLE)
         result.setflags(write=False)
         return result
 
@@ -151,6 +172,7 @@ class SerialChain:
         UnknownLinkError
             There is none of this name; the error lists those there are.
         """
+        _check_name("link", link)
         for frame in self.frames:
             if frame.name == link:
                 return frame
@@ -174,6 +196,7 @@ class SerialChain:
         UnknownLinkError
             There is no such link.
         """
+        _check_name("link", link)
         if link == self.tip:
             return self
         if link not in self._with_tip:
@@ -246,6 +269,20 @@ class SerialChain:
         if missing.any():
             names = [name for name, lacks in zip(self.joint_names, missing, strict=True) if lacks]
             raise MissingLimitsError(kind, names)
+
+
+def _check_name(what: str, name: object) -> None:
+    if not isinstance(name, str) or not name:
+        raise BadValueError(what, name, "a name, as text")
+
+
+def _check_names(what: str, names: Sequence[str]) -> None:
+    if isinstance(names, str):
+        raise BadValueError(what, names, "a list of names")
+    for name in names:
+        _check_name(f"one of {what}", name)
+    if len(set(names)) < len(names):
+        raise BadValueError(what, names, "different names")
 
 
 def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:

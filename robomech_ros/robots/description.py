@@ -8,19 +8,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
+from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, LinkFrame, SerialChain, pack_chain
 from robomech_ros.robots.dh import DHTable
+from robomech_ros.spatial import inverse_pose
 
-__all__ = ["LARGEST_LENGTH", "Joint", "RobotDescription", "position_limits"]
+__all__ = ["Joint", "RobotDescription"]
 
 Array = NDArray[np.float64]
 
 MOVING = ("revolute", "continuous", "prismatic")
-# Metres; more is a mistake, and products of such numbers could overflow.
-LARGEST_LENGTH = 1e6
-# A position limit beyond this (rad or m) is what exporters write for none, as in 1e16.
-UNLIMITED = 1e5
 # Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).
 TIP_NAMES = ("tool0", "flange")
 _MOST_NAMES = 20
@@ -105,7 +102,8 @@ class RobotDescription:
         Parameters
         ----------
         base : str, optional
-            Default (also for an empty string) the root link.
+            Default (also for an empty string) the root link.  It may also be a link that fixed
+            joints hold to one above the tip, as ``base`` of many arms is to ``base_link``.
         tip : str, optional
             Default (also for an empty string) the one leaf below the base that joints move;
             where there are several, the one link named ``tool0``, else ``flange`` (or with that
@@ -119,17 +117,45 @@ class RobotDescription:
         ------
         UnknownLinkError
             No such link.
+        BadValueError
+            Base or tip is no text.
         RobotDescriptionError
             The tip is not below the base, no joint moves between them, several links could be
             the tip, or a joint between them is of a kind that a chain cannot have (mimic,
             planar, floating): the joint is named.
         """
-        base = base or self.root
-        for link in (base, tip):
+        for what, link in (("base", base), ("tip", tip)):
+            if link is not None and not isinstance(link, str):
+                raise BadValueError(what, link, "the name of a link")
             if link and link not in self._to_children:
                 raise UnknownLinkError(link, self.links)
-        path = self._path(base, tip or self._default_tip(base))
-        return self._folded(base, path)
+        base = base or self.root
+        above, pose = self._branch(base, tip)
+        path = self._path(above, tip or self._default_tip(above))
+        return self._folded(base, above, pose, path)
+
+    def _branch(self, base: str, tip: str | None) -> tuple[str, Array]:
+        """Find the link above the tip that fixed joints hold the base to, and its pose in the base.
+
+        It is the base itself where that is above the tip, and where there is none.
+        """
+        link, pose = base, np.eye(4)
+        while not self._leads_to(link, tip):
+            joint = self._to_parent.get(link)
+            if joint is None or joint.type != "fixed":
+                return base, np.eye(4)
+            pose = pose @ inverse_pose(joint.origin @ joint.after)
+            link = joint.parent
+        return link, pose
+
+    def _leads_to(self, link: str, tip: str | None) -> bool:
+        """Tell whether a tip is a link or below it; without a tip, whether a joint below moves."""
+        if not tip:
+            below = (link, *self._below(link))
+            return any(j.type != "fixed" for one in below for j in self._to_children[one])
+        while tip != link and tip in self._to_parent:
+            tip = self._to_parent[tip].parent
+        return tip == link
 
     def _path(self, base: str, tip: str) -> list[Joint]:
         path: list[Joint] = []
@@ -188,12 +214,17 @@ class RobotDescription:
         why = f"several links could be the tip, name one of them: {_listed(sorted(leaves))}"
         raise RobotDescriptionError(self.where, why)
 
-    def _folded(self, base: str, path: list[Joint]) -> SerialChain:
-        """Multiply out what lies between moving joints, each of them turned onto its z axis."""
+    def _folded(self, base: str, above: str, pose: Array, path: list[Joint]) -> SerialChain:
+        """Multiply out what lies between moving joints, each of them turned onto its z axis.
+
+        The path begins at the link ``above``, whose pose in the base is given.
+        """
         moving = [joint for joint in path if joint.moves]
         constants: list[Array] = []
         along = [LinkFrame(base, 0, np.eye(4))]
-        C = np.eye(4)
+        if above != base:
+            along.append(LinkFrame(above, 0, pose, base))
+        C = pose
         for joint in path:
             C = C @ joint.origin
             if joint.moves:
@@ -239,14 +270,6 @@ class RobotDescription:
                     attached = LinkFrame(joint.child, frame.joints, offset, frame.name)
                     yield attached
                     waiting.append(attached)
-
-
-def position_limits(lower: float, upper: float) -> tuple[float, float]:
-    """Turn limits so far out that they stand for none into infinite ones (rad or m)."""
-    return (
-        -np.inf if lower <= -UNLIMITED else lower,
-        np.inf if upper >= UNLIMITED else upper,
-    )
 
 
 def _turn_of_z(axis: Array) -> Array:

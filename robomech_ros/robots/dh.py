@@ -9,13 +9,13 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import (
     PRISMATIC,
@@ -24,20 +24,15 @@ from robomech_ros.robots.chain import (
     SerialChain,
     pack_chain,
 )
+from robomech_ros.robots.limit_arrays import limit_arrays
+from robomech_ros.spatial import as_pose
+from robomech_ros.spatial.arrays import real_array
 
 __all__ = ["DHTable", "chain_from_dh"]
 
 Array = NDArray[np.float64]
 
-_TYPE_NAMES = {
-    "R": REVOLUTE,
-    "P": PRISMATIC,
-    "revolute": REVOLUTE,
-    "prismatic": PRISMATIC,
-    0: REVOLUTE,
-    1: PRISMATIC,
-}
-_LIMIT_KEYS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+_TYPE_NAMES = {"r": REVOLUTE, "p": PRISMATIC, "revolute": REVOLUTE, "prismatic": PRISMATIC}
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +96,15 @@ def chain_from_dh(
         Offsets added to the variables of revolute joints, angles of prismatic ones (rad).
         Default 0.
     types : str or sequence, optional
-        For example ``"RRPRRR"``; default all revolute.
+        ``R`` or ``revolute`` (0) and ``P`` or ``prismatic`` (1) for each joint, in capitals or
+        not, for example ``"RRPRRR"``; default all revolute.
     base, tool : array_like, shape (4, 4), optional
-        First frame in the base link and tip link in the last frame.  Default identity.
+        First frame in the base link and tip link in the last frame; a rotation off by rounding
+        is made orthogonal.  Default identity.
     limits : mapping or array_like, optional
-        Either position limits, shape (n, 2), or a mapping of ``lower``, ``upper``, ``velocity``,
-        ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,).
+        Either pairs of position limits, shape (n, 2), or a mapping of ``lower``, ``upper``,
+        ``velocity``, ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,) or to one
+        number for all joints; None in the place of a number is no limit.
     name, joint_names, base_link, tip_link : optional
         Names; joints are ``joint_1`` .. ``joint_n`` unless given.
 
@@ -136,89 +134,77 @@ def chain_from_dh(
     for i in range(n):
         frames.append(LinkFrame(f"link_{i + 1}", i + 1, links[i], frames[-1].name))
     frames.append(LinkFrame(tip_link, n, transforms[n], frames[-1].name))
-    names = tuple(joint_names) if joint_names else tuple(f"joint_{i + 1}" for i in range(n))
-    if len(names) != n:
-        raise WrongSizeError("joint_names", len(names), n)
+    links_between = [frame.name for frame in frames[1:-1]]
+    if base_link == tip_link or base_link in links_between or tip_link in links_between:
+        expected = f"names that differ from each other and from {', '.join(links_between)}"
+        raise BadValueError("base_link and tip_link", (base_link, tip_link), expected)
     return SerialChain(
         name=name,
         base=base_link,
         tip=tip_link,
-        joint_names=names,
+        joint_names=_names(joint_names, n),
         types=kinds,
         packed=pack_chain(transforms, kinds),
         frames=tuple(frames),
         dh_given=table,
-        **_limit_arrays(limits, n),
+        **limit_arrays(limits, n),
     )
 
 
 def _row(what: str, value: ArrayLike, n: int | None = None) -> Array:
-    try:
-        row = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise BadValueError(what, value, "a list of numbers") from None
+    row = real_array(what, value)
     if row.ndim != 1:
         raise WrongSizeError(what, row.shape, "(n,)" if n is None else (n,))
     if n is not None and len(row) != n:
         raise WrongSizeError(what, len(row), n)
     if not np.isfinite(row).all():
         raise NonFiniteError(what, row)
+    largest, unit = (LARGEST_LENGTH, "m") if what in "ab" else (LARGEST_ANGLE, "rad")
+    for k in np.flatnonzero(np.abs(row) > largest):
+        raise BadValueError(f"{what}[{k}]", float(row[k]), f"at most {largest:g} {unit}")
     return row
 
 
 def _pose(what: str, value: ArrayLike | None) -> Array:
     if value is None:
         return np.eye(4)
-    pose = np.array(value, dtype=np.float64)
+    pose = real_array(what, value)
     if pose.shape != (4, 4):
         raise WrongSizeError(what, pose.shape, (4, 4))
-    if not np.isfinite(pose).all():
-        raise NonFiniteError(what, pose)
-    rotation = pose[:3, :3]
-    error = np.abs(rotation.T @ rotation - np.eye(3)).max()
-    if error > 1e-9 or np.linalg.det(rotation) < 0 or (pose[3] != (0, 0, 0, 1)).any():
-        raise BadValueError(what, pose.tolist(), "a proper rotation with last row 0 0 0 1")
-    return pose
+    return as_pose(pose, what=what)
 
 
 def _joint_types(types: str | Sequence[str | int] | None, n: int) -> NDArray[np.int64]:
     if types is None:
         return np.zeros(n, dtype=np.int64)
-    if len(types) != n:
-        raise WrongSizeError("types", len(types), n)
-    for entry in types:
-        if entry not in _TYPE_NAMES:
-            raise BadValueError("joint type", entry, "R (revolute) or P (prismatic)")
-    return np.array([_TYPE_NAMES[entry] for entry in types], dtype=np.int64)
+    expected = "R (revolute) or P (prismatic) for each joint, as in 'RRP' or ['R', 'R', 'P']"
+    try:
+        entries = list(types)
+    except TypeError:
+        raise BadValueError("types", types, expected) from None
+    if len(entries) != n:
+        raise WrongSizeError("types", len(entries), f"{n}: {expected}")
+    return np.array([_joint_type(entry) for entry in entries], dtype=np.int64)
 
 
-def _limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Any]:
-    arrays = {key: np.full(n, np.nan) for key in _LIMIT_KEYS}
-    arrays["lower"], arrays["upper"] = np.full(n, -np.inf), np.full(n, np.inf)
-    if limits is None:
-        return arrays
-    if not isinstance(limits, Mapping):
-        position = np.array(limits, dtype=np.float64)
-        if position.shape != (n, 2):
-            raise WrongSizeError("limits", position.shape, (n, 2))
-        limits = {"lower": position[:, 0], "upper": position[:, 1]}
-    for key, value in limits.items():
-        if key not in arrays:
-            raise BadValueError("key of limits", key, "one of " + ", ".join(_LIMIT_KEYS))
-        row = np.array(value, dtype=np.float64)
-        if row.shape != (n,):
-            raise WrongSizeError(f"limits {key}", row.shape, (n,))
-        if key in ("lower", "upper") and np.isnan(row).any():
-            raise NonFiniteError(f"limits {key}", row)
-        if key not in ("lower", "upper") and (row <= 0).any():
-            raise BadValueError(f"limits {key}", row.tolist(), "positive numbers")
-        arrays[key] = row
-    reversed_ = arrays["lower"] > arrays["upper"]
-    if reversed_.any():
-        joint = int(np.argmax(reversed_))
-        pair = (float(arrays["lower"][joint]), float(arrays["upper"][joint]))
-        raise BadValueError(f"position limits of joint {joint + 1}", pair, "lower <= upper")
-    return arrays
+def _joint_type(entry: object) -> int:
+    if isinstance(entry, str) and entry.lower() in _TYPE_NAMES:
+        return _TYPE_NAMES[entry.lower()]
+    numbers = isinstance(entry, int | np.integer) and not isinstance(entry, bool)
+    if not numbers or entry not in (REVOLUTE, PRISMATIC):
+        raise BadValueError("joint type", entry, "R (revolute) or P (prismatic)")
+    return int(entry)
+
+
+def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    if names is None:
+        return tuple(f"joint_{i + 1}" for i in range(n))
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise BadValueError("joint_names", names, f"a list of {n} names")
+    given = tuple(names)
+    if len(given) != n:
+        raise WrongSizeError("joint_names", len(given), n)
+    return given
 
 
 def _link_transforms(table: DHTable) -> Array:

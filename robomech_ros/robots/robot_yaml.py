@@ -22,16 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.description import (
-    LARGEST_LENGTH,
-    Joint,
-    RobotDescription,
-    position_limits,
-)
+from robomech_ros.robots.description import Joint, RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.robots.guarded_yaml import check_keys, parse_yaml
+from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
 __all__ = ["description_from_yaml", "with_yaml_limits"]
@@ -106,10 +103,6 @@ def _chain(document: Mapping[str, Any], rows: list[dict[str, Any]], where: str) 
         raise
     except RobomechError as error:
         raise RobotDescriptionError(where, str(error)) from None
-    links = [frame.name for frame in chain.frames]
-    if len(set(links)) < len(links):
-        why = f"base_link and tip_link must differ from each other and from {links[1:-1]}"
-        raise RobotDescriptionError(where, why)
     return chain
 
 

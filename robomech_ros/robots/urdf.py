@@ -14,15 +14,11 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import AXIS_LENGTH
+from robomech_ros._kernels.tolerances import AXIS_LENGTH, LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.robots.description import (
-    LARGEST_LENGTH,
-    Joint,
-    RobotDescription,
-    position_limits,
-)
+from robomech_ros.robots.description import Joint, RobotDescription
 from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.limit_arrays import position_limits
 
 __all__ = ["description_from_urdf"]
 

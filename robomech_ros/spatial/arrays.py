@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 
-__all__ = ["as_finite", "real_array"]
+__all__ = ["as_finite", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,32 @@ def real_array(what: str, value: ArrayLike) -> Array:
     if array.size and array.dtype.kind not in "fiu":
         raise BadValueError(what, value, "an array of real numbers")
     return array.astype(np.float64, copy=False)
+
+
+def real_number(what: str, value: object, expected: str) -> float:
+    """Give one real number, finite or not; truth values and text are none.
+
+    Parameters
+    ----------
+    what : str
+        Name of the quantity in messages.
+    value : object
+        From a caller.
+    expected : str
+        What messages say was expected.
+
+    Raises
+    ------
+    BadValueError
+        Not a real number.
+    """
+    try:
+        number = np.asarray(value)
+    except (TypeError, ValueError):
+        number = np.empty(0)
+    if number.ndim or number.dtype.kind not in "fiu":
+        raise BadValueError(what, value, expected)
+    return float(number)
 
 
 def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import ROTATION_ERROR
+from robomech_ros._kernels.tolerances import ORTHOGONAL, ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 
@@ -37,26 +37,30 @@ def rotation_error(matrix: ArrayLike) -> Array:
     return np.where(triple > 0.0, error, np.inf)
 
 
-def as_rotation(matrix: ArrayLike, tolerance: float = ROTATION_ERROR) -> Array:
-    """Check that a matrix is a proper rotation within a tolerance.
+def as_rotation(
+    matrix: ArrayLike, tolerance: float = ROTATION_ERROR, what: str = "rotation matrix"
+) -> Array:
+    """Check that a matrix is a proper rotation within a tolerance, and remove its rounding.
 
     Parameters
     ----------
     matrix : array_like, shape (..., 3, 3)
     tolerance : float, optional
         Largest :func:`rotation_error` that passes.
+    what : str, optional
+        Name of the matrix in messages.
 
     Returns
     -------
     ndarray, shape (..., 3, 3)
-        The matrix, unchanged.
+        The nearest proper rotation; the matrix itself where it is one up to the last digit.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation; the message gives the amount.
     """
-    m = as_finite("rotation matrix", matrix, (3, 3))
+    m = as_finite(what, matrix, (3, 3))
     error = rotation_error(m)
     bad = ~(error <= tolerance)
     if bad.any():
@@ -69,10 +73,13 @@ def as_rotation(matrix: ArrayLike, tolerance: float = ROTATION_ERROR) -> Array:
             else f"columns orthonormal within {worst:.3g}"
         )
         raise BadValueError(
-            f"rotation matrix{where}",
+            f"{what}{where}",
             m[index].tolist(),
             f"determinant 1 and columns orthonormal within {tolerance:g} (found: {how})",
         )
+    rounded = error > ORTHOGONAL
+    if rounded.any():
+        m = np.where(rounded[..., None, None], nearest_rotation(m), m)
     return m
 
 

@@ -7,7 +7,7 @@ from robomech_ros._kernels.tolerances import ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.axis_angle import rotation_vector_from_matrix
-from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
+from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.quaternions import matrix_from_quaternion, quaternion_from_matrix
 
 __all__ = [
@@ -23,29 +23,36 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR) -> Array:
-    """Check a pose and remove the rounding of its rotation.
+def as_pose(pose: ArrayLike, tolerance: float = ROTATION_ERROR, what: str = "pose") -> Array:
+    """Check a pose and remove the rounding of its rotation and of its last row.
 
     Parameters
     ----------
     pose : array_like, shape (..., 4, 4)
     tolerance : float, optional
-        Largest deviation from a proper rotation that is taken for rounding.
+        Largest deviation from a proper rotation, and from a last row of 0 0 0 1, that is taken
+        for rounding.
+    what : str, optional
+        Name of the pose in messages.
 
     Returns
     -------
     ndarray, shape (..., 4, 4)
-        A copy, with the nearest proper rotation.
+        A copy, with the nearest proper rotation and the last row 0 0 0 1.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a pose; the message gives the amount.
     """
-    T: Array = as_finite("pose", pose, (4, 4)).copy()
-    if (T[..., 3, :] != (0.0, 0.0, 0.0, 1.0)).any():
-        raise BadValueError("last row of the pose", T[..., 3, :].tolist(), "0 0 0 1")
-    T[..., :3, :3] = nearest_rotation(as_rotation(T[..., :3, :3], tolerance))
+    T: Array = as_finite(what, pose, (4, 4)).copy()
+    row = (0.0, 0.0, 0.0, 1.0)
+    if (np.abs(T[..., 3, :] - row) > tolerance).any():
+        raise BadValueError(
+            f"last row of {what}", T[..., 3, :].tolist(), f"0 0 0 1 within {tolerance:g}"
+        )
+    T[..., 3, :] = row
+    T[..., :3, :3] = as_rotation(T[..., :3, :3], tolerance, f"rotation of {what}")
     return T
 
 
@@ -113,7 +120,7 @@ def position_quaternion_from_pose(pose: ArrayLike) -> tuple[Array, Array]:
     BadValueError, WrongSizeError, NonFiniteError
         Not a pose.
     """
-    T = as_finite("pose", pose, (4, 4))
+    T = as_pose(pose)
     return T[..., :3, 3].copy(), quaternion_from_matrix(T[..., :3, :3])
 
 
@@ -133,11 +140,11 @@ def compose_poses(*poses: ArrayLike) -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not 4 x 4 matrices of finite real numbers.
+        Not poses.
     """
     product = np.eye(4)
     for pose in poses:
-        product = product @ as_finite("pose", pose, (4, 4))
+        product = product @ as_pose(pose)
     return product
 
 
@@ -155,9 +162,9 @@ def inverse_pose(pose: ArrayLike) -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not a 4 x 4 matrix of finite real numbers.
+        Not a pose.
     """
-    T = as_finite("pose", pose, (4, 4))
+    T = as_pose(pose)
     rotation = np.swapaxes(T[..., :3, :3], -1, -2)
     return _assembled(rotation, -(rotation @ T[..., :3, 3:])[..., 0])
 
@@ -181,7 +188,7 @@ def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not poses.
     """
-    A, B = as_finite("target pose", target, (4, 4)), as_finite("actual pose", actual, (4, 4))
+    A, B = as_pose(target, what="target pose"), as_pose(actual, what="actual pose")
     between = A[..., :3, :3] @ np.swapaxes(B[..., :3, :3], -1, -2)
     angular = rotation_vector_from_matrix(between)
     linear = A[..., :3, 3] - B[..., :3, 3]

@@ -1,6 +1,6 @@
 """Limits of joints as trajectories see them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
@@ -15,6 +15,7 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
+from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["RATES", "JointLimits", "Limits", "Rate"]
@@ -70,7 +71,8 @@ class Limits:
     WrongSizeError
         If an array does not have one entry for each joint.
     BadValueError
-        If a limit is zero or negative, or a lower position limit lies above the upper one.
+        If names are no list of different names, a limit is no number, zero or negative, or a
+        lower position limit lies above the upper one.
     """
 
     joint_names: tuple[str, ...]
@@ -81,24 +83,35 @@ class Limits:
     upper: FloatArray = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        object.__setattr__(self, "joint_names", _names(self.joint_names))
         for name in (*RATES, "upper"):
             object.__setattr__(self, name, self._array(name, np.inf))
         object.__setattr__(self, "lower", self._array("lower", -np.inf))
         for name in RATES:
             self._refuse(f"{name} limit", ~(getattr(self, name) > 0.0), getattr(self, name), "> 0")
+        nowhere = (self.lower == np.inf) | (self.upper == -np.inf)
+        expected = "a finite number, or -infinity for none (the upper one +infinity)"
+        self._refuse("lower limit", nowhere, self.lower, expected)
         crossed = self.lower > self.upper
         self._refuse("lower limit", crossed, self.lower, "at most the upper limit")
 
     def _array(self, name: str, missing: float) -> FloatArray:
         given = getattr(self, name)
         n = len(self.joint_names)
-        values = np.array(missing if given is None else given, dtype=np.float64)
+        values = self._numbers(name, given, missing)
         if values.shape not in ((), (n,)):
             raise WrongSizeError(f"{name} limits", values.shape, (n,))
         values = np.where(np.isnan(values), missing, values) * np.ones(n)
         values.setflags(write=False)
         return values
+
+    def _numbers(self, name: str, given: Any, missing: float) -> FloatArray:
+        """Give numbers as float64, None among them as ``missing``."""
+        if given is None:
+            return np.array(missing)
+        if isinstance(given, list | tuple):
+            given = [missing if entry is None else entry for entry in given]
+        return real_array(f"{name} limits", given)
 
     def _refuse(
         self, what: str, bad: npt.NDArray[np.bool_], values: FloatArray, expected: str
@@ -119,12 +132,12 @@ class Limits:
         """
         if isinstance(limits, cls):
             return limits
-        if not hasattr(limits, "joint_names"):
+        if not hasattr(limits, "joint_names") or isinstance(limits, type):
             raise BadValueError("limits", limits, "a SerialChain, Limits, or the like of them")
         fields: dict[str, Any] = {
             name: getattr(limits, name, None) for name in (*RATES, "lower", "upper")
         }
-        return cls(tuple(limits.joint_names), **fields)
+        return cls(_names(limits.joint_names), **fields)
 
     def scaled(
         self,
@@ -174,3 +187,13 @@ class Limits:
         excess = np.maximum(self.lower - position, position - self.upper)
         k = int(np.argmax(excess)) if len(excess) else 0
         return k if len(excess) and excess[k] > tolerances.POSITION_SLACK else None
+
+
+def _names(names: object) -> tuple[str, ...]:
+    expected = "a list of different names"
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise BadValueError("joint_names", names, expected)
+    given = tuple(names)
+    if not all(isinstance(name, str) and name for name in given) or len(set(given)) < len(given):
+        raise BadValueError("joint_names", given, expected)
+    return given

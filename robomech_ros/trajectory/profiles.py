@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
 from robomech_ros.trajectory.polynomial import Polynomial345
@@ -148,11 +149,12 @@ def scaled_limits(
 ) -> Limits:
     """Scale the limits as a request wants them; refuse where one that is needed is missing."""
     scales = {"velocity": velocity_scale, "acceleration": acceleration_scale, "jerk": jerk_scale}
-    for rate, scale in scales.items():
+    expected = f"at least {SMALLEST_SCALE:g} and at most 1"
+    for rate, given in scales.items():
+        scale = real_number(f"{rate}_scale", given, expected)
         if not math.isfinite(scale):
             raise NonFiniteError(f"{rate}_scale", scale)
         if not SMALLEST_SCALE <= scale <= 1.0:
-            expected = f"at least {SMALLEST_SCALE:g} and at most 1"
             raise BadValueError(f"{rate}_scale", scale, expected)
     limits.require(*method.REQUIRED)
     if jerk_scale != 1.0:
@@ -161,7 +163,7 @@ def scaled_limits(
 
 
 def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
-    array = np.array(values, dtype=np.float64)
+    array = real_array(what, values).copy()
     if array.shape != (n,):
         raise WrongSizeError(what, array.shape, (n,))
     if not np.isfinite(array).all():
@@ -181,9 +183,10 @@ def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
 def _duration(duration: float | None) -> float | None:
     if duration is None:
         return None
-    seconds = float(duration)
-    if not np.isfinite(seconds):
+    expected = "more than 0 s, or 0 for the shortest possible"
+    seconds = real_number("duration", duration, expected)
+    if not math.isfinite(seconds):
         raise NonFiniteError("duration", seconds)
     if seconds < 0.0:
-        raise BadValueError("duration", seconds, "more than 0 s, or 0 for the shortest possible")
+        raise BadValueError("duration", seconds, expected)
     return seconds or None

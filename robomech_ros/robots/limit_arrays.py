@@ -1,0 +1,134 @@
+"""Limits of joints in the shapes in which callers write them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_ANGLE
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+
+__all__ = ["check_limits", "limit_arrays", "position_limits"]
+
+Array = NDArray[np.float64]
+
+KEYS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+_RATES = KEYS[2:]
+_MISSING = {"lower": -np.inf, "upper": np.inf, **dict.fromkeys(_RATES, np.nan)}
+_IS_NONE = np.frompyfunc(lambda entry: entry is None, 1, 1)
+_FORMS = "pairs (lower, upper) of shape {shape}, or a mapping with keys among " + ", ".join(KEYS)
+
+
+def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Array]:
+    """Read limits of n joints, rad or m over powers of s, N m or N.
+
+    Parameters
+    ----------
+    limits : mapping, array_like or None
+        Pairs of position limits, shape (n, 2), or a mapping of ``lower``, ``upper``,
+        ``velocity``, ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,) or to one
+        number for all joints.  None, for all or for an entry, is no limit.
+    n : int
+        Number of joints.
+
+    Returns
+    -------
+    dict
+        An array of shape (n,) for each key; where there is no limit infinite positions, NaN else.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Another form, an unknown key, or values that are no limits.
+    """
+    if limits is None:
+        limits = {}
+    if not isinstance(limits, Mapping):
+        limits = _from_pairs(limits, n)
+    for key in limits:
+        if key not in KEYS:
+            raise BadValueError("key of limits", key, "one of " + ", ".join(KEYS))
+    return {key: _row(key, limits.get(key), n) for key in KEYS}
+
+
+def _from_pairs(limits: ArrayLike, n: int) -> dict[str, Array]:
+    expected = _FORMS.format(shape=(n, 2))
+    pairs = _with_missing("limits", limits, np.nan, expected)
+    if pairs.shape != (n, 2):
+        raise WrongSizeError("limits", pairs.shape, expected)
+    given = np.array(limits, dtype=object)
+    columns = [given[:, 0].tolist(), given[:, 1].tolist()]
+    return {key: _row(key, column, n) for key, column in zip(KEYS, columns, strict=False)}
+
+
+def _row(key: str, value: ArrayLike | None, n: int) -> Array:
+    what = f"limits {key}"
+    expected = f"a number for each of {n} joints, or one for all; None is no limit"
+    row = _with_missing(what, value, _MISSING[key], expected)
+    if row.shape not in ((), (n,)):
+        raise WrongSizeError(what, row.shape, f"({n},), or one number for all joints")
+    return row * np.ones(n)
+
+
+def _with_missing(what: str, value: Any, missing: float, expected: str) -> Array:
+    """Give numbers as float64 with ``missing`` in the place of None."""
+    try:
+        entries = np.array(value, dtype=object)
+    except (TypeError, ValueError):
+        raise BadValueError(what, value, expected) from None
+    none = np.asarray(_IS_NONE(entries), dtype=bool)
+    try:
+        return real_array(what, np.where(none, missing, entries).tolist())
+    except BadValueError:
+        raise BadValueError(what, value, expected) from None
+
+
+def position_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Any, Any]:
+    """Turn limits so far out that they stand for none into infinite ones (rad or m).
+
+    Parameters
+    ----------
+    lower, upper : array_like
+
+    Returns
+    -------
+    lower, upper : float or ndarray
+    """
+    lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
+    return (
+        np.where(lower <= -LARGEST_ANGLE, -np.inf, lower)[()],
+        np.where(upper >= LARGEST_ANGLE, np.inf, upper)[()],
+    )
+
+
+def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> None:
+    """Refuse limits that no joint can keep.
+
+    Parameters
+    ----------
+    joint_names : tuple of str
+        n joints.
+    limits : mapping
+        Of the six kinds to arrays of shape (n,).
+
+    Raises
+    ------
+    NonFiniteError, BadValueError
+        A position limit is NaN, the lower above the upper one, or both beyond all positions; or
+        another limit is not positive.
+    """
+    for key in ("lower", "upper"):
+        if np.isnan(limits[key]).any():
+            raise NonFiniteError(f"limits {key}", limits[key])
+    lower, upper = limits["lower"], limits["upper"]
+    bad = (lower > upper) | (lower >= LARGEST_ANGLE) | (upper <= -LARGEST_ANGLE)
+    for k in np.flatnonzero(bad):
+        pair = (float(lower[k]), float(upper[k]))
+        expected = f"lower <= upper, and positions between -{LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}"
+        raise BadValueError(f"position limits of joint '{joint_names[k]}'", pair, expected)
+    for key in _RATES:
+        for k in np.flatnonzero(limits[key] <= 0.0):
+            what = f"{key} limit of joint '{joint_names[k]}'"
+            raise BadValueError(what, float(limits[key][k]), "a positive number, or none (NaN)")
