@@ -142,7 +142,7 @@ def point_to_point(
     if not method.STARTS_MOVING:
         _check_at_rest(profile, moving)
         moving = {}
-    return method.plan(start, goal, allowed, _duration(duration), **moving)
+    return method.plan(start, goal, allowed, checked_duration(duration), **moving)
 
 
 def scaled_limits(
@@ -189,7 +189,8 @@ def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
             raise BadValueError(what, values.tolist(), expected)
 
 
-def _duration(duration: float | None) -> float | None:
+def checked_duration(duration: float | None) -> float | None:
+    """Check a wanted duration (s); None and 0 are the shortest possible, None."""
     if duration is None:
         return None
     expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
