@@ -92,7 +92,7 @@ def test_call_with_a_bad_request(graph, capfd, request_text, words):
 
 def test_call_of_a_service_that_is_not_there_lists_those_that_are(graph, capfd):
     graph.start(Servant)
-    code, out, err = run(capfd, "call", "servant/swich", "--timeout", "2")
+    code, out, err = run(capfd, "call", "servant/swich", "--timeout", "6")
     assert (code, out) == (3, "")
     assert "'/servant/swich' did not appear (did you mean '/servant/switch'?)" in err
     assert "/servant/execute" in err
