@@ -310,7 +310,7 @@ def wait_for_children(parent, names):
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         listed = subprocess.run(
-            ["ps", "-o", "pid=,args=", "--ppid", str(parent)],
+            ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)],
             capture_output=True,
             text=True,
             check=False,
