@@ -99,7 +99,7 @@ def point_to_point(
         Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
         the least.
     velocity_scale, acceleration_scale, jerk_scale : float
-        Part of each kind of limit that may be used, in (0, 1].
+        Part of each kind of limit that may be used, from 1e-6 to 1.
     start_velocity, start_acceleration : array_like, shape (n,), optional
         Rates at the start, rad or m over s and s^2, where the profile can start moving; rest
         where not given.
