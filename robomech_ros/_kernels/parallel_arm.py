@@ -15,7 +15,7 @@ from robomech_ros._kernels.branch_bits import (
     WRIST_SINGULAR,
 )
 from robomech_ros._kernels.parallel_pairs import z_in_frame_6
-from robomech_ros._kernels.tolerances import NEAR_DOUBLE, PARALLEL_FREE
+from robomech_ros._kernels.tolerances import DOUBLE_ROOT, NEAR_DOUBLE, PARALLEL_FREE
 
 MAX_SOLUTIONS = 16
 
@@ -125,7 +125,9 @@ def arm_angles(data, px, py, hx, hy, seed2, elbow):
     double = 2.0 * l1 * l2
     cosine = (reach * reach - l1 * l1 - l2 * l2) / double
     square = (l1 + l2 - reach) * (l1 + l2 + reach) * (reach - l1 + l2) * (reach + l1 - l2)
-    sine = math.sqrt(square) / double if square > 0.0 else 0.0
+    # Nearer to its fold the elbow is at it, exactly: there its two solutions are one, and where
+    # that is half a turn from a limit, it must not be beyond by the root of a rounding.
+    sine = math.sqrt(square) / double if square > DOUBLE_ROOT * double * double else 0.0
     bits = 0
     if sine < NEAR_DOUBLE:
         bits = BOUNDARY

@@ -40,11 +40,12 @@ class FrameUnavailableError(RobomechError):
 class NoStateError(RobomechError):
     """The present state of the joints is needed and not known."""
 
-    def __init__(self, joints: Iterable[str], topic: str) -> None:
+    def __init__(self, joints: Iterable[str], topic: str, why: str = "nothing received") -> None:
         self.joints = tuple(joints)
         self.topic = topic
+        self.why = why
         listed = ", ".join(self.joints)
-        super().__init__(f"no present state of joint(s) {listed}: nothing received on '{topic}'")
+        super().__init__(f"no present state of joint(s) {listed}: {why} on '{topic}'")
 
 
 class RobotMovesError(NoStateError):

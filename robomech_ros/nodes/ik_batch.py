@@ -1,7 +1,6 @@
 """Batches of inverse kinematics in short turns, between which the node serves others."""
 
 import time
-from collections.abc import Awaitable, Callable
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.families import family_of
+from robomech_ros.nodes.pauses import Turns
 from robomech_ros.robots import SerialChain
 
 __all__ = ["BatchResult", "solve_in_turns"]
@@ -19,8 +19,6 @@ Indices = NDArray[np.int64]
 # Solutions (m, c, n), how many each pose has (m,), and the code of each (m,).
 BatchResult = tuple[Array, Indices, Indices]
 
-# Others are served after so long at the most, s, and a portion.
-_TURN = 0.005
 # Poses of a portion: one takes 10 us where the solution is in closed form, up to 1 ms where it is
 # to be explained why there is none, and up to 30 ms where there is no closed form.
 _PORTION, _ITERATIVE_PORTION = 64, 1
@@ -30,7 +28,7 @@ async def solve_in_turns(
     chain: SerialChain,
     T: Array,
     allowed: float,
-    give_way: Callable[[], Awaitable[None]],
+    turns: Turns,
     **options: Any,
 ) -> tuple[BatchResult, int]:
     """Solve many poses and let others work in between.
@@ -43,8 +41,8 @@ async def solve_in_turns(
         Wanted poses of the tip in the base (m).
     allowed : float
         Time (s) after which the poses that are left get the code TIMED_OUT.
-    give_way : callable
-        Awaited whenever a turn is over.
+    turns : Turns
+        Those of the node that does it.
     **options
         Of `inverse_kinematics_batch`.
 
@@ -57,17 +55,14 @@ async def solve_in_turns(
     """
     size = _PORTION if family_of(chain).closed_form else _ITERATIVE_PORTION
     portions: list[BatchResult] = []
-    start = turn = time.monotonic()
+    start = time.monotonic()
     done = 0
     while done < len(T) or not portions:
         portions.append(inverse_kinematics_batch(chain, T[done : done + size], **options))
         done = min(done + size, len(T))
-        now = time.monotonic()
-        if now - start > allowed:
+        if time.monotonic() - start > allowed:
             break
-        if now - turn > _TURN:
-            await give_way()
-            turn = time.monotonic()
+        await turns.end_if_over()
     q, count, status = (np.concatenate(parts) for parts in zip(*portions, strict=True))
     left = len(T) - done
     if left:

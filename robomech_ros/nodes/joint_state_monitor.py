@@ -6,7 +6,6 @@ robot spends nothing while it is idle.
 
 import math
 import time
-from array import array
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -31,6 +30,9 @@ _QOS = QoSProfile(
 )
 # How often somebody who waits for the first state looks for it, s.
 _LOOK = 0.02
+# Joints that are remembered, whoever publishes them.
+_MOST_JOINTS = 1000
+_MOST_LISTED = 10
 
 
 class _Unattended(CallbackGroup):
@@ -67,6 +69,7 @@ class JointStateMonitor:
         self._states: dict[str, _Seen] = {}
         self._looks = 0
         self._heard_in: dict[str, int] = {}
+        self._fault = ""
         self._subscription = node.create_subscription(
             JointState, TOPIC, self._store, _QOS, callback_group=_Unattended(), raw=True
         )
@@ -98,8 +101,17 @@ class JointStateMonitor:
         positions = self.positions(joint_names)
         if positions is None:
             missing = [name for name in joint_names if name not in self._states]
-            raise NoStateError(missing, self._subscription.topic_name)
+            raise NoStateError(missing, self._subscription.topic_name, self._what_came())
         return positions
+
+    def _what_came(self) -> str:
+        """Say what was received where something is missing."""
+        refused = f" (and what could not be used: {self._fault})" if self._fault else ""
+        if not self._states:
+            return f"nothing received{refused}"
+        names = list(self._states)
+        more = ", ..." if len(names) > _MOST_LISTED else ""
+        return f"only {', '.join(names[:_MOST_LISTED])}{more} received{refused}"
 
     def require_rest(self, joint_names: Sequence[str], tolerance: float) -> NDArray[np.float64]:
         """Give the present positions (rad or m), shape (n,), of a robot that stands.
@@ -157,12 +169,15 @@ class JointStateMonitor:
         # Newest first, until every joint ever heard of was seen: most messages stay packed.
         wanted = {*joint_names, *self._states}
         seen: dict[str, _Seen] = {}
+        newest_fault = ""
         for data in reversed(list(self._waiting())):
-            for name, state in _valid(deserialize_message(data, JointState)):
+            states, fault = _read(data)
+            newest_fault = newest_fault or fault
+            for name, state in states.items():
                 seen.setdefault(name, state)
             if seen.keys() >= wanted:
                 break
-        self._keep(seen)
+        self._keep(seen, newest_fault)
 
     def _waiting(self) -> Iterator[bytes]:
         subscription = self._subscription
@@ -175,22 +190,45 @@ class JointStateMonitor:
 
     def _store(self, data: bytes) -> None:
         """Keep one message; serves executors that do not honour callback groups."""
-        self._keep(dict(_valid(deserialize_message(data, JointState))))
+        self._keep(*_read(data))
 
-    def _keep(self, seen: dict[str, _Seen]) -> None:
+    def _keep(self, seen: dict[str, _Seen], fault: str) -> None:
         self._looks += 1
-        self._states.update(seen)
-        self._heard_in.update(dict.fromkeys(seen, self._looks))
+        self._fault = fault or self._fault
+        for name, state in seen.items():
+            if name in self._states or len(self._states) < _MOST_JOINTS:
+                self._states[name], self._heard_in[name] = state, self._looks
 
 
-def _valid(message: JointState) -> Iterator[tuple[str, _Seen]]:
-    """List the joints of a message with finite positions; none if its lengths disagree."""
-    positions: array[float] = message.position
-    if len(message.name) != len(positions):
-        return
-    velocities = message.velocity
+def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
+    """Give the states in a message, of joints with a finite position, and what is wrong with it."""
+    message = deserialize_message(data, JointState)
+    if fault := _fault_of(message):
+        return {}, fault
+    states = _states_in(message)
+    usable = {name: state for name, state in states.items() if math.isfinite(state.position)}
+    for name in states.keys() - usable.keys():
+        fault = f"the position of '{name}' is {states[name].position}"
+    return usable, fault
+
+
+def _fault_of(message: JointState) -> str:
+    """Say what keeps a message from being understood; empty where nothing does."""
+    names, positions = message.name, message.position
+    if len(names) != len(positions):
+        return f"{len(positions)} positions for {len(names)} names"
+    if len(set(names)) < len(names):
+        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        return f"'{twice}' is in it twice"
+    return ""
+
+
+def _states_in(message: JointState) -> dict[str, _Seen]:
+    """Read the states of all joints in a message."""
+    positions, velocities = message.position, message.velocity
     if len(velocities) != len(positions):
         velocities = [math.nan] * len(positions)
-    for name, position, velocity in zip(message.name, positions, velocities, strict=True):
-        if position - position == 0.0:
-            yield name, _Seen(position, velocity)
+    return {
+        name: _Seen(position, velocity)
+        for name, position, velocity in zip(message.name, positions, velocities, strict=True)
+    }

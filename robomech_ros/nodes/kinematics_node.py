@@ -34,7 +34,7 @@ from robomech_ros.nodes.ik_messages import (
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.parameters import NodeParameters, parameter
-from robomech_ros.nodes.pauses import give_way
+from robomech_ros.nodes.pauses import Turns
 from robomech_ros.nodes.reference_axes import reference_axes
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
@@ -47,7 +47,7 @@ class KinematicsSettings(StateSettings):
 
     largest_batch: int = parameter(
         10_000,
-        "Largest number of poses in one SolveIKBatch request",
+        "Largest number of poses in one SolveIKBatch request, and in one answer of SolveFK",
         1,
         10_000_000,
         "poses",
@@ -98,13 +98,15 @@ class KinematicsNode(Node):
     @guarded
     async def _solve_fk(self, request: Any, response: Any) -> Any:
         chains = [self._model.chain_to(link) for link in request.links or [""]]
+        self._check_size("states times links", max(len(request.states), 1) * len(chains))
         patience = self._table.settings.state_timeout
         rows = await self._joints.rows(chains, request.states, patience)
         poses = [forward_kinematics(chain, q) for chain, q in zip(chains, rows, strict=True)]
-        base = self._model.chain.base
-        response.poses = [
-            stamped_pose(T, base) for of_state in zip(*poses, strict=True) for T in of_state
-        ]
+        base, turns = self._model.chain.base, Turns(self)
+        for of_state in zip(*poses, strict=True):
+            for T in of_state:
+                response.poses.append(stamped_pose(T, base))
+                await turns.end_if_over()
         return answer(response)
 
     @guarded
@@ -124,24 +126,24 @@ class KinematicsNode(Node):
     async def _solve_ik_batch(self, request: Any, response: Any) -> Any:
         chain, allowed = self._model.chain, self._table.settings.batch_timeout
         T = matrices_from_pose_rows(request.poses)
-        self._check_batch(len(T))
+        self._check_size("poses", len(T))
         options = {
             "seed": self._joints.seed(chain, JointState(position=request.seed)),
             "respect_limits": not request.ignore_limits,
             "max_solutions": 1 if is_nearest(request.mode) else None,
         }
-        found, done = await solve_in_turns(chain, T, allowed, lambda: give_way(self), **options)
+        found, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
         encode_batch(chain, T, found, response)
         if done < len(T):
             text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
             return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
         return answer(response)
 
-    def _check_batch(self, poses: int) -> None:
+    def _check_size(self, what: str, poses: int) -> None:
         largest = self._table.settings.largest_batch
         if poses > largest:
             expected = f"at most {largest} poses, the parameter largest_batch"
-            raise WrongSizeError("poses", poses, expected)
+            raise WrongSizeError(what, poses, expected)
 
     @guarded
     async def _get_jacobian(self, request: Any, response: Any) -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 import yaml
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.robots.guarded_yaml import UniqueKeyLoader
 
 __all__ = ["UnknownFieldError", "fill_message", "interface_class", "parse_yaml", "to_yaml"]
 
@@ -46,7 +47,7 @@ def interface_class(name: str) -> Any:
         The name is not of that form, or the interface is not installed here.
     """
     parts = name.split("/")
-    if len(parts) != _PARTS_OF_A_TYPE:
+    if len(parts) != _PARTS_OF_A_TYPE or not all(part.isidentifier() for part in parts):
         raise BadValueError("interface type", name, "package/srv/Name or package/msg/Name")
     try:
         return getattr(import_module(".".join(parts[:2])), parts[2])
@@ -64,8 +65,8 @@ def parse_yaml(text: str) -> Mapping[str, Any]:
         Not YAML, or not a mapping.
     """
     try:
-        values = yaml.safe_load(text) if text.strip() else {}
-    except yaml.YAMLError as error:
+        values = yaml.load(text, Loader=UniqueKeyLoader) if text.strip() else {}
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise BadValueError("request", text, f"YAML ({' '.join(str(error).split())})") from None
     if values is None:
         return {}

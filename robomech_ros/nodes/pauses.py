@@ -1,14 +1,17 @@
 """Pauses of a coroutine in which its node goes on serving others."""
 
+import time
 from collections.abc import Generator
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["give_way", "pause"]
+__all__ = ["Turns", "pause"]
 
 _STEADY = ClockType.STEADY_TIME
+# Others are served after so long at the most, s, and one step of the work.
+_TURN = 0.005
 
 
 async def pause(node: Node, seconds: float) -> None:
@@ -30,9 +33,25 @@ class _NextTurn:
         yield
 
 
-async def give_way(node: Node) -> None:
-    """Let everybody be served who waits already."""
-    if node.executor is not None:
+class Turns:
+    """Long work in short turns, between which everybody is served who waits already.
+
+    Parameters
+    ----------
+    node : Node
+        Whose callback does the work.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._began = time.monotonic()
+
+    async def end_if_over(self) -> None:
+        """Let others work if the turn was long enough; to be awaited after every step."""
+        executor = self._node.executor
+        if executor is None or time.monotonic() - self._began <= _TURN:
+            return
         # Woken, the executor does not wait for work beyond what there is.
-        node.executor.wake()
+        executor.wake()
         await _NextTurn()
+        self._began = time.monotonic()

@@ -11,15 +11,34 @@ import yaml
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_YAML", "check_keys", "parse_yaml"]
+__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_keys", "parse_yaml"]
 
 # Bytes; a robot's file takes a few thousand.
 LARGEST_YAML = 256 * 1024
 DEEPEST = 12
 
 
-class _Loader(yaml.SafeLoader):
-    """Safe loader that refuses aliases, tags, deep nesting and repeated keys."""
+class UniqueKeyLoader(yaml.SafeLoader):
+    """Safe loader that refuses repeated keys, and keys that are no plain text."""
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        """Make a dict of a mapping, once its keys are known to be different."""
+        seen = set()
+        for key_node, _ in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise yaml.constructor.ConstructorError(
+                    None, None, "a key must be plain text", key_node.start_mark
+                )
+            if key_node.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the key '{key_node.value}' is given twice", key_node.start_mark
+                )
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep=True)
+
+
+class _Loader(UniqueKeyLoader):
+    """Refuses aliases, tags and deep nesting, too."""
 
     depth = 0
 
@@ -38,20 +57,6 @@ class _Loader(yaml.SafeLoader):
     def _refusal(self, why: str) -> yaml.composer.ComposerError:
         mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
         return yaml.composer.ComposerError(None, None, why, mark)
-
-    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
-        for key_node, _ in node.value:
-            if not isinstance(key_node, yaml.ScalarNode):
-                raise yaml.constructor.ConstructorError(
-                    None, None, "a key must be plain text", key_node.start_mark
-                )
-            if key_node.value in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"the key '{key_node.value}' is given twice", key_node.start_mark
-                )
-            seen.add(key_node.value)
-        return super().construct_mapping(node, deep=True)
 
 
 _Loader.yaml_implicit_resolvers = {}

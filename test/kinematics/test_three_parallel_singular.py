@@ -9,6 +9,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics_batch,
 )
 from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots import load_robot
 
 POSES = 300
 RESIDUAL = 1e-9
@@ -19,6 +20,18 @@ SYNTHETIC = tuple(
     for kind in ("skew", "meeting", "parallel", "square")
 )
 SLIDING = ("123-slide4", "123-slide5", "123-slide6", "234-slide1", "234-slide5", "234-slide6")
+
+
+@pytest.mark.parametrize("robot", ["ur5e", "ur10e"])
+def test_an_elbow_folded_onto_its_limit_is_found_on_that_side(robot):
+    chain, rng = load_robot(robot), np.random.default_rng(5)
+    for _ in range(100):
+        q = rng.uniform(-3.0, 3.0, 6)
+        q[2] = rng.choice([-np.pi, np.pi])
+        result = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q)
+        assert result.complete
+        assert result.seed_distance[0] < 1e-7
+        assert result.q[0, 2] == pytest.approx(q[2], abs=1e-9)
 
 
 def bisected(function, low, high):

@@ -88,5 +88,17 @@ def test_useless_messages_are_passed_over(listener, publish):
     publish("ab", (3,))
     publish("ab", (np.nan, 4))
     wait_for(listener, NAMES, (1.0, 4.0))
-    with pytest.raises(NoStateError, match=r"joint\(s\) c"):
+    with pytest.raises(NoStateError, match=r"joint\(s\) c: .*the position of 'a' is nan"):
+        listener.monitor.require(("a", "c"))
+    publish("aba", (5, 6, 7))
+    publish("b", [8])
+    wait_for(listener, NAMES, (1.0, 8.0))
+    with pytest.raises(NoStateError, match="could not be used: 'a' is in it twice"):
+        listener.monitor.require("c")
+
+
+def test_joints_of_others_are_named_where_one_is_missing(listener, publish):
+    publish("ab", (1, 2))
+    wait_for(listener, NAMES, (1.0, 2.0))
+    with pytest.raises(NoStateError, match=r"joint\(s\) c: only a, b received"):
         listener.monitor.require(("a", "c"))

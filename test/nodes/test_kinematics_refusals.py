@@ -296,6 +296,19 @@ def test_solve_ik_batch_refuses(graph, case):
     check(graph, response, code, words)
 
 
+def test_solve_fk_refuses_more_poses_than_may_be(graph):
+    graph.start(KinematicsNode, robot_description="puma560", largest_batch=10)
+    states = [JointState(position=[0.0] * 6)] * 6
+    few = SolveFK.Request(states=states, links=["tool0"])
+    assert len(graph.call(SolveFK, "kinematics/solve_fk", few).poses) == 6
+    many = SolveFK.Request(states=states, links=["tool0", "base_link"])
+    response = graph.call(SolveFK, "kinematics/solve_fk", many)
+    assert list(response.poses) == []
+    check(
+        graph, response, ErrorCode.WRONG_SIZE, ("states times links has size 12", "largest_batch")
+    )
+
+
 def test_timeout_is_kept(graph):
     graph.start(KinematicsNode, robot_description="panda")
     request = SolveIK.Request(target=pose(position=(0.3, 0.3, 1.15)))

@@ -61,6 +61,8 @@ def test_empty_request(text):
         ("{max_solutions: -1}", "max_solutions is -1"),
         ("[1, 2]", "expected a YAML mapping"),
         ("{a: b: c}", "expected YAML ("),
+        ("{mode: 1, mode: 0}", "the key 'mode' is given twice"),
+        ("[" * 10000, "expected YAML ("),
     ],
 )
 def test_what_does_not_fit_is_named(text, words):
@@ -101,6 +103,6 @@ def test_plain_arrays():
 
 def test_types_by_name():
     assert interface_class("std_srvs/srv/SetBool") is SetBool
-    for name in ("SetBool", "std_srvs/srv/Nothing", "no_such_msgs/srv/It"):
+    for name in ("SetBool", "std_srvs/srv/Nothing", "no_such_msgs/srv/It", "../../x"):
         with pytest.raises(BadValueError, match=name.rsplit("/", maxsplit=1)[-1]):
             interface_class(name)
