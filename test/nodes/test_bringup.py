@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.parameters import table_rows
 from robomech_ros.nodes.process_group import NODE_MODULES
@@ -14,10 +15,14 @@ from robomech_ros.nodes.process_group import NODE_MODULES
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 
 
-def commands(*arguments):
+def parsed(*arguments):
     parser = argparse.ArgumentParser()
     bringup.add_arguments(parser)
-    return bringup._commands(bringup._ros_arguments(parser.parse_args(list(arguments))))
+    return parser.parse_args(list(arguments))
+
+
+def commands(*arguments):
+    return bringup._commands(bringup._ros_arguments(parsed(*arguments)))
 
 
 def test_every_node_gets_the_robot_and_its_own_file():
@@ -38,6 +43,14 @@ def test_paths_are_made_absolute(tmp_path, monkeypatch):
 
 def test_without_a_robot_the_nodes_wait_for_the_topic():
     assert not [word for word in commands()["kinematics"] if "robot_description" in word]
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--params-file", "/no/such.yaml"), ("--namespace", "bad name")]
+)
+def test_what_no_node_could_use_is_refused_once(option, value):
+    with pytest.raises(BadValueError, match=f"{option} is '{value}', expected "):
+        bringup.run(parsed("--robot", "puma560", option, value))
 
 
 @pytest.mark.parametrize("node", NODE_MODULES)

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import re
 import signal
 import sys
 import threading
@@ -11,6 +12,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.joint_limits import read_joint_limits
 from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
 from robomech_ros.robots import load_description, robot_folders
@@ -18,6 +20,8 @@ from robomech_ros.robots import load_description, robot_folders
 __all__ = ["add_arguments", "node_commands", "run"]
 
 EXIT_CHILD_FAILED = 1
+
+_PART_OF_A_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
+    _check(args)
     if args.robot:
         # Said once, here, instead of once by every node.
         description = load_description(args.robot)
@@ -59,6 +64,17 @@ def run(args: argparse.Namespace) -> int:
         arguments = ["robomech", "--ros-args", *everything, *_ros_arguments(args)]
         return run_nodes([_factory(node) for node in NODE_MODULES], arguments)
     return _supervise(_commands(_ros_arguments(args)))
+
+
+def _check(args: argparse.Namespace) -> None:
+    """Refuse here, once, what every node would refuse in the middleware's words."""
+    for path in args.params_file:
+        if not Path(path).is_file():
+            raise BadValueError("--params-file", path, "a YAML file that exists")
+    parts = args.namespace.strip("/").split("/")
+    if args.namespace.strip("/") and not all(_PART_OF_A_NAME.fullmatch(part) for part in parts):
+        expected = "words of letters, digits and underscores, such as /left or /cell_1/left"
+        raise BadValueError("--namespace", args.namespace, expected)
 
 
 def node_commands(robot: str) -> dict[str, list[str]]:
