@@ -19,9 +19,13 @@ from robomech_ros._kernels._jit import (
     kernel,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
-from robomech_ros._kernels.inverse_decoupled import solve_decoupled
-from robomech_ros._kernels.inverse_iterative import solve_iterative
-from robomech_ros._kernels.inverse_parallel import solve_parallel
+from robomech_ros._kernels.postures import (
+    DECOUPLED,
+    ITERATIVE,
+    MAX_SOLUTIONS,
+    THREE_PARALLEL,
+    postures,
+)
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 
 __all__ = [
@@ -34,11 +38,6 @@ __all__ = [
     "solve",
 ]
 
-DECOUPLED = 0
-THREE_PARALLEL = 1
-ITERATIVE = 2
-
-MAX_SOLUTIONS = 16
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
 
@@ -156,12 +155,7 @@ def solve(
         found = 0
         for k in range(_FREE_VALUES + 1):
             p, b = (q, branch) if k == 0 else (others, marks)
-            if family == DECOUPLED:
-                total = solve_decoupled(data, T[m], start, p, b)
-            elif family == THREE_PARALLEL:
-                total = solve_parallel(data, T[m], start, p, b)
-            else:
-                total = solve_iterative(data, T[m], start, p, b)
+            total = postures(family, data, T[m], start, p, b)
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total

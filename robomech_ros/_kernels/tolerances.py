@@ -199,3 +199,31 @@ MOVES_IN_CONTINUUM = 1e-6
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
 MOST_WINDINGS = 8192
+
+# --- Redundant arms ---
+# The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
+# it is beyond by no more than this (of the square of the size), and as above the shoulder, where
+# arm angles have no reference, within this sine.
+ON_BOUNDARY = 1e-12
+# Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
+# there, and every solution is polished: of a continuum nothing is lost by that.
+NEARLY_SPHERICAL = 2e-3
+# Values of the redundancy parameter for a list of solutions, with one locked joint and with the
+# arm angle: 24 solutions and more for most poses.
+LOCKED_SAMPLES = 8
+ANGLE_SAMPLES = 8
+# and how many times finer they are taken where none gives a solution inside the limits.
+FINER_SAMPLES = 8
+# Solutions listed for one pose of a redundant arm.
+MOST_SAMPLED = 64
+# The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
+# the next one would be about its square.
+NEAREST_STEP = 1e-3
+# So many of the nearest samples are moved along, those within so much (rad or m) of the first:
+# about as much as lies between samples.
+APPROACHED = 3
+APPROACHED_WITHIN = 0.8
+# Error of the pose (rad, m) at which it is good.
+NEAREST_ERROR = 1e-12
+# and steps at most, half of them along the self-motion: those that go well need four to seven.
+NEAREST_ITERATIONS = 20

@@ -7,13 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import decoupled_layout
-from robomech_ros._kernels.inverse import DECOUPLED, ITERATIVE, THREE_PARALLEL
-from robomech_ros.kinematics import decoupled, iterative, three_parallel
+from robomech_ros._kernels.postures import DECOUPLED, ITERATIVE
+from robomech_ros.kinematics import iterative, redundant
+from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
-__all__ = ["Family", "family_of", "iterative_family"]
+__all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 
 Array = NDArray[np.float64]
+
+# Number of the family that has a kernel of its own.
+REDUNDANT = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +27,7 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"`` or ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"redundant"`` or ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -39,8 +43,13 @@ class Family:
 
     @property
     def closed_form(self) -> bool:
-        """Whether the family finds all solutions."""
+        """Whether the family finds all solutions, of a redundant arm in all samples."""
         return self.number != ITERATIVE
+
+    @property
+    def redundant(self) -> bool:
+        """Whether solutions are samples of a self-motion."""
+        return self.number == REDUNDANT
 
     @property
     def exact(self) -> bool:
@@ -48,10 +57,7 @@ class Family:
         return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
-_CLOSED_FORMS = (
-    ("decoupled", DECOUPLED, decoupled.match),
-    ("three-parallel", THREE_PARALLEL, three_parallel.match),
-)
+_FAMILIES = (*CLOSED_FORMS, ("redundant", REDUNDANT, redundant.match))
 
 
 @lru_cache(maxsize=128)
@@ -62,7 +68,7 @@ def family_of(chain: SerialChain) -> Family:
     ----------
     chain : SerialChain
     """
-    for name, number, match in _CLOSED_FORMS:
+    for name, number, match in _FAMILIES:
         data = match(chain)
         if data is not None:
             return Family(name, number, data, _turns(chain))

@@ -92,7 +92,7 @@ def test_same_request_same_bytes(name):
 
 
 def test_the_solution_at_the_seed_comes_first():
-    chain = load_robot("panda")
+    chain = load_robot("general7r")
     for q in random_postures(chain, 50, 6):
         result = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q)
         assert np.abs(result.q[0] - q).max() < 1e-9
