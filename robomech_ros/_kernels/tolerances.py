@@ -227,3 +227,16 @@ APPROACHED_WITHIN = 0.8
 NEAREST_ERROR = 1e-12
 # and steps at most, half of them along the self-motion: those that go well need four to seven.
 NEAREST_ITERATIONS = 20
+
+# --- Self-motion ---
+# Step of the redundancy parameter (rad or m) at most, and below which a branch that cannot be
+# followed has ended.
+SELF_MOTION_STEP = 0.05
+SELF_MOTION_LEAST = 1e-7
+# Postures of neighbouring values belong together where no joint moves farther than this (rad or m)
+# and the next nearest pair is so many times farther apart.
+SELF_MOTION_NEAR = 0.3
+SELF_MOTION_APART = 2.0
+# Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
+BEST_STARTS = 4
+BEST_SECTIONS = 32

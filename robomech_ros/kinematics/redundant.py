@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import redundant_layout as at
+from robomech_ros._kernels.postures import ITERATIVE
 from robomech_ros._kernels.tolerances import (
     ANGLE_SAMPLES,
     CONCURRENT_EXACT,
@@ -18,10 +19,11 @@ from robomech_ros._kernels.tolerances import (
     NEARLY_SPHERICAL,
 )
 from robomech_ros.kinematics.decoupled import common_point, transforms, wrist_constants
-from robomech_ros.kinematics.six_joints import SixJointArm, match_six, reversed_transforms
+from robomech_ros.kinematics.iterative import iterative_data
+from robomech_ros.kinematics.six_joints import SixJointArm, chain_of, match_six, reversed_transforms
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["match"]
+__all__ = ["locked_anyway", "match"]
 
 Array = NDArray[np.float64]
 
@@ -62,6 +64,27 @@ def match(chain: SerialChain) -> Array | None:
                 data[at.SIX], data[at.POLISH] = arm.family, ideal
                 return data
     return None
+
+
+def locked_anyway(chain: SerialChain) -> Array:
+    """Lay out seven joints of which the last is locked and the others are searched for.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of seven joints, without a closed form.
+
+    Returns
+    -------
+    ndarray
+        As :func:`match` gives it.
+    """
+    six = transforms(chain)[:7]
+    six[0] = six[6] = np.eye(4)
+    rest = iterative_data(chain_of(six, chain.types[:6].tolist()), respect_limits=False)
+    data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
+    data[at.SIX] = ITERATIVE
+    return data
 
 
 def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
