@@ -19,24 +19,30 @@ from robomech_ros._kernels._jit import (
     kernel,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
-from robomech_ros._kernels.postures import (
+from robomech_ros._kernels.inverse_short import solve_short
+from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
+from robomech_ros._kernels.six_joints import (
     DECOUPLED,
     ITERATIVE,
     MAX_SOLUTIONS,
     THREE_PARALLEL,
     postures,
 )
-from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 
 __all__ = [
     "DECOUPLED",
     "ITERATIVE",
     "MAX_SOLUTIONS",
     "NONE_EXISTS",
+    "SHORT",
     "STATE",
     "THREE_PARALLEL",
     "solve",
 ]
+
+# Families with kernels of their own: the number of that of short arms, after those of six joints
+# and the redundant one.
+SHORT = 4
 
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
@@ -155,7 +161,10 @@ def solve(
         found = 0
         for k in range(_FREE_VALUES + 1):
             p, b = (q, branch) if k == 0 else (others, marks)
-            total = postures(family, data, T[m], start, p, b)
+            if family == SHORT:
+                total = solve_short(data, T[m], start, p, b)
+            else:
+                total = postures(family, data, T[m], start, p, b)
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total

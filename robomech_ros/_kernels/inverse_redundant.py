@@ -27,9 +27,9 @@ from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
 from robomech_ros._kernels.continuum import free_value
 from robomech_ros._kernels.nearest import approach
 from robomech_ros._kernels.polishing import polish
-from robomech_ros._kernels.postures import MAX_SOLUTIONS, six_joint_postures
 from robomech_ros._kernels.ranking import distance_from, insert, place
 from robomech_ros._kernels.serial import forward_body
+from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     APPROACHED,

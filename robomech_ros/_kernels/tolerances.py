@@ -240,3 +240,17 @@ SELF_MOTION_APART = 2.0
 # Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
 BEST_STARTS = 4
 BEST_SECTIONS = 32
+
+# --- Arms of fewer than six joints ---
+# Imagined joints this near to zero (rad, or of the size) may be at zero: a polish of the arm itself
+# decides.
+SHORT_SLACK = 1e-3
+# More solutions than this, sought where the completed arm is singular, are a continuum.
+SHORT_CONTINUUM = 8
+# A completed arm with at least this determinant (lengths over the size) is taken at once.
+SHORT_REGULAR = 0.02
+# The posture of least squares: starts, steps of each, and the part of the squared error that six
+# steps may leave; convergence is linear where the error does not vanish.
+LEAST_SQUARES_STARTS = 48
+LEAST_SQUARES_ITERATIONS = 300
+LEAST_SQUARES_STALL = 1.0 - 1e-9

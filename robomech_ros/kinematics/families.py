@@ -6,9 +6,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels import decoupled_layout
-from robomech_ros._kernels.postures import DECOUPLED, ITERATIVE
-from robomech_ros.kinematics import iterative, redundant
+from robomech_ros._kernels import decoupled_layout, short_layout
+from robomech_ros._kernels.inverse import SHORT
+from robomech_ros._kernels.six_joints import DECOUPLED, ITERATIVE
+from robomech_ros.kinematics import iterative, redundant, short
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
@@ -27,7 +28,7 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"redundant"`` or ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"redundant"``, ``"short"`` or ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -54,10 +55,16 @@ class Family:
     @property
     def exact(self) -> bool:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
+        if self.number == SHORT:
+            return bool(self.data[short_layout.EXACT])
         return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
-_FAMILIES = (*CLOSED_FORMS, ("redundant", REDUNDANT, redundant.match))
+_FAMILIES = (
+    *CLOSED_FORMS,
+    ("redundant", REDUNDANT, redundant.match),
+    ("short", SHORT, short.match),
+)
 
 
 @lru_cache(maxsize=128)

@@ -1,5 +1,6 @@
 """Inverse kinematics of any serial chain: all solutions, or the reason why there is none."""
 
+import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,7 @@ from robomech_ros._kernels.tolerances import (
 from robomech_ros.kinematics.closed_form import solve_closed_form
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
+from robomech_ros.kinematics.least_squares import with_nearest
 from robomech_ros.kinematics.reach import out_of_reach
 from robomech_ros.kinematics.request import (
     METRICS,
@@ -58,9 +60,11 @@ def inverse_kinematics(
     parallel axes next to each other get all their real solutions in closed form; a redundant arm
     gets samples of its self-motion, in closed form for each value of its redundancy parameter,
     and the first of them is the nearest to the seed; any other chain is searched iteratively
-    (``complete`` is False for both). At a pose where joints can move while
-    the tip stays, each branch is represented by one posture, with the free joint at the seed's
-    value where that is possible, and the result is marked as a continuum.
+    (``complete`` is False for both). Arms of fewer than six joints get all their solutions in
+    closed form wherever they can be completed to one of the former; where a pose cannot be taken,
+    as is the rule for them, the result says which posture comes nearest. At a pose where joints
+    can move while the tip stays, each branch is represented by one posture, with the free joint at
+    the seed's value where that is possible, and the result is marked as a continuum.
 
     Parameters
     ----------
@@ -119,18 +123,22 @@ def inverse_kinematics(
         ),
         timeout=as_timeout(timeout),
     )
+    started = time.monotonic()
+    return with_nearest(chain, target, request, _solved(chain, target, request), started)
+
+
+def _solved(chain: SerialChain, T: Array, request: Request) -> InverseKinematicsResult:
+    """Choose the way to solve a checked request."""
     family = family_of(chain)
     if not family.closed_form or request.task != FULL_TASK:
-        return solve_by_search(chain, target, request)
+        return solve_by_search(chain, T, request)
     if family.redundant:
-        return solve_sampled(chain, target, request, family) or solve_by_search(
-            chain, target, request
-        )
-    result = solve_closed_form(chain, target, request, family)
+        return solve_sampled(chain, T, request, family) or solve_by_search(chain, T, request)
+    result = solve_closed_form(chain, T, request, family)
     undecided = result.status is Status.NOT_CONVERGED
     if len(result) or not (request.is_loose or undecided):
         return result
-    near = solve_by_search(chain, target, request)
+    near = solve_by_search(chain, T, request)
     return near if len(near) else result
 
 

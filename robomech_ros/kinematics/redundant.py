@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import redundant_layout as at
-from robomech_ros._kernels.postures import ITERATIVE
+from robomech_ros._kernels.six_joints import ITERATIVE
 from robomech_ros._kernels.tolerances import (
     ANGLE_SAMPLES,
     CONCURRENT_EXACT,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.postures import DECOUPLED, THREE_PARALLEL
+from robomech_ros._kernels.six_joints import DECOUPLED, THREE_PARALLEL
 from robomech_ros.kinematics import decoupled, three_parallel
 from robomech_ros.robots.chain import SerialChain, pack_chain
 
