@@ -55,10 +55,10 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "kinematics_node = robomech_ros.nodes.kinematics_node:main",
-            "trajectory_planner_node = robomech_ros.nodes.trajectory_planner_node:main",
-            "trajectory_publisher_node = robomech_ros.nodes.trajectory_publisher_node:main",
-            "joint_state_simulator_node = robomech_ros.nodes.joint_state_simulator_node:main",
+            "kinematics_node = robomech_ros.nodes.start:kinematics_node",
+            "trajectory_planner_node = robomech_ros.nodes.start:trajectory_planner_node",
+            "trajectory_publisher_node = robomech_ros.nodes.start:trajectory_publisher_node",
+            "joint_state_simulator_node = robomech_ros.nodes.start:joint_state_simulator_node",
             "robomech = robomech_ros.nodes.cli:main",
         ],
     },

@@ -21,7 +21,7 @@ from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, f8, i8, inline, kernel
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polynomials import order_one_roots
-from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY
+from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 from robomech_ros._kernels.wrist import spherical_wrist
 
 __all__ = ["arm_angle", "arm_angle_postures"]
@@ -276,11 +276,15 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
         arm = _arm_triad(packed, parts, _to_wrist(packed, parts, c, s))
         R = _upper_arm(base, arm, cosine, sine)
         turn = _product(_rows(packed, 0), R)
-        n, _ = spherical_wrist(shoulder, turn, seed[0] + parts[at.SHOULDER], ACCEPTED, firsts)
+        n, _ = spherical_wrist(
+            shoulder, turn, seed[0] + parts[at.SHOULDER], ACCEPTED, PARALLEL_AXES, firsts
+        )
         if n == 0:
             continue
         rest = _left_for_wrist(packed, T, R, c, s)
-        m, _ = spherical_wrist(wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, lasts)
+        m, _ = spherical_wrist(
+            wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, PARALLEL_AXES, lasts
+        )
         q4 = math.atan2(s, c)
         for i in range(n):
             for j in range(m):

@@ -22,9 +22,12 @@ from robomech_ros._kernels.polishing import polish
 from robomech_ros._kernels.polynomials import order_one_roots
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
+    ARM_ROUNDING,
     FOLD_APART,
     IDEALISED_SLACK,
     NEAR_SINGULAR,
+    PARALLEL_AT_FOLD,
+    PARALLEL_AXES,
     SHARP,
 )
 from robomech_ros._kernels.wrist import WRIST_BOUNDARY, WRIST_FREE, WRIST_OPPOSED, spherical_wrist
@@ -160,9 +163,10 @@ def _reachable_angle(data, arm, Q, j):
 
 
 @inline
-def _wrist_of(data, arm, Q, free_angle, slack, angles):
+def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
-    count, flags = spherical_wrist(data, _left_over(data, arm, Q, 3), free_angle, slack, angles)
+    left = _left_over(data, arm, Q, 3)
+    count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
     free = int(arm[3])
     if count > 0 or free == 0:
         return count, flags
@@ -170,9 +174,8 @@ def _wrist_of(data, arm, Q, free_angle, slack, angles):
         if free & (1 << j) and data[at.TYPES + j] == 0.0:
             before = arm[j]
             if _reachable_angle(data, arm, Q, j):
-                count, flags = spherical_wrist(
-                    data, _left_over(data, arm, Q, 3), free_angle, ACCEPTED, angles
-                )
+                left = _left_over(data, arm, Q, 3)
+                count, flags = spherical_wrist(data, left, free_angle, ACCEPTED, parallel, angles)
             if count > 0:
                 break
             arm[j] = before
@@ -197,6 +200,19 @@ def _polished(data, T, posture, others, limit):
         if j > 2 or data[at.TYPES + j] == 0.0:
             posture[j] = wrapped(posture[j])
     return not is_among(data, posture, others, FOLD_APART)
+
+
+@inline
+def _add_singular(data, T, arm, angles, q, count):
+    """Enter the solution with a singular wrist, if there is one, beside a fold of the arm.
+
+    There the arm is known to half its digits only, and the wrist is singular to as many.
+    """
+    if count < q.shape[0]:
+        _enter(data, arm, angles[0], q[count])
+        if _polished(data, T, q[count], q[:count], ACCEPTED):
+            count += 1
+    return count
 
 
 @inline
@@ -233,7 +249,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
         if start == 1 or start == 2:
             arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
             step_aside(trial, J, side)
-        n, _ = _wrist_of(data, trial, Q, free_angle, slack, angles)
+        n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
         for k in range(n):
             if count == q.shape[0]:
                 return count
@@ -268,8 +284,16 @@ def solve_decoupled(data, T, seed, q, branch):
         any_free = False
         for i in range(found):
             any_free = any_free or arms[i, 3] > 0.0
-            n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, angles)
             before = count
+            parallel = min(max(PARALLEL_AXES, ARM_ROUNDING / arms[i, 4]), PARALLEL_AT_FOLD)
+            n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, parallel, angles)
+            if parallel > PARALLEL_AXES and flags & WRIST_FREE:
+                count = _add_singular(data, T, arms[i], angles, q, count)
+                if count > before:
+                    angle5 = q[before, 4] + data[at.ANGLES + 1]
+                    branch[before] = _name(data, bits[i], flags, angle5)
+                    continue
+                n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, PARALLEL_AXES, angles)
             fold = arms[i, 4] <= NEAR_SINGULAR
             if data[at.EXACT] == 1.0 and (n > 0 or not fold):
                 for k in range(n):

@@ -162,6 +162,11 @@ IDEALISED_SLACK = 1e-4
 ON_AXIS = 1e-11
 # The same for the sine between axes 4 and 6 of the wrist.
 PARALLEL_AXES = 1e-11
+# Near a singularity of the arm its joints are uncertain by this over the determinant of its
+# Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
+# from parallel the axes may then be found.
+ARM_ROUNDING = 1e-14
+PARALLEL_AT_FOLD = 3e-6
 
 # Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
 # two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).

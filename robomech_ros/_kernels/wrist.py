@@ -14,7 +14,7 @@ import math
 
 from robomech_ros._kernels import decoupled_layout as at
 from robomech_ros._kernels._jit import inline
-from robomech_ros._kernels.tolerances import PARALLEL_AXES, POLISH_ABOVE
+from robomech_ros._kernels.tolerances import POLISH_ABOVE
 
 __all__ = ["WRIST_BOUNDARY", "WRIST_FREE", "WRIST_OPPOSED", "spherical_wrist"]
 
@@ -54,17 +54,18 @@ def _write(data, Q, cosy, siny, found):
 
 
 @inline
-def spherical_wrist(data, Q, free_angle, slack, found):
+def spherical_wrist(data, Q, free_angle, slack, parallel, found):
     """Write the angles (x, y, z) of up to two solutions to ``found``; return (count, flags).
 
     Q is the rotation as nine numbers, row by row.  ``free_angle`` is the value of x where x and
-    z turn about the same line; an orientation out of reach by up to ``slack`` (rad) is kept.
+    z turn about the same line, as those of axes with a sine up to ``parallel`` do; an orientation
+    out of reach by up to ``slack`` (rad) is kept.
     """
     across = math.sqrt(Q[2] * Q[2] + Q[5] * Q[5])
     angle = math.atan2(across, Q[8])
     if angle < data[at.NEAREST] - slack or angle > data[at.FARTHEST] + slack:
         return 0, 0
-    if across <= PARALLEL_AXES:
+    if across <= parallel:
         cosy = -1.0 if Q[8] > 0.0 else 1.0
         found[0, 0] = free_angle
         found[0, 1] = math.pi if Q[8] > 0.0 else 0.0

@@ -24,7 +24,7 @@ __all__ = ["Dispatcher", "DispatcherSettings", "Gateway", "QueueFullError", "Tal
 # The numbers of ErrorCode that only this module uses.
 _NO_STATE = 107
 _TIMED_OUT = 205
-# How long the joint states may take to confirm what the controller says, s.
+# How long the joint states may take to confirm what the controller says, and to come at all, s.
 _CONFIRMATION = 1.0
 
 
@@ -283,7 +283,8 @@ class Dispatcher:
         elif off and progress.stuck > settings.standstill_timeout:
             self._end(delivery, *_stopped(progress, off))
         elif late > settings.arrival_timeout:
-            gone = self._gone(delivery, progress, settings.arrival_timeout)
+            patience = max(settings.arrival_timeout, _CONFIRMATION)
+            gone = self._gone(delivery, progress, patience)
             if gone:
                 self._end(delivery, Code.REJECTED, _with(gone, off))
             else:

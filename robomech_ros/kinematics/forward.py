@@ -1,14 +1,14 @@
 """Forward kinematics of serial chains."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.serial import forward, forward_one
-from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import listed
 
 __all__ = ["forward_kinematics", "link_poses"]
 
@@ -81,11 +81,9 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
     q = as_joint_values(chain, q)
     if not np.isfinite(q).all():
         raise_not_finite(chain, q)
-    if links is None:
-        links = chain.links
-    elif isinstance(links, str) or not isinstance(links, Iterable):
-        raise BadValueError("links", links, "a list of links, or None for all along the chain")
-    names = tuple(links)
+    names = chain.links
+    if links is not None:
+        names = listed("links", links, "a list of links, or None for all along the chain")
     poses = np.empty((*q.shape[:-1], len(names), 4, 4))
     for i, name in enumerate(names):
         part = chain.with_tip(name)

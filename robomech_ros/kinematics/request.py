@@ -1,7 +1,7 @@
 """What a caller of inverse kinematics asks for, checked."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ from robomech_ros.errors import (
 from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.arrays import listed, real_number
 
 __all__ = [
     "METRICS",
@@ -112,10 +112,7 @@ def as_task(mask: Sequence[bool] | None) -> Task:
     """Check a task mask; None and all False are the full pose."""
     if mask is None:
         return FULL_TASK
-    expected = "six of True or False: x, y, z, rx, ry, rz"
-    if isinstance(mask, str | bytes | Mapping | Set) or not isinstance(mask, Iterable):
-        raise BadValueError("task_mask", mask, expected)
-    given = tuple(mask)
+    given = listed("task_mask", mask, "six of True or False: x, y, z, rx, ry, rz")
     if len(given) != 6:
         raise WrongSizeError("task_mask", len(given), "6: x, y, z, rx, ry, rz")
     x, y, z, rx, ry, rz = entries = [as_flag(f"task_mask[{i}]", one) for i, one in enumerate(given)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from robomech_ros import __version__
-from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.start import leave_on_signals
 
 __all__ = ["main"]
 
@@ -20,15 +20,29 @@ COMMANDS = {
 }
 
 EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run one subcommand; returns the exit code."""
     argv = list(sys.argv[1:] if args is None else args)
+    chosen = next((word for word in argv if not word.startswith("-")), "")
+    if chosen == "bringup":
+        # Until there is something to stop, a signal just ends this process.
+        leave_on_signals()
+    try:
+        return _run(argv, chosen)
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+
+
+def _run(argv: list[str], chosen: str) -> int:
+    # This takes a while, in which signals have their answer already.
+    from robomech_ros.errors import RobomechError
+
     parser = argparse.ArgumentParser(prog="robomech", description=__doc__)
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    chosen = next((word for word in argv if not word.startswith("-")), "")
     for name, summary in COMMANDS.items():
         sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
         if name == chosen:
@@ -43,8 +57,6 @@ def main(args: Sequence[str] | None = None) -> int:
     except RobomechError as error:
         print(f"robomech {chosen}: {error}", file=sys.stderr)
         return EXIT_USAGE
-    except KeyboardInterrupt:
-        return 130
 
 
 if __name__ == "__main__":

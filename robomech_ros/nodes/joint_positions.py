@@ -91,9 +91,9 @@ class JointPositions:
         NoStateError
             They are not known, even after waiting for `patience` (s).
         RobotMovesError
-            A joint is faster than `tolerance` (rad/s or m/s).
+            A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
-        await self._monitor.wait_for(chain.joint_names, patience)
+        await self._monitor.wait_for(chain.joint_names, patience, tolerance)
         return self._monitor.require_rest(chain.joint_names, tolerance)
 
     def seed(self, chain: SerialChain, state: JointState) -> Array:

@@ -120,17 +120,38 @@ class JointStateMonitor:
             A joint moves; the fastest is named with its speed.
         """
         positions = self.require(joint_names)
-        speeds = np.abs([self._states[name].velocity for name in joint_names])
-        fastest = int(np.argmax(np.nan_to_num(speeds)))
-        if speeds[fastest] > tolerance:
-            raise RobotMovesError(joint_names[fastest], float(speeds[fastest]), tolerance)
+        joint, speed = self._fastest(joint_names)
+        if speed > tolerance:
+            raise RobotMovesError(joint, speed, tolerance)
         return positions
 
-    async def wait_for(self, joint_names: Sequence[str], seconds: float) -> None:
-        """Wait until every one of the joints was heard of, so long at the most (s)."""
+    async def wait_for(
+        self, joint_names: Sequence[str], seconds: float, tolerance: float = math.inf
+    ) -> None:
+        """Wait until all of the joints were heard of and stand.
+
+        Parameters
+        ----------
+        joint_names : sequence of str
+            The n joints.
+        seconds : float
+            How long at the most.
+        tolerance : float, optional
+            Speed up to which a joint stands, rad/s or m/s; default any.
+        """
         deadline = time.monotonic() + seconds
-        while self.positions(joint_names) is None and time.monotonic() < deadline:
+        while time.monotonic() < deadline:
+            known = self.positions(joint_names) is not None
+            if known and self._fastest(joint_names)[1] <= tolerance:
+                return
             await pause(self._node, _LOOK)
+
+    def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
+        """Find the fastest of joints that are known, and its speed (rad/s or m/s)."""
+        speeds = np.abs([self._states[name].velocity for name in joint_names])
+        speeds = np.where(np.isnan(speeds), 0.0, speeds)
+        fastest = int(np.argmax(speeds))
+        return joint_names[fastest], float(speeds[fastest])
 
     def _take_all(self, joint_names: Sequence[str]) -> None:
         # Newest first, until every joint ever heard of was seen: most messages stay packed.

@@ -10,17 +10,9 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import IO
 
+from robomech_ros.nodes.start import NODE_MODULES, STOP_SIGNALS
+
 __all__ = ["NODE_MODULES", "STOP_SIGNALS", "ProcessGroup", "node_command"]
-
-# Node name to module, in the order in which they are started.
-NODE_MODULES = {
-    "joint_trajectory_controller": "robomech_ros.nodes.joint_state_simulator_node",
-    "kinematics": "robomech_ros.nodes.kinematics_node",
-    "trajectory_planner": "robomech_ros.nodes.trajectory_planner_node",
-    "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher_node",
-}
-
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 # Longer than a node takes at the most to hold its robot and say goodbye.
 _STOP_SECONDS = 8.0

@@ -1,31 +1,80 @@
 """Starts a node of this package by name, and answers signals from the very first moment.
 
-A node's module takes a second to import; a signal in that second would end the process with a
-traceback.  ``robomech bringup`` starts its nodes through here.
+A node's module takes a second to import, in which Python would answer a signal with a traceback.
+The executables of the nodes and ``robomech bringup`` start them through here; so this module must
+itself import next to nothing.
 """
 
+import os
 import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
+__all__ = [
+    "NODE_MODULES",
+    "STOP_SIGNALS",
+    "joint_state_simulator_node",
+    "kinematics_node",
+    "leave_on_signals",
+    "main",
+    "trajectory_planner_node",
+    "trajectory_publisher_node",
+]
 
-__all__ = ["main"]
+# Node name to module, in the order in which they are started.
+NODE_MODULES = {
+    "joint_trajectory_controller": "robomech_ros.nodes.joint_state_simulator_node",
+    "kinematics": "robomech_ros.nodes.kinematics_node",
+    "trajectory_planner": "robomech_ros.nodes.trajectory_planner_node",
+    "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher_node",
+}
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node named by the first argument; returns the exit code of the process."""
     argv = list(sys.argv[1:] if args is None else args)
+    return _run(argv[0], argv)
+
+
+def kinematics_node() -> int:
+    """Run the node kinematics; returns the exit code of the process."""
+    return _run("kinematics", sys.argv)
+
+
+def trajectory_planner_node() -> int:
+    """Run the node trajectory_planner; returns the exit code of the process."""
+    return _run("trajectory_planner", sys.argv)
+
+
+def trajectory_publisher_node() -> int:
+    """Run the node trajectory_publisher; returns the exit code of the process."""
+    return _run("trajectory_publisher", sys.argv)
+
+
+def joint_state_simulator_node() -> int:
+    """Run the node joint_trajectory_controller; returns the exit code of the process."""
+    return _run("joint_trajectory_controller", sys.argv)
+
+
+def leave_on_signals() -> None:
+    """End this process with 0 on SIGINT and SIGTERM: it has nothing to stop as yet."""
     for number in STOP_SIGNALS:
         signal.signal(number, _leave)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-    module = import_module(NODE_MODULES[argv[0]])
+
+
+def _run(node: str, argv: Sequence[str]) -> int:
+    leave_on_signals()
+    module = import_module(NODE_MODULES[node])
     return int(module.main(argv))
 
 
 def _leave(number: int, frame: object) -> None:
-    raise SystemExit(0)
+    # An exception could end up in one of the many places that pass over whatever is raised.
+    os._exit(0)
 
 
 if __name__ == "__main__":

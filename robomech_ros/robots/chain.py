@@ -17,11 +17,20 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
+from robomech_ros.spatial.arrays import listed
 
 if TYPE_CHECKING:
     from robomech_ros.robots.dh import DHTable
 
-__all__ = ["PRISMATIC", "REVOLUTE", "LimitKind", "LinkFrame", "SerialChain", "pack_chain"]
+__all__ = [
+    "PRISMATIC",
+    "REVOLUTE",
+    "LimitKind",
+    "LinkFrame",
+    "SerialChain",
+    "check_name",
+    "pack_chain",
+]
 
 Array = NDArray[np.float64]
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
@@ -99,7 +108,7 @@ class SerialChain:
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):
-            _check_name(what, getattr(self, what))
+            check_name(what, getattr(self, what))
         _check_names("joint_names", self.joint_names)
         _check_names("names of links", [frame.name for frame in self.frames])
         n = len(self.joint_names)
@@ -172,7 +181,7 @@ class SerialChain:
         UnknownLinkError
             There is none of this name; the error lists those there are.
         """
-        _check_name("link", link)
+        check_name("link", link)
         for frame in self.frames:
             if frame.name == link:
                 return frame
@@ -196,7 +205,7 @@ class SerialChain:
         UnknownLinkError
             There is no such link.
         """
-        _check_name("link", link)
+        check_name("link", link)
         if link == self.tip:
             return self
         if link not in self._with_tip:
@@ -258,6 +267,7 @@ class SerialChain:
         MissingLimitsError
             It names the joints without this limit.
         """
+        check_name("kind of limit", kind)
         if kind == "position":
             missing = ~(np.isfinite(self.lower) & np.isfinite(self.upper)) & ~self.continuous
         elif kind in ("velocity", "acceleration", "jerk", "effort"):
@@ -271,16 +281,20 @@ class SerialChain:
             raise MissingLimitsError(kind, names)
 
 
-def _check_name(what: str, name: object) -> None:
+def check_name(what: str, name: object) -> None:
+    """Refuse a name that is no text, or empty; ``what`` says in the message whose it is.
+
+    Raises
+    ------
+    BadValueError
+    """
     if not isinstance(name, str) or not name:
         raise BadValueError(what, name, "a name, as text")
 
 
 def _check_names(what: str, names: Sequence[str]) -> None:
-    if isinstance(names, str):
-        raise BadValueError(what, names, "a list of names")
-    for name in names:
-        _check_name(f"one of {what}", name)
+    for name in listed(what, names, "a list of names"):
+        check_name(f"one of {what}", name)
     if len(set(names)) < len(names):
         raise BadValueError(what, names, "different names")
 

@@ -131,7 +131,7 @@ class RobotDescription:
                 raise UnknownLinkError(link, self.links)
         base = base or self.root
         above, pose = self._branch(base, tip)
-        path = self._path(above, tip or self._default_tip(above))
+        path = self._path(above, tip or self._default_tip(above), base)
         return self._folded(base, above, pose, path)
 
     def _branch(self, base: str, tip: str | None) -> tuple[str, Array]:
@@ -157,10 +157,11 @@ class RobotDescription:
             tip = self._to_parent[tip].parent
         return tip == link
 
-    def _path(self, base: str, tip: str) -> list[Joint]:
+    def _path(self, above: str, tip: str, base: str) -> list[Joint]:
+        """List the joints from a link down to the tip; the base, held to it, is for messages."""
         path: list[Joint] = []
         link = tip
-        while link != base:
+        while link != above:
             if link not in self._to_parent:
                 below = _listed(list(self._below(base)))
                 why = f"link '{tip}' is not below link '{base}'; below it are: {below}"

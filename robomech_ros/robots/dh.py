@@ -9,7 +9,7 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +22,12 @@ from robomech_ros.robots.chain import (
     REVOLUTE,
     LinkFrame,
     SerialChain,
+    check_name,
     pack_chain,
 )
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial import as_pose
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import listed, real_array
 
 __all__ = ["DHTable", "chain_from_dh"]
 
@@ -134,6 +135,8 @@ def chain_from_dh(
     for i in range(n):
         frames.append(LinkFrame(f"link_{i + 1}", i + 1, links[i], frames[-1].name))
     frames.append(LinkFrame(tip_link, n, transforms[n], frames[-1].name))
+    check_name("base_link", base_link)
+    check_name("tip_link", tip_link)
     links_between = [frame.name for frame in frames[1:-1]]
     if base_link == tip_link or base_link in links_between or tip_link in links_between:
         expected = f"names that differ from each other and from {', '.join(links_between)}"
@@ -178,10 +181,7 @@ def _joint_types(types: str | Sequence[str | int] | None, n: int) -> NDArray[np.
     if types is None:
         return np.zeros(n, dtype=np.int64)
     expected = "R (revolute) or P (prismatic) for each joint, as in 'RRP' or ['R', 'R', 'P']"
-    try:
-        entries = list(types)
-    except TypeError:
-        raise BadValueError("types", types, expected) from None
+    entries = listed("types", list(types) if isinstance(types, str) else types, expected)
     if len(entries) != n:
         raise WrongSizeError("types", len(entries), f"{n}: {expected}")
     return np.array([_joint_type(entry) for entry in entries], dtype=np.int64)
@@ -199,9 +199,7 @@ def _joint_type(entry: object) -> int:
 def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
     if names is None:
         return tuple(f"joint_{i + 1}" for i in range(n))
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        raise BadValueError("joint_names", names, f"a list of {n} names")
-    given = tuple(names)
+    given = listed("joint_names", names, f"a list of {n} names")
     if len(given) != n:
         raise WrongSizeError("joint_names", len(given), n)
     return given

@@ -36,7 +36,7 @@ __all__ = ["description_from_yaml", "with_yaml_limits"]
 Array = NDArray[np.float64]
 
 _TOP_KEYS = ("name", "source", "joints")
-_TOP_OPTIONAL = ("notes", "base_link", "tip_link", "base", "tool")
+_TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool")
 _ROW_KEYS = ("name", "type", "a", "b", "alpha")
 _LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _TYPES = ("revolute", "continuous", "prismatic")
@@ -63,10 +63,18 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
     document = check_keys(parse_yaml(text, where), where, _TOP_KEYS, _TOP_OPTIONAL)
     rows = _rows(document["joints"], where)
     chain = _chain(document, rows, where)
+    links = [frame.name for frame in chain.frames]
+    first = None
+    if "first_link" in document:
+        first = _text(document["first_link"], f"{where}: first_link")
+        if first in links:
+            why = f"'{first}', expected a name other than {', '.join(links)}"
+            raise RobotDescriptionError(f"{where}: first_link", why)
+        links.insert(1, first)
     return RobotDescription(
         name=_text(document["name"], f"{where}: name"),
-        links=tuple(frame.name for frame in chain.frames),
-        joints=_joints(chain, rows),
+        links=tuple(links),
+        joints=_joints(chain, rows, first),
         where=where,
         source=_text(document["source"], f"{where}: source", longest=None),
         dh=chain.dh_given,
@@ -106,20 +114,24 @@ def _chain(document: Mapping[str, Any], rows: list[dict[str, Any]], where: str) 
     return chain
 
 
-def _joints(chain: SerialChain, rows: list[dict[str, Any]]) -> tuple[Joint, ...]:
-    """Make the joints of the tree, a fixed one to the tip included."""
+def _joints(chain: SerialChain, rows: list[dict[str, Any]], first: str | None) -> tuple[Joint, ...]:
+    """Make the joints of the tree, a fixed one to the tip included, and one to a first link."""
     table = chain.dh_given
     assert table is not None
     frames = chain.frames
     joints = []
+    parent, origin = chain.base, table.base
+    if first is not None:
+        joints.append(Joint(f"{first}_fixed_joint", "fixed", parent, first, origin))
+        parent, origin = first, np.eye(4)
     for i, row in enumerate(rows):
         joints.append(
             Joint(
                 name=row["name"],
                 type=row["type"],
-                parent=frames[i].name,
+                parent=parent if i == 0 else frames[i].name,
                 child=frames[i + 1].name,
-                origin=table.base if i == 0 else np.eye(4),
+                origin=origin if i == 0 else np.eye(4),
                 after=frames[i + 1].offset,
                 **{key: row[key] for key in _LIMITS},
             )

@@ -1,11 +1,14 @@
 """Check arrays that come from a caller."""
 
+from collections.abc import Iterable, Mapping, Set
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 
-__all__ = ["as_finite", "real_array", "real_number"]
+__all__ = ["as_finite", "listed", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
 
@@ -58,6 +61,31 @@ def real_number(what: str, value: object, expected: str) -> float:
     if number.ndim or number.dtype.kind not in "fiu":
         raise BadValueError(what, value, expected)
     return float(number)
+
+
+def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
+    """Give the entries of a list; text, mappings and sets are none.
+
+    Parameters
+    ----------
+    what : str
+        Name of the list in messages.
+    value : object
+        From a caller.
+    expected : str
+        What messages say was expected.
+
+    Raises
+    ------
+    BadValueError
+        Not a list.
+    """
+    if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
+        raise BadValueError(what, value, expected)
+    try:
+        return tuple(value)
+    except TypeError:  # an array without axes says that it is one to iterate over
+        raise BadValueError(what, value, expected) from None
 
 
 def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:

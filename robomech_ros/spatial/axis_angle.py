@@ -126,8 +126,11 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
         Not three finite real numbers.
     """
     v = as_finite("rotation vector", vector, (3,))
-    angle = np.linalg.norm(v, axis=-1)
-    axis = np.where((np.abs(v).max(axis=-1) == 0.0)[..., None], (0.0, 0.0, 1.0), v)
+    largest = np.abs(v).max(axis=-1, keepdims=True)
+    none = largest == 0.0
+    # By the largest entry first, so that no square over- or underflows.
+    axis = np.where(none, (0.0, 0.0, 1.0), v / np.where(none, 1.0, largest))
+    angle = largest[..., 0] * np.linalg.norm(axis, axis=-1)
     return matrix_from_axis_angle(axis, angle)
 
 

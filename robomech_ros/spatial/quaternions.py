@@ -50,7 +50,8 @@ def unit_quaternion(quaternion: ArrayLike, tolerance: float = QUATERNION_NORM) -
         Not four finite real numbers.
     """
     q = as_finite("quaternion", quaternion, (4,))
-    norm = np.linalg.norm(q, axis=-1)
+    with np.errstate(over="ignore"):
+        norm = np.linalg.norm(q, axis=-1)
     bad = ~(np.abs(norm - 1.0) <= tolerance)
     if bad.any():
         index = tuple(int(i) for i in np.argwhere(bad)[0])

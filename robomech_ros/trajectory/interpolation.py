@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -77,7 +78,7 @@ def interpolant(
 
 
 def _times(times: npt.ArrayLike) -> FloatArray:
-    breaks = np.array(times, dtype=np.float64)
+    breaks = real_array("times", times).copy()
     if breaks.ndim != 1 or not len(breaks):
         raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
     if not np.isfinite(breaks).all():
@@ -96,7 +97,7 @@ def _rows(
     """Check rows of joint values; rows of NaN altogether (or no rows) may stand for none."""
     if values is None:
         return np.full((count, joints or 0), math.nan)
-    rows = np.array(values, dtype=np.float64)
+    rows = real_array(what, values).copy()
     if rows.ndim != 2 or len(rows) != count or (joints is not None and rows.shape[1] != joints):
         raise WrongSizeError(what, rows.shape, (count, "n" if joints is None else joints))
     finite = np.isfinite(rows)

@@ -1,6 +1,6 @@
 """Limits of joints as trajectories see them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
@@ -15,7 +15,7 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["RATES", "JointLimits", "Limits", "Rate"]
@@ -191,9 +191,7 @@ class Limits:
 
 def _names(names: object) -> tuple[str, ...]:
     expected = "a list of different names"
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        raise BadValueError("joint_names", names, expected)
-    given = tuple(names)
+    given = listed("joint_names", names, expected)
     if not all(isinstance(name, str) and name for name in given) or len(set(given)) < len(given):
         raise BadValueError("joint_names", given, expected)
     return given

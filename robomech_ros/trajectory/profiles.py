@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
@@ -19,6 +20,10 @@ __all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
 # duration are still far from overflow.
 SMALLEST_SCALE = 1e-6
+
+
+# Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
+LONGEST_DURATION = 1e9
 
 
 class Profile(Protocol):
@@ -94,7 +99,7 @@ def point_to_point(
         Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
         the least.
     velocity_scale, acceleration_scale, jerk_scale : float
-        Part of each kind of limit that may be used, in (0, 1].
+        Part of each kind of limit that may be used, from 1e-6 to 1.
     start_velocity, start_acceleration : array_like, shape (n,), optional
         Rates at the start, rad or m over s and s^2, where the profile can start moving; rest
         where not given.
@@ -137,7 +142,7 @@ def point_to_point(
     if not method.STARTS_MOVING:
         _check_at_rest(profile, moving)
         moving = {}
-    return method.plan(start, goal, allowed, _duration(duration), **moving)
+    return method.plan(start, goal, allowed, checked_duration(duration), **moving)
 
 
 def scaled_limits(
@@ -168,6 +173,10 @@ def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
         raise WrongSizeError(what, array.shape, (n,))
     if not np.isfinite(array).all():
         raise NonFiniteError(what, array)
+    k = int(np.argmax(np.abs(array))) if n else 0
+    if n and abs(array[k]) > tolerances.LARGEST_LENGTH:
+        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
+        raise BadValueError(f"{what}[{k}]", float(array[k]), expected)
     array.setflags(write=False)
     return array
 
@@ -180,13 +189,14 @@ def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
             raise BadValueError(what, values.tolist(), expected)
 
 
-def _duration(duration: float | None) -> float | None:
+def checked_duration(duration: float | None) -> float | None:
+    """Check a wanted duration (s); None and 0 are the shortest possible, None."""
     if duration is None:
         return None
-    expected = "more than 0 s, or 0 for the shortest possible"
+    expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
     seconds = real_number("duration", duration, expected)
     if not math.isfinite(seconds):
         raise NonFiniteError("duration", seconds)
-    if seconds < 0.0:
+    if not 0.0 <= seconds <= LONGEST_DURATION:
         raise BadValueError("duration", seconds, expected)
     return seconds or None

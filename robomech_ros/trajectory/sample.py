@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import NonFiniteError
+from robomech_ros.spatial.arrays import real_array
 
 __all__ = ["FloatArray", "Sample", "Trajectory", "checked_times", "held_outside"]
 
@@ -41,7 +42,7 @@ class Trajectory(Protocol):
 
 def checked_times(t: npt.ArrayLike) -> FloatArray:
     """Turn instants into a float array of dimension 0 or 1; refuse NaN and infinity."""
-    times = np.asarray(t, dtype=np.float64)
+    times = real_array("time", t)
     if times.ndim > 1:
         times = times.ravel()
     if not np.isfinite(times).all():

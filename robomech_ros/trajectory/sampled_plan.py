@@ -8,7 +8,12 @@ import numpy.typing as npt
 
 from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.profiles import point_to_point, profile_named, scaled_limits
+from robomech_ros.trajectory.profiles import (
+    checked_duration,
+    point_to_point,
+    profile_named,
+    scaled_limits,
+)
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.verification import Verification, verify
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints, discretise
@@ -93,7 +98,8 @@ def sampled_point_to_point(
     scales = (velocity_scale, acceleration_scale, jerk_scale)
     allowed = scaled_limits(Limits.of(limits), profile_named(profile), *scales)
     factors = np.ones((3, len(allowed.joint_names)))
-    if not duration:
+    duration = checked_duration(duration)
+    if duration is None:
         factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
     jerk_error = min(float(allowed.jerk.min(initial=np.inf)), _JERK_ERROR)
     plan: SampledPlan | None = None

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
-from robomech_ros.errors import LimitExceededError, WrongSizeError
+from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.bounds import extremes, first_above, hull
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
@@ -155,7 +156,11 @@ def _curve_of(
         return trajectory.curve, True
     if isinstance(trajectory, PiecewisePolynomial):
         return trajectory, True
-    return trajectory.pieces, False
+    pieces = getattr(trajectory, "pieces", None)
+    if not isinstance(pieces, PiecewisePolynomial):
+        expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
+        raise BadValueError("trajectory", trajectory, expected)
+    return pieces, False
 
 
 def _peak(curve: PiecewisePolynomial, order: int, doubt: FloatArray | None) -> FloatArray:
@@ -176,7 +181,7 @@ def _ends(
     if from_zero and begin != 0.0:
         yield Violation("start time", "", begin, begin, 0.0)
     if start is not None:
-        wanted = np.asarray(start, dtype=np.float64)
+        wanted = real_array("start", start)
         if wanted.shape != (curve.joints,):
             raise WrongSizeError("start", wanted.shape, (curve.joints,))
         first = curve.coefficients[0, 0]

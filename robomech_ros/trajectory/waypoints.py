@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Trajectory
@@ -79,8 +80,11 @@ def discretise(
     Raises
     ------
     BadValueError
-        If the period asks for more than `max_points` samples.
+        If the period is no positive number or asks for more than `max_points` samples.
     """
+    period = real_number("sample_period", period, "a number of seconds above 0")
+    if not period > 0.0:
+        raise BadValueError("sample_period", period, "a number of seconds above 0")
     breaks = _distinct_breaks(trajectory.pieces, jerk_error)
     lengths = np.diff(breaks)
     counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)

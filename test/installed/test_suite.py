@@ -310,7 +310,7 @@ def wait_for_children(parent, names):
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         listed = subprocess.run(
-            ["ps", "-o", "pid=,args=", "--ppid", str(parent)],
+            ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)],
             capture_output=True,
             text=True,
             check=False,
@@ -378,7 +378,8 @@ def test_every_node_ends_with_0_on_a_signal(suite, node, number):
     )
     try:
         assert process.stderr is not None
-        assert "ready" in process.stderr.readline()
+        said = iter(process.stderr.readline, "")
+        assert any("ready" in line for line in said), f"{node} ended before it was ready"
         process.send_signal(number)
         _, rest = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0

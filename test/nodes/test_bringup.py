@@ -1,6 +1,7 @@
 """What `robomech bringup` starts, and with which parameters."""
 
 import argparse
+import re
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,27 @@ def test_file_of_each_node_gives_the_defaults_of_its_table(node):
     assert given.keys() <= rows.keys()
     for name, value in given.items():
         assert value == rows[name].default, name
+
+
+def documented(node):
+    """Give the parameters of a node in the documentation: name to default, and whether it is *."""
+    page = (CONFIG.parent / "doc" / "interfaces.md").read_text(encoding="utf-8")
+    parts = re.split(r"^(Of all nodes|`\w+`)(?=[: ])", page, flags=re.MULTILINE)
+    tables = dict(zip(parts[1::2], parts[2::2], strict=True))
+    listed = tables["Of all nodes"] + tables[f"`{node}`"].split("## ")[0]
+    rows = re.findall(r"^\| `(\w+)`( \*)? \| (.*?) \|", listed, re.MULTILINE)
+    return {name: (default.strip("`"), bool(star)) for name, star, default in rows}
+
+
+@pytest.mark.parametrize("node", NODE_MODULES)
+def test_every_parameter_is_documented_with_its_default(node):
+    shown = {"''": '""', "True": "true", "()": "empty"}
+    expected = {}
+    for row in table_rows(bringup._factory(node).SETTINGS):
+        unit = f" {row.unit}" if row.unit in ("s", "Hz") else ""
+        default = shown.get(repr(row.default), str(row.default))
+        expected[row.name] = (default + unit, not row.read_only)
+    assert documented(node) == expected
 
 
 @pytest.mark.parametrize("node", NODE_MODULES)

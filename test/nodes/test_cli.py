@@ -1,6 +1,7 @@
 """The `robomech` command, in this process."""
 
 import re
+import signal
 import subprocess
 import sys
 
@@ -13,7 +14,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros import __version__
 from robomech_ros.nodes import cli
 from robomech_ros.nodes.commands.warmup import kernel_modules
-from robomech_ros.nodes.process_group import NODE_MODULES
+from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
 from robomech_ros.robots import list_robots
 
 
@@ -34,6 +35,15 @@ class Servant(Node):
         response.error_code = len(request.trajectory.points) * 201
         response.error_msg = "out by 0.1 m"
         return response
+
+
+@pytest.fixture(autouse=True)
+def signals_as_before():
+    """Undo what bringup does with the signals of this process."""
+    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 def run(capfd, *arguments):
@@ -82,7 +92,7 @@ def test_call_with_a_bad_request(graph, capfd, request_text, words):
 
 def test_call_of_a_service_that_is_not_there_lists_those_that_are(graph, capfd):
     graph.start(Servant)
-    code, out, err = run(capfd, "call", "servant/swich", "--timeout", "2")
+    code, out, err = run(capfd, "call", "servant/swich", "--timeout", "6")
     assert (code, out) == (3, "")
     assert "'/servant/swich' did not appear (did you mean '/servant/switch'?)" in err
     assert "/servant/execute" in err

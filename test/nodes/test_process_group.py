@@ -5,6 +5,8 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
 
 WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]
@@ -37,6 +39,40 @@ def test_a_signal_before_the_child_can_answer_waits_for_it():
     slow = "import time; time.sleep(0.5); from robomech_ros.nodes import start; start.main(['?'])"
     group = ProcessGroup({"node": [sys.executable, "-c", slow]})
     assert group.stop() == {"node": 0}
+
+
+# Sends itself a signal when a library is imported that takes its time.
+HASTY = """
+import os, sys
+class Hasty:
+    def find_spec(self, name, path=None, target=None):
+        if name == {library!r}:
+            print("importing", flush=True)
+            os.kill(os.getpid(), {number})
+sys.meta_path.insert(0, Hasty())
+from robomech_ros.nodes import {module}
+sys.argv = ["robomech", "bringup", "--robot", "puma560"]
+{module}.{function}()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("module", "function", "library"),
+    [
+        ("start", "kinematics_node", "numpy"),
+        ("start", "trajectory_planner_node", "rclpy"),
+        ("start", "trajectory_publisher_node", "rclpy"),
+        ("start", "joint_state_simulator_node", "rclpy"),
+        ("cli", "main", "numpy"),
+    ],
+)
+def test_a_signal_during_the_imports_ends_with_0(module, function, library, number):
+    program = HASTY.format(module=module, function=function, library=library, number=int(number))
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "importing\n", "")
 
 
 def test_what_does_not_listen_is_killed(monkeypatch):

@@ -190,6 +190,17 @@ def test_a_state_that_never_comes_is_not_waited_for_longer_than_told(graph):
     assert "nothing received on '/joint_states'" in response.error_msg
 
 
+def test_a_robot_about_to_stand_is_waited_for(graph, publish):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=30.0)
+    state = publish(START, np.full(6, 0.2))
+    request = PlanJoint.Request(goal=joint_state(PUMA.joint_names, GOAL))
+    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", request)
+    check(plan(graph))
+    assert not waiting.done()
+    state.velocity = [0.0] * 6
+    check(graph.wait_for(waiting))
+
+
 def test_a_present_state_in_motion_is_refused(puma, publish):
     velocity = np.array([0.0, 0.002, -0.4, 0.1, 0.0, 0.0])
     state = publish(START, velocity)

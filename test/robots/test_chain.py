@@ -125,11 +125,70 @@ def test_a_continuous_joint_lacks_no_position_limit():
         ({"lower": [0.0]}, WrongSizeError, r"lower has shape \(1,\), expected \(2,\)"),
         ({"packed": np.zeros((2, 13))}, WrongSizeError, r"packed has shape \(2, 13\)"),
         ({"packed": np.full((3, 13), np.inf)}, NonFiniteError, r"packed\[0, 0\] is inf"),
+        ({"packed": np.full((3, 13), 1e300)}, BadValueError, "longest offset is 1e[+]300"),
+        ({"types": [0, 2]}, BadValueError, "types is .*0 .revolute. or 1 .prismatic."),
+        ({"joint_names": "ab"}, BadValueError, "joint_names is 'ab', expected a list of names"),
+        ({"joint_names": ("one", None)}, BadValueError, "one of joint_names is None"),
+        ({"tip": ""}, BadValueError, "tip is '', expected a name"),
+        ({"lower": [np.nan, 0]}, NonFiniteError, r"limits lower\[0\] is nan"),
+        ({"lower": [2, 0], "upper": [1, 1]}, BadValueError, "limits of joint 'one' is .2.0, 1.0."),
+        ({"lower": [np.inf, 0], "upper": [np.inf, 1]}, BadValueError, "'one' is .inf, inf."),
+        ({"lower": [-np.inf, 0], "upper": [-np.inf, 1]}, BadValueError, "'one' is .-inf, -inf."),
+        ({"lower": [1e9, 0], "upper": [2e9, 1]}, BadValueError, "positions between -100000 and"),
+        ({"jerk": [0.0, 1.0]}, BadValueError, "jerk limit of joint 'one' is 0.0"),
     ],
 )
 def test_an_inconsistent_chain_cannot_be_made(changes, error, text):
     with pytest.raises(error, match=text):
         two_joints(**changes)
+
+
+def test_limits_too_far_out_to_matter_are_none():
+    chain = two_joints(lower=[-1e16, -1e5], upper=[1e16, 1e5])
+    assert np.isinf(chain.lower).all() and np.isinf(chain.upper).all()
+    assert chain.continuous.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("limits", "lower", "upper"),
+    [
+        (None, [-np.inf, -np.inf], [np.inf, np.inf]),
+        ([[-1, 1], [0, 2]], [-1, 0], [1, 2]),
+        (np.array([[-1, 1], [0, 2]]), [-1, 0], [1, 2]),
+        ([(None, None), (0, None)], [-np.inf, 0], [np.inf, np.inf]),
+        ({"lower": -1, "upper": [1, 2]}, [-1, -1], [1, 2]),
+        ({"lower": None, "upper": [None, 2]}, [-np.inf, -np.inf], [np.inf, 2]),
+        ({}, [-np.inf, -np.inf], [np.inf, np.inf]),
+    ],
+)
+def test_limits_as_users_write_them(limits, lower, upper):
+    chain = chain_from_dh([1, 2], [0, 0], [0, 0], limits=limits)
+    assert (chain.lower.tolist(), chain.upper.tolist()) == (lower, upper)
+
+
+def test_other_limits_may_be_one_number_or_lack():
+    chain = chain_from_dh(
+        [1, 2], [0, 0], [0, 0], limits={"velocity": 3, "jerk": [None, 4], "effort": None}
+    )
+    assert chain.velocity.tolist() == [3.0, 3.0]
+    assert np.isnan(chain.jerk[0]) and chain.jerk[1] == 4.0 and np.isnan(chain.effort).all()
+
+
+@pytest.mark.parametrize(
+    "types", ["RPR", "rpr", ["R", "p", "revolute"], [0, 1, 0], np.array([0, 1, 0]), ("r", 1, "R")]
+)
+def test_types_as_users_write_them(types):
+    chain = chain_from_dh([1, 2, 3], [0] * 3, [0] * 3, types=types)
+    assert chain.types.tolist() == [0, 1, 0]
+
+
+def test_a_base_and_a_tool_with_few_digits_are_taken_as_the_nearest():
+    turn = np.eye(4)
+    turn[:2, :2] = np.round([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]], 5)
+    for place in ("base", "tool"):
+        chain = chain_from_dh([1], [0], [0], **{place: turn})
+        R = forward_kinematics(chain, [0.3])[:3, :3]
+        np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-15)
 
 
 def test_dh_chain_names_and_limits():
@@ -170,6 +229,27 @@ def test_dh_chain_names_and_limits():
         (([1], [0], [0], None, {"limits": {"velocity": [1, 2]}}), WrongSizeError, "limits velocit"),
         (([1], [0], [0], None, {"limits": {"lower": [np.nan]}}), NonFiniteError, "limits lower"),
         (([1], [0], [0], None, {"joint_names": ["a", "b"]}), WrongSizeError, "joint_names has"),
+        (([1], [0], [0], None, {"joint_names": "j"}), BadValueError, "a list of 1 names"),
+        (([1e300], [0], [0]), BadValueError, r"a\[0\] is 1e[+]300, expected at most 1e[+]06 m"),
+        (
+            ([1], [0], [1e300]),
+            BadValueError,
+            r"alpha\[0\] is 1e[+]300, expected at most 100000 rad",
+        ),
+        (([1], [0], [0], None, {"types": 5}), BadValueError, "types is 5, expected R"),
+        (([1], [0], [0], None, {"types": [True]}), BadValueError, "joint type is True"),
+        (
+            ([1], [0], [0], None, {"limits": [[-1, 1]] * 2}),
+            WrongSizeError,
+            r"shape \(1, 2\), or a map",
+        ),
+        (([1], [0], [0], None, {"limits": [["a", 1]]}), BadValueError, "pairs .lower, upper."),
+        (([1], [0], [0], None, {"limits": "x"}), BadValueError, "pairs .lower, upper."),
+        (([1], [0], [0], None, {"limits": {"upper": "1"}}), BadValueError, "None is no limit"),
+        (([1], [0], [0], None, {"base_link": "tool0"}), BadValueError, "differ from each other"),
+        (([1], [0], [0], None, {"tip_link": "link_1"}), BadValueError, "differ from each other"),
+        (([1], [0], [0], None, {"base_link": None}), BadValueError, "base_link is None"),
+        (([1], [0], [0], None, {"name": 3}), BadValueError, "name is 3, expected a name"),
     ],
 )
 def test_bad_dh_parameters_are_refused(arguments, error, text):

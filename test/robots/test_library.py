@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
-from robomech_ros.robots import list_robots, load_description, load_robot, robot_folders
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.robots import (
+    chain_from_dh,
+    list_robots,
+    load_description,
+    load_robot,
+    robot_folders,
+)
 
 ROBOTS = pytest.mark.parametrize("robot", list_robots())
 EXPECTED = {
@@ -65,6 +72,26 @@ def test_every_robot_cites_its_source_and_can_be_planned_for(robot):
     assert error < 1e-15
 
 
+@pytest.mark.parametrize(
+    ("robot", "a", "b"),
+    [
+        ("ur5e", (0, -0.425, -0.3922, 0, 0, 0), (0.1625, 0, 0, 0.1333, 0.0997, 0.0996)),
+        ("ur10e", (0, -0.6127, -0.57155, 0, 0, 0), (0.1807, 0, 0, 0.17415, 0.11985, 0.11655)),
+    ],
+)
+def test_universal_robots_have_the_frame_of_their_published_table(robot, a, b):
+    half = np.pi / 2
+    published = chain_from_dh(a, b, [half, 0, 0, half, -half, 0])
+    q = np.random.default_rng(1).uniform(-np.pi, np.pi, (50, 6))
+    controller = load_robot(robot, base="base")
+    assert (controller.base, controller.tip) == ("base", "tool0")
+    poses = forward_kinematics(controller, q)
+    np.testing.assert_allclose(poses, forward_kinematics(published, q), atol=1e-14)
+    turned = np.diag([-1.0, -1.0, 1.0, 1.0]) @ poses
+    np.testing.assert_allclose(forward_kinematics(load_robot(robot), q), turned, atol=1e-14)
+    assert inverse_kinematics(controller, poses[0]).family == "three-parallel"
+
+
 def test_published_limits():
     panda = load_robot("panda")
     assert panda.upper.tolist() == [2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]
@@ -76,8 +103,6 @@ def test_published_limits():
 
 def test_published_poses():
     """Corke's ready-to-pick posture, and Panda's flange with all joints at zero."""
-    from robomech_ros.kinematics import forward_kinematics
-
     q = np.array([0, 0.25, 1, 0, 0.25, 0]) * np.pi
     T = forward_kinematics(load_robot("puma560"), q)
     np.testing.assert_allclose(T[:3, :3], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], atol=1e-15)

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
+from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import matrix_from_axis_angle
@@ -120,6 +120,43 @@ def test_fixed_joints_are_folded_and_side_links_kept():
     assert lens.links == ("world", "base", "arm", "camera", "lens")
     assert forward_kinematics(lens, [0.0])[:3, 3].tolist() == [1.0, 1.0, 1.0]
     assert load_robot(text, base="base").packed[0, 12] == 0.0
+
+
+ASIDE = robot(
+    "world floor mark base arm tool0 lens",
+    joint("f", "world", "floor", "fixed", '<origin xyz="0 0 1" rpy="0 0 0.5"/>'),
+    joint("m", "floor", "mark", "fixed", '<origin xyz="1 2 0" rpy="0.1 0.2 0.3"/>'),
+    joint("b", "world", "base", "fixed", '<origin xyz="0 3 0"/>'),
+    joint("j", "base", "arm", "revolute", f'<axis xyz="0 0 1"/>{LIMIT}'),
+    joint("t", "arm", "tool0", "fixed", '<origin xyz="2 0 0"/>'),
+    joint("l", "arm", "lens", "fixed", '<origin xyz="0 1 0"/>'),
+)
+
+
+@pytest.mark.parametrize("tip", ["tool0", "lens", "arm"])
+def test_a_base_aside_that_fixed_joints_hold(tip):
+    chain, whole = load_robot(ASIDE, "mark", tip), load_robot(ASIDE, tip=tip)
+    assert (chain.base, chain.tip, chain.n) == ("mark", tip, 1)
+    assert chain.links[:3] == ("mark", "world", "base")
+    mark = forward_kinematics(whole.with_tip("mark"), [])
+    for q in ([0.0], [0.7]):
+        seen = mark @ forward_kinematics(chain, q)
+        np.testing.assert_allclose(seen, forward_kinematics(whole, q), atol=1e-15)
+    floor = forward_kinematics(chain.with_tip("floor"), [])
+    same = forward_kinematics(whole.with_tip("floor"), [])
+    np.testing.assert_allclose(mark @ floor, same, atol=1e-15)
+
+
+def test_a_base_aside_finds_the_tip_by_itself():
+    lone = ASIDE.replace('"lens"', '"flange_camera"')
+    assert load_robot(lone, base="mark").tip == "tool0"
+    with pytest.raises(RobotDescriptionError, match="no joint moves between link 'tool0' and"):
+        load_robot(ASIDE, "tool0", "lens")
+    with pytest.raises(RobotDescriptionError, match="link 'base' is not below link 'lens'"):
+        load_robot(ASIDE, "lens", "base")
+    for base in (3, ["mark"]):
+        with pytest.raises(BadValueError, match="base is .*expected the name of a link"):
+            load_robot(ASIDE, base)
 
 
 GRIPPER = robot(

@@ -72,3 +72,40 @@ def test_a_slightly_wrong_rotation_is_mended_and_a_wrong_one_refused():
 def test_what_is_no_pose_is_refused(change, error, text):
     with pytest.raises(error, match=text):
         spatial.as_pose(change(random_poses(1)[0]))
+
+
+@pytest.mark.parametrize("digits", [4, 5, 6, 7, 9])
+def test_poses_with_few_digits_are_taken_as_the_nearest(digits):
+    T = random_poses(500, digits)
+    rounded = T.round(digits)
+    rounded[:, 3, 3] += 0.5 * 10.0**-digits
+    cleaned = spatial.as_pose(rounded)
+    assert spatial.rotation_error(cleaned[:, :3, :3]).max() < 4e-15
+    np.testing.assert_array_equal(cleaned[:, 3], np.tile([0.0, 0.0, 0.0, 1.0], (500, 1)))
+    nearest = spatial.nearest_rotation(rounded[:, :3, :3])
+    np.testing.assert_allclose(cleaned[:, :3, :3], nearest, atol=1e-15)
+    for read in (
+        spatial.position_quaternion_from_pose(rounded)[1],
+        spatial.quaternion_from_matrix(rounded[:, :3, :3]),
+    ):
+        np.testing.assert_allclose(read, spatial.quaternion_from_matrix(nearest), atol=1e-15)
+    product = spatial.compose_poses(rounded, spatial.inverse_pose(rounded))
+    np.testing.assert_allclose(product, np.tile(np.eye(4), (500, 1, 1)), atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        spatial.as_pose,
+        spatial.inverse_pose,
+        spatial.compose_poses,
+        spatial.position_quaternion_from_pose,
+        lambda T: spatial.pose_error(T, np.eye(4)),
+    ],
+)
+def test_every_function_refuses_what_is_no_pose(function):
+    stretched = np.diag([1.001, 1.0, 1.0, 1.0])
+    with pytest.raises(BadValueError, match=r"rotation of .*within 0\.0002"):
+        function(stretched)
+    with pytest.raises(BadValueError, match="last row of"):
+        function(np.diag([1.0, 1.0, 1.0, 1.001]))

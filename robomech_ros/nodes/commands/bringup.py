@@ -46,8 +46,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
-    # Until there is something to stop, a signal just ends this process.
-    _on_signals(lambda *_: sys.exit(0))
     if args.robot:
         # Said once, here, instead of once by every node.
         description = load_description(args.robot)

@@ -43,7 +43,7 @@ class Watcher:
     def watch(self, graph, prefix):
         self.states = []
         self._news = threading.Condition()
-        graph.client.create_subscription(JointState, f"{prefix}joint_states", self._take, 100)
+        graph.client.create_subscription(JointState, f"{prefix}joint_states", self._take, 1000)
 
     def _take(self, message):
         with self._news:

@@ -147,7 +147,7 @@ def test_the_topic_says_why_in_diagnostics_and_goes_on(limited):
 
 def test_a_refused_goal_does_not_disturb_the_one_that_runs(arm):
     goal = arm.position + MOVE
-    running = arm.send(arm.trajectory((0.5, MOVE)))
+    running = arm.send(arm.trajectory((3.0, MOVE)))
     arm.until_moving()
     status, result = arm.execute(arm.trajectory((0.5, MOVE), start=arm.position + 1.0))
     assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.REJECTED)

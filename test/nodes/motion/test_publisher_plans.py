@@ -61,7 +61,7 @@ def test_ten_rounds_of_plan_and_execute(suite):
         answer = arm.execute(arm.trajectory(start, goal))
         assert (answer.error_code, answer.error_msg) == DONE
         assert answer.duration.nanosec > 0
-    np.testing.assert_allclose(arm.position, arm.home + changes[-1], atol=1e-9)
+    arm.until_at(arm.home + changes[-1])
 
 
 def test_a_plan_from_before_the_controller_waits_for_it(suite):
@@ -97,11 +97,11 @@ def test_a_plan_from_before_this_node_is_ignored(graph, suite):
 
 def test_execute_joins_the_plan_that_is_being_executed(suite):
     arm = suite()
-    arm.plan(0.0, MOVE, duration=0.5)
+    arm.plan(0.0, MOVE, duration=4.0)
     arm.until_moving()
     answer = arm.execute()
     assert (answer.error_code, answer.error_msg) == DONE
-    np.testing.assert_allclose(arm.position, arm.home + MOVE, atol=1e-9)
+    arm.until_at(arm.home + MOVE)
     again = arm.execute()
     assert again.error_code == ErrorCode.NONE
     assert "executed before this request" in again.error_msg
@@ -117,16 +117,23 @@ def test_the_latest_plan_is_executed_on_request(suite):
     # The robot is at its start again: so it can be executed again.
     answer = arm.execute()
     assert (answer.error_code, answer.error_msg) == DONE
-    np.testing.assert_allclose(arm.position, arm.home + MOVE, atol=1e-9)
+    arm.until_at(arm.home + MOVE)
 
 
 def test_a_request_may_overtake_the_plan(suite):
     arm = suite()
     arm.plan(0.0, MOVE)
     assert arm.execute().error_code == ErrorCode.NONE
-    client = arm.start_execute()
-    arm.plan(MOVE, 0.0)
-    arm.until(client.done)
-    answer = client.result()
-    assert (answer.error_code, answer.error_msg) == DONE
-    np.testing.assert_allclose(arm.position, arm.home, atol=1e-9)
+    places = [MOVE, 0.0]
+    for _ in range(20):
+        waiting = arm.start_execute()
+        arm.plan(*places)
+        arm.until(waiting.done)
+        arm.until_at(arm.home + places[1])
+        places.reverse()
+        answer = waiting.result()
+        if (answer.error_code, answer.error_msg) == DONE:
+            return
+        # On a busy machine the plan may have come too late to be meant.
+        assert "executed before this request" in answer.error_msg
+    pytest.fail("the plan is never waited for")

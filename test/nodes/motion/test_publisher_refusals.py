@@ -66,7 +66,7 @@ def test_joints_are_checked_at_once_where_the_robot_is_known(suite):
 
 def test_the_node_serves_while_it_waits(suite):
     arm = suite()
-    slow = arm.start_execute(arm.trajectory(0.0, MOVE, duration=0.8))
+    slow = arm.start_execute(arm.trajectory(0.0, MOVE, duration=5.0))
     arm.until_moving()
     refused = arm.execute(arm.trajectory(0.0, MOVE, names=["waist"] * 6))
     assert refused.error_code == ErrorCode.WRONG_SIZE
@@ -128,7 +128,7 @@ def test_a_full_queue_is_reported(suite):
 
 def test_stopping_answers_those_who_wait(suite):
     arm = suite()
-    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=0.9))
+    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=5.0))
     arm.until_moving()
     arm.node.executor.create_task(arm.node.stop)
     arm.until(waiting.done)
