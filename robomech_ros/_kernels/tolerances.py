@@ -218,7 +218,7 @@ NEARLY_SPHERICAL = 2e-3
 LOCKED_SAMPLES = 8
 ANGLE_SAMPLES = 8
 # and how many times finer they are taken where none gives a solution inside the limits.
-FINER_SAMPLES = 8
+FINER_SAMPLES = 4
 # Solutions listed for one pose of a redundant arm.
 MOST_SAMPLED = 64
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
@@ -259,3 +259,10 @@ SHORT_REGULAR = 0.02
 LEAST_SQUARES_STARTS = 48
 LEAST_SQUARES_ITERATIONS = 300
 LEAST_SQUARES_STALL = 1.0 - 1e-9
+
+# --- Paths of poses ---
+# Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
+TRACK_JUMP = 0.5
+TRACK_JUMP_SLIDE = 0.1
+# Constant values of the redundancy parameter that are tried.
+TRACK_PARAMETERS = 16

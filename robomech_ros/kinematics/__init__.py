@@ -13,13 +13,16 @@ if TYPE_CHECKING:
     from robomech_ros.kinematics.redundancy import SelfMotion, SelfMotionBranch, self_motion
     from robomech_ros.kinematics.result import InverseKinematicsResult
     from robomech_ros.kinematics.status import Status
+    from robomech_ros.kinematics.tracking import Jump, TrackResult, track
     from robomech_ros.kinematics.uncompiled import tip_poses
 
 __all__ = [
     "InverseKinematicsResult",
+    "Jump",
     "SelfMotion",
     "SelfMotionBranch",
     "Status",
+    "TrackResult",
     "forward_kinematics",
     "inverse_kinematics",
     "inverse_kinematics_batch",
@@ -27,10 +30,12 @@ __all__ = [
     "optimal_posture",
     "self_motion",
     "tip_poses",
+    "track",
 ]
 
 _MODULES = {
     "InverseKinematicsResult": "result",
+    "Jump": "tracking",
     "SelfMotion": "redundancy",
     "SelfMotionBranch": "redundancy",
     "Status": "status",
@@ -40,7 +45,9 @@ _MODULES = {
     "link_poses": "forward",
     "optimal_posture": "optimal",
     "self_motion": "redundancy",
+    "TrackResult": "tracking",
     "tip_poses": "uncompiled",
+    "track": "tracking",
 }
 
 

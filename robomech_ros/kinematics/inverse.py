@@ -124,21 +124,24 @@ def inverse_kinematics(
         timeout=as_timeout(timeout),
     )
     started = time.monotonic()
-    return with_nearest(chain, target, request, _solved(chain, target, request), started)
+    return with_nearest(chain, target, request, _solved(chain, target, request, started), started)
 
 
-def _solved(chain: SerialChain, T: Array, request: Request) -> InverseKinematicsResult:
+def _solved(
+    chain: SerialChain, T: Array, request: Request, started: float
+) -> InverseKinematicsResult:
     """Choose the way to solve a checked request."""
     family = family_of(chain)
     if not family.closed_form or request.task != FULL_TASK:
         return solve_by_search(chain, T, request)
     if family.redundant:
-        return solve_sampled(chain, T, request, family) or solve_by_search(chain, T, request)
+        sampled = solve_sampled(chain, T, request, family)
+        return sampled or solve_by_search(chain, T, request, started)
     result = solve_closed_form(chain, T, request, family)
     undecided = result.status is Status.NOT_CONVERGED
     if len(result) or not (request.is_loose or undecided):
         return result
-    near = solve_by_search(chain, T, request)
+    near = solve_by_search(chain, T, request, started)
     return near if len(near) else result
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import redundant_layout as at
+from robomech_ros._kernels.arm_angle import arm_angle
 from robomech_ros._kernels.inverse_redundant import postures_at
 from robomech_ros._kernels.tolerances import (
     SELF_MOTION_APART,
@@ -93,6 +94,12 @@ class Tracer:
         q, branch = np.empty((16, 7)), np.empty(16, np.int64)
         count = postures_at(self.data, self.T, self._seed, value, q, branch)
         return q[:count]
+
+    def parameter(self, q: Array) -> float:
+        """Give the parameter of a posture (7,)."""
+        if self.data[at.KIND] == at.ARM_ANGLE:
+            return float(arm_angle(self.data, q))
+        return float(q[6 if self.data[at.FIRST] == 0.0 else 0])
 
     def range(self) -> tuple[float, float, bool]:
         """Give the range of the parameter, and whether its ends are the same."""
