@@ -26,7 +26,7 @@ from robomech_ros._kernels.six_joints import (
     ITERATIVE,
     MAX_SOLUTIONS,
     THREE_PARALLEL,
-    postures,
+    six_joint_postures,
 )
 
 __all__ = [
@@ -59,6 +59,7 @@ STATE = 4
 _FREE_VALUES = 96
 # Limits hold; typed, so that numba does not compile a function anew for a literal.
 _BOUNDED = np.bool_(True)
+_FORWARDS = np.bool_(False)
 
 
 @inline
@@ -164,7 +165,7 @@ def solve(
             if family == SHORT:
                 total = solve_short(data, T[m], start, p, b)
             else:
-                total = postures(family, data, T[m], start, p, b)
+                total = six_joint_postures(family, _FORWARDS, data, T[m], start, p, b)
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total

@@ -9,15 +9,12 @@ from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels._jit import (
     IIN1,
     IN1,
-    IN2,
     IN3,
     IOUT1,
     OUT1,
-    OUT2,
     OUT3,
     ZERO,
     b1,
-    f8,
     i8,
     inline,
     kernel,
@@ -38,7 +35,7 @@ from robomech_ros._kernels.tolerances import (
     SAME_POSTURE,
 )
 
-__all__ = ["NONE_EXISTS", "locked_postures", "postures_at", "solve_redundant"]
+__all__ = ["NONE_EXISTS", "solve_redundant"]
 
 NONE_EXISTS = -1
 _STEPS = np.int64(20)
@@ -75,8 +72,8 @@ def _repeats(packed, q, count):
     return False
 
 
-@kernel(i8(IN1, IN2, IN1, IN1, OUT2, IOUT1))
-def locked_postures(data, T, seed, locked, q, branch):
+@inline
+def _locked_postures(data, T, seed, locked, q, branch):
     """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
 
     ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
@@ -121,16 +118,6 @@ def locked_postures(data, T, seed, locked, q, branch):
     return count
 
 
-@kernel(i8(IN1, IN2, IN1, f8, OUT2, IOUT1))
-def postures_at(data, T, seed, parameter, q, branch):
-    """Write the postures for the pose T (4, 4) at a value of the one redundancy parameter."""
-    if data[at.KIND] == at.ARM_ANGLE:
-        return arm_angle_postures(data, T, seed, parameter, q, branch)
-    locked = seed.copy()
-    locked[6 if data[at.FIRST] == 0.0 else 0] = parameter
-    return locked_postures(data, T, seed, locked, q, branch)
-
-
 @inline
 def _choose(data, lower, upper, seed, k, steps, locked):
     """Write the k-th of some values of the locked joints; return how far they are from the seed.
@@ -172,7 +159,7 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
         away = 2.0 * math.pi * ((k + 1) // 2) / steps
         angle += away if k % 2 == 1 else -away
         return arm_angle_postures(data, T, seed, angle, q, branch)
-    return locked_postures(data, T, seed, locked, q, branch)
+    return _locked_postures(data, T, seed, locked, q, branch)
 
 
 @inline

@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import short_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, kernel
+from robomech_ros._kernels._jit import ZERO, inline
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polishing import polish
 from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
@@ -58,7 +58,7 @@ def _entered(data, packed, T, found, q, count):
     return count + 1
 
 
-@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@inline
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
