@@ -38,7 +38,12 @@ def pinocchio_model():
     def make(name):
         chain, where = load_robot(name), load_description(name).where
         if where.endswith(".urdf"):
-            return pinocchio.buildModelFromUrdf(where)
+            # A joint without limits would be a point on a circle there, two numbers for an angle.
+            text = Path(where).read_text(encoding="utf-8")
+            bounded = text.replace('"continuous">', '"revolute">').replace(
+                "<limit velocity", '<limit lower="-10" upper="10" velocity'
+            )
+            return pinocchio.buildModelFromXML(bounded)
         model, parent = pinocchio.Model(), 0
         rows = chain.packed
         placed = [pinocchio.SE3(row[1:10].reshape(3, 3).copy(), row[10:].copy()) for row in rows]

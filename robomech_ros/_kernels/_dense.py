@@ -4,7 +4,7 @@ import math
 
 from robomech_ros._kernels._jit import inline
 
-__all__ = ["cholesky_solve"]
+__all__ = ["cholesky_again", "cholesky_solve"]
 
 
 @inline
@@ -32,9 +32,26 @@ def cholesky_solve(A, b, n):
             for k in range(j):
                 value -= A[i, k] * A[j, k]
             A[i, j] = value * inverse
+    _backwards(A, b, n)
+    return True
+
+
+@inline
+def _backwards(A, b, n):
+    """Solve with the transposed Cholesky factor, the inverses of its diagonal in place of it."""
     for j in range(n - 1, -1, -1):
         value = b[j]
         for k in range(j + 1, n):
             value -= A[k, j] * b[k]
         b[j] = value * A[j, j]
-    return True
+
+
+@inline
+def cholesky_again(A, b, n):
+    """Solve once more with the factor that :func:`cholesky_solve` has left in A."""
+    for j in range(n):
+        value = b[j]
+        for k in range(j):
+            value -= A[j, k] * b[k]
+        b[j] = value * A[j, j]
+    _backwards(A, b, n)

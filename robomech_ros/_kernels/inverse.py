@@ -19,26 +19,31 @@ from robomech_ros._kernels._jit import (
     kernel,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
-from robomech_ros._kernels.inverse_decoupled import solve_decoupled
-from robomech_ros._kernels.inverse_iterative import solve_iterative
-from robomech_ros._kernels.inverse_parallel import solve_parallel
+from robomech_ros._kernels.inverse_short import solve_short
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
+from robomech_ros._kernels.six_joints import (
+    DECOUPLED,
+    ITERATIVE,
+    MAX_SOLUTIONS,
+    THREE_PARALLEL,
+    six_joint_postures,
+)
 
 __all__ = [
     "DECOUPLED",
     "ITERATIVE",
     "MAX_SOLUTIONS",
     "NONE_EXISTS",
+    "SHORT",
     "STATE",
     "THREE_PARALLEL",
     "solve",
 ]
 
-DECOUPLED = 0
-THREE_PARALLEL = 1
-ITERATIVE = 2
+# Families with kernels of their own: the number of that of short arms, after those of six joints
+# and the redundant one.
+SHORT = 4
 
-MAX_SOLUTIONS = 16
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
 
@@ -54,6 +59,7 @@ STATE = 4
 _FREE_VALUES = 96
 # Limits hold; typed, so that numba does not compile a function anew for a literal.
 _BOUNDED = np.bool_(True)
+_FORWARDS = np.bool_(False)
 
 
 @inline
@@ -156,12 +162,10 @@ def solve(
         found = 0
         for k in range(_FREE_VALUES + 1):
             p, b = (q, branch) if k == 0 else (others, marks)
-            if family == DECOUPLED:
-                total = solve_decoupled(data, T[m], start, p, b)
-            elif family == THREE_PARALLEL:
-                total = solve_parallel(data, T[m], start, p, b)
+            if family == SHORT:
+                total = solve_short(data, T[m], start, p, b)
             else:
-                total = solve_iterative(data, T[m], start, p, b)
+                total = six_joint_postures(family, _FORWARDS, data, T[m], start, p, b)
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total

@@ -204,3 +204,65 @@ MOVES_IN_CONTINUUM = 1e-6
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
 MOST_WINDINGS = 8192
+
+# --- Redundant arms ---
+# The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
+# it is beyond by no more than this (of the square of the size), and as above the shoulder, where
+# arm angles have no reference, within this sine.
+ON_BOUNDARY = 1e-12
+# Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
+# there, and every solution is polished: of a continuum nothing is lost by that.
+NEARLY_SPHERICAL = 2e-3
+# Values of the redundancy parameter for a list of solutions, with one locked joint and with the
+# arm angle: 24 solutions and more for most poses.
+LOCKED_SAMPLES = 8
+ANGLE_SAMPLES = 8
+# and how many times finer they are taken where none gives a solution inside the limits.
+FINER_SAMPLES = 4
+# Solutions listed for one pose of a redundant arm.
+MOST_SAMPLED = 64
+# The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
+# the next one would be about its square.
+NEAREST_STEP = 1e-3
+# So many of the nearest samples are moved along, those within so much (rad or m) of the first:
+# about as much as lies between samples.
+APPROACHED = 3
+APPROACHED_WITHIN = 0.8
+# Error of the pose (rad, m) at which it is good.
+NEAREST_ERROR = 1e-12
+# and steps at most, half of them along the self-motion: those that go well need four to seven.
+NEAREST_ITERATIONS = 20
+
+# --- Self-motion ---
+# Step of the redundancy parameter (rad or m) at most, and below which a branch that cannot be
+# followed has ended.
+SELF_MOTION_STEP = 0.05
+SELF_MOTION_LEAST = 1e-7
+# Postures of neighbouring values belong together where no joint moves farther than this (rad or m)
+# and the next nearest pair is so many times farther apart.
+SELF_MOTION_NEAR = 0.3
+SELF_MOTION_APART = 2.0
+# Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
+BEST_STARTS = 4
+BEST_SECTIONS = 32
+
+# --- Arms of fewer than six joints ---
+# Imagined joints this near to zero (rad, or of the size) may be at zero: a polish of the arm itself
+# decides.
+SHORT_SLACK = 1e-3
+# More solutions than this, sought where the completed arm is singular, are a continuum.
+SHORT_CONTINUUM = 8
+# A completed arm with at least this determinant (lengths over the size) is taken at once.
+SHORT_REGULAR = 0.02
+# The posture of least squares: starts, steps of each, and the part of the squared error that six
+# steps may leave; convergence is linear where the error does not vanish.
+LEAST_SQUARES_STARTS = 48
+LEAST_SQUARES_ITERATIONS = 300
+LEAST_SQUARES_STALL = 1.0 - 1e-9
+
+# --- Paths of poses ---
+# Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
+TRACK_JUMP = 0.5
+TRACK_JUMP_SLIDE = 0.1
+# Constant values of the redundancy parameter that are tried.
+TRACK_PARAMETERS = 16

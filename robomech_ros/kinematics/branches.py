@@ -22,7 +22,14 @@ def branch_name(branch: int) -> str:
     ----------
     branch : int
         Bits of ``_kernels.branch_bits``.
+
+    Returns
+    -------
+    str
+        Empty for a posture that has no name.
     """
+    if branch & bit.UNNAMED:
+        return ""
     if branch & bit.ARM_NUMBERED:
         words = [f"arm-{((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1}"]
     else:

@@ -16,7 +16,7 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 
-__all__ = ["match"]
+__all__ = ["common_point", "match", "transforms", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ def match(chain: SerialChain) -> Array | None:
     """
     if chain.n != 6 or chain.types[3:].any():
         return None
-    C = _transforms(chain)
-    centre = _wrist_centre(C)
+    C = transforms(chain)
+    centre = common_point(C[4], C[5])
     if centre is None:
         return None
     height4, height6, apart = centre
@@ -60,8 +60,10 @@ def match(chain: SerialChain) -> Array | None:
     data[at.BASE : at.BASE + 12] = C[0, :3].ravel()
     data[at.TIP : at.TIP + 9] = C[6, :3, :3].T.ravel()
     data[at.CENTRE : at.CENTRE + 3] = (_inverse(C[6]) @ (0.0, 0.0, height6, 1.0))[:3]
-    if not _enter_wrist(data, C):
+    wrist = wrist_constants(C[4], C[5])
+    if wrist is None:
         return None
+    data[at.ANGLES : at.ANGLES + len(wrist)] = wrist
     data[at.WRIST : at.WRIST + 3] = (C[3] @ (0.0, 0.0, height4, 1.0))[:3] / size
     links = C[1:4].copy()
     links[:, :3, 3] /= size
@@ -79,7 +81,7 @@ def match(chain: SerialChain) -> Array | None:
     return data
 
 
-def _transforms(chain: SerialChain) -> Array:
+def transforms(chain: SerialChain) -> Array:
     """Unpack C_0 .. C_n, shape (n + 1, 4, 4)."""
     C = np.zeros((chain.n + 1, 4, 4))
     C[:, :3, :3] = chain.packed[:, 1:10].reshape(-1, 3, 3)
@@ -95,13 +97,18 @@ def _inverse(pose: Array) -> Array:
     return result
 
 
-def _wrist_centre(C: Array) -> tuple[float, float, float] | None:
-    """Find the common point of axes 4, 5, 6: its height on axis 4 and on axis 6, the misfit (m).
+def common_point(link: Array, following: Array) -> tuple[float, float, float] | None:
+    """Find the common point of three axes: its height on the first and the last, the misfit (m).
 
     None where neighbouring axes are parallel.
+
+    Parameters
+    ----------
+    link, following : ndarray, shape (4, 4)
+        Constant transforms between the first two and the last two of the axes (m).
     """
-    first = _nearest_points(C[4])
-    last = _nearest_points(C[5])
+    first = _nearest_points(link)
+    last = _nearest_points(following)
     if first is None or last is None:
         return None
     height4, height5, gap = first
@@ -127,10 +134,19 @@ def _size(C: Array, height4: float) -> float:
     return float(sum(lengths)) or 1.0
 
 
-def _enter_wrist(data: Array, C: Array) -> bool:
-    """Enter the wrist's angles; False where neighbouring axes are parallel."""
-    before4, alpha4, after4 = _zxz(C[4, :3, :3])
-    before5, alpha5, after5 = _zxz(C[5, :3, :3])
+def wrist_constants(link: Array, following: Array) -> Array | None:
+    """Give a spherical joint's angles as ``_kernels.decoupled_layout`` has them from ANGLES on.
+
+    None where neighbouring axes are parallel.
+
+    Parameters
+    ----------
+    link, following : ndarray, shape (4, 4)
+        Constant transforms between its first two and its last two axes (m).
+    """
+    before4, alpha4, after4 = _zxz(link[:3, :3])
+    before5, alpha5, after5 = _zxz(following[:3, :3])
+    data = np.zeros(at.PACKED)
     angles = (before4, after4 + before5, after5)
     # Each may exceed a turn by rounding only when wrapped here.
     data[at.ANGLES : at.ANGLES + 3] = [math.remainder(angle, 2.0 * math.pi) for angle in angles]
@@ -141,7 +157,9 @@ def _enter_wrist(data: Array, C: Array) -> bool:
     farthest = min(alpha4 + alpha5, 2.0 * math.pi - alpha4 - alpha5)
     data[at.FARTHEST] = math.pi if orthogonal else farthest
     data[at.UNFLIPPED] = 1.0 if math.cos(angles[1]) > -1e-6 else -1.0
-    return bool(min(data[at.SIN4], data[at.SIN5]) > ARM_RANK)
+    if min(data[at.SIN4], data[at.SIN5]) <= ARM_RANK:
+        return None
+    return data[at.ANGLES :]
 
 
 def _cosine(alpha: float) -> float:

@@ -6,14 +6,19 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels import decoupled_layout
-from robomech_ros._kernels.inverse import DECOUPLED, ITERATIVE, THREE_PARALLEL
-from robomech_ros.kinematics import decoupled, iterative, three_parallel
+from robomech_ros._kernels import decoupled_layout, short_layout
+from robomech_ros._kernels.inverse import SHORT
+from robomech_ros._kernels.six_joints import DECOUPLED, ITERATIVE
+from robomech_ros.kinematics import iterative, redundant, short
+from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
-__all__ = ["Family", "family_of", "iterative_family"]
+__all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 
 Array = NDArray[np.float64]
+
+# Number of the family that has a kernel of its own.
+REDUNDANT = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +28,7 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"`` or ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"redundant"``, ``"short"`` or ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -39,18 +44,26 @@ class Family:
 
     @property
     def closed_form(self) -> bool:
-        """Whether the family finds all solutions."""
+        """Whether the family finds all solutions, of a redundant arm in all samples."""
         return self.number != ITERATIVE
+
+    @property
+    def redundant(self) -> bool:
+        """Whether solutions are samples of a self-motion."""
+        return self.number == REDUNDANT
 
     @property
     def exact(self) -> bool:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
+        if self.number == SHORT:
+            return bool(self.data[short_layout.EXACT])
         return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
-_CLOSED_FORMS = (
-    ("decoupled", DECOUPLED, decoupled.match),
-    ("three-parallel", THREE_PARALLEL, three_parallel.match),
+_FAMILIES = (
+    *CLOSED_FORMS,
+    ("redundant", REDUNDANT, redundant.match),
+    ("short", SHORT, short.match),
 )
 
 
@@ -62,7 +75,7 @@ def family_of(chain: SerialChain) -> Family:
     ----------
     chain : SerialChain
     """
-    for name, number, match in _CLOSED_FORMS:
+    for name, number, match in _FAMILIES:
         data = match(chain)
         if data is not None:
             return Family(name, number, data, _turns(chain))

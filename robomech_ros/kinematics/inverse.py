@@ -1,17 +1,24 @@
 """Inverse kinematics of any serial chain: all solutions, or the reason why there is none."""
 
+import time
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.inverse import MAX_SOLUTIONS, NONE_EXISTS, STATE, solve
-from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
+from robomech_ros._kernels.tolerances import (
+    MOST_SAMPLED,
+    ORIENTATION_TOLERANCE,
+    POSITION_TOLERANCE,
+)
 from robomech_ros.kinematics.closed_form import solve_closed_form
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
+from robomech_ros.kinematics.least_squares import with_nearest
 from robomech_ros.kinematics.reach import out_of_reach
 from robomech_ros.kinematics.request import (
+    METRICS,
     Request,
     as_cap,
     as_flag,
@@ -22,6 +29,7 @@ from robomech_ros.kinematics.request import (
     as_tolerance,
 )
 from robomech_ros.kinematics.result import InverseKinematicsResult
+from robomech_ros.kinematics.sampled import sample_many, solve_sampled
 from robomech_ros.kinematics.search import solve_by_search
 from robomech_ros.kinematics.status import Status
 from robomech_ros.kinematics.target import as_targets
@@ -49,10 +57,14 @@ def inverse_kinematics(
     """Find the joint values that bring the tip to a pose, nearest to the seed first.
 
     An arm with a spherical wrist, whatever its first three joints, and an arm with three
-    parallel axes next to each other get all their real solutions in closed form; any other chain
-    is searched iteratively (``complete`` is False then). At a pose where joints can move while
-    the tip stays, each branch is represented by one posture, with the free joint at the seed's
-    value where that is possible, and the result is marked as a continuum.
+    parallel axes next to each other get all their real solutions in closed form; a redundant arm
+    gets samples of its self-motion, in closed form for each value of its redundancy parameter,
+    and the first of them is the nearest to the seed; any other chain is searched iteratively
+    (``complete`` is False for both). Arms of fewer than six joints get all their solutions in
+    closed form wherever they can be completed to one of the former; where a pose cannot be taken,
+    as is the rule for them, the result says which posture comes nearest. At a pose where joints
+    can move while the tip stays, each branch is represented by one posture, with the free joint at
+    the seed's value where that is possible, and the result is marked as a continuum.
 
     Parameters
     ----------
@@ -111,14 +123,25 @@ def inverse_kinematics(
         ),
         timeout=as_timeout(timeout),
     )
+    started = time.monotonic()
+    return with_nearest(chain, target, request, _solved(chain, target, request, started), started)
+
+
+def _solved(
+    chain: SerialChain, T: Array, request: Request, started: float
+) -> InverseKinematicsResult:
+    """Choose the way to solve a checked request."""
     family = family_of(chain)
     if not family.closed_form or request.task != FULL_TASK:
-        return solve_by_search(chain, target, request)
-    result = solve_closed_form(chain, target, request, family)
+        return solve_by_search(chain, T, request)
+    if family.redundant:
+        sampled = solve_sampled(chain, T, request, family)
+        return sampled or solve_by_search(chain, T, request, started)
+    result = solve_closed_form(chain, T, request, family)
     undecided = result.status is Status.NOT_CONVERGED
     if len(result) or not (request.is_loose or undecided):
         return result
-    near = solve_by_search(chain, target, request)
+    near = solve_by_search(chain, T, request, started)
     return near if len(near) else result
 
 
@@ -146,7 +169,8 @@ def inverse_kinematics_batch(
     -------
     q : ndarray, shape (m, 16, n)
         Solutions (rad or m), nearest to the seed first, NaN after the last. The second axis is
-        ``max_solutions`` long where that is less than 16.
+        ``max_solutions`` long where that is less than 16; for a redundant arm 64 takes the place
+        of 16.
     count : ndarray of int, shape (m,)
         How many each pose has.
     status : ndarray of int, shape (m,)
@@ -162,6 +186,14 @@ def inverse_kinematics_batch(
     respect_limits = as_flag("respect_limits", respect_limits)
     start = as_seed(chain, seed, respect_limits)
     family = family_of(chain)
+    if family.redundant:
+        room = min(as_cap(max_solutions) or MOST_SAMPLED, MOST_SAMPLED)
+        q, count, _, _ = sample_many(
+            chain, targets, family, start, as_metric(metric), respect_limits, room
+        )
+        return q, *_with_searches(
+            chain, targets, start, as_metric(metric), respect_limits, q, count
+        )
     data = family.data
     if not family.closed_form:
         data = iterative_data(chain, respect_limits=respect_limits)
@@ -203,3 +235,30 @@ def _status_of_none(
         reachable = out_of_reach(chain, T) == 0.0
         return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH
     return inverse_kinematics(chain, T, respect_limits=respect_limits).status
+
+
+def _with_searches(
+    chain: SerialChain,
+    targets: Array,
+    seed: Array,
+    metric: int,
+    respect_limits: bool,
+    q: Array,
+    count: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Search where no sample of a self-motion is inside the limits; return counts and status."""
+    status = np.zeros(len(targets), np.int64)
+    name = next(name for name, number in METRICS.items() if number == metric)
+    for index in np.flatnonzero(count <= 0):
+        found = inverse_kinematics(
+            chain,
+            targets[index],
+            seed=seed,
+            respect_limits=respect_limits,
+            metric=name,
+            max_solutions=q.shape[1],
+        )
+        count[index] = len(found)
+        q[index, : len(found)] = found.q
+        status[index] = found.status
+    return count, status

@@ -49,6 +49,10 @@ class InverseKinematicsResult:
         Postures as bits; :attr:`branches` has their names.
     task : tuple of six bool
         Which of x, y, z, rx, ry, rz, along and about the axes of the target, count as errors.
+    nearest : ndarray, shape (n,), or None
+        Of an arm with fewer joints than conditions, where there is no solution: the posture inside
+        the limits that misses the pose least in the sense of least squares (rad or m); by how much
+        says the reason.
     """
 
     chain: SerialChain
@@ -63,6 +67,7 @@ class InverseKinematicsResult:
     blocking_excess: Array
     branch_bits: NDArray[np.int64]
     task: tuple[bool, ...] = WHOLE_POSE
+    nearest: Array | None = None
 
     def __len__(self) -> int:
         return len(self.q)

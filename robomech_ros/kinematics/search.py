@@ -28,12 +28,17 @@ __all__ = ["solve_by_search"]
 Array = NDArray[np.float64]
 
 
-def solve_by_search(chain: SerialChain, T: Array, request: Request) -> InverseKinematicsResult:
-    """Search for solutions of the pose T (4, 4), or explain why none was found."""
-    started = time.monotonic()
+def solve_by_search(
+    chain: SerialChain, T: Array, request: Request, started: float | None = None
+) -> InverseKinematicsResult:
+    """Search for solutions of the pose T (4, 4), or explain why none was found.
+
+    The timeout of the request counts from ``started`` by ``time.monotonic``, or from now.
+    """
+    started = time.monotonic() if started is None else started
     data, target = _task_data(chain, T, request, request.respect_limits)
     family = iterative_family(chain, data)
-    search = iterative_search(data, target, request.seed, timeout=request.timeout)
+    search = iterative_search(data, target, request.seed, timeout=_left(request, started))
     if len(search.q):
         return _ranked(chain, T, request, family, search)
     if search.timed_out:
@@ -41,13 +46,20 @@ def solve_by_search(chain: SerialChain, T: Array, request: Request) -> InverseKi
         return nothing(chain, T, family, Status.TIMED_OUT, reason)
     if request.respect_limits:
         data, target = _task_data(chain, T, request, False)
-        left = None
-        if request.timeout is not None:
-            left = max(0.0, request.timeout - (time.monotonic() - started))
-        beyond = iterative_search(data, target, request.seed, timeout=left)
+        beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
         if len(beyond.q):
             return explain_limits(chain, T, beyond.q, family, continuum=False)
+    if _left(request, started) == 0.0:
+        reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
+        return nothing(chain, T, family, Status.TIMED_OUT, reason)
     return _explained(chain, T, request, family, search)
+
+
+def _left(request: Request, started: float) -> float | None:
+    """Give the time (s) that is left; None without a timeout."""
+    if request.timeout is None:
+        return None
+    return max(0.0, request.timeout - (time.monotonic() - started))
 
 
 def _task_data(

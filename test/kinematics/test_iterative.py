@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robomech_ros._kernels import iterative_layout
-from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.iterative import iterative_data, iterative_search
 from robomech_ros.robots import chain_from_dh, load_robot
 
@@ -92,7 +92,7 @@ def test_same_request_same_bytes(name):
 
 
 def test_the_solution_at_the_seed_comes_first():
-    chain = load_robot("panda")
+    chain = load_robot("general7r")
     for q in random_postures(chain, 50, 6):
         result = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q)
         assert np.abs(result.q[0] - q).max() < 1e-9
@@ -224,3 +224,40 @@ def test_a_loose_tolerance_is_enough():
     assert not len(inverse_kinematics(chain, T))
     near = inverse_kinematics(chain, T, position_tolerance=1e-3, orientation_tolerance=1e-3)
     assert len(near) and near.position_error.max() < 1e-3
+
+
+def ten_joints():
+    """Ten joints, two of them slides, with limits."""
+    rng = np.random.default_rng(0)
+    types = "RPRRRPRRRR"
+    limits = np.array([[-0.3, 0.3] if kind == "P" else [-2.0, 2.0] for kind in types])
+    a, b, alpha = rng.uniform(0.05, 0.3, 10), rng.uniform(-0.2, 0.2, 10), rng.uniform(-1.5, 1.5, 10)
+    return chain_from_dh(a, b, alpha, types=types, limits=limits)
+
+
+def test_ten_mixed_joints_inside_their_limits():
+    chain = ten_joints()
+    for T in forward_kinematics(chain, random_postures(chain, 200, 11)):
+        result = inverse_kinematics(chain, T, max_solutions=1)
+        assert result.status is Status.SUCCESS and len(result) == 1
+        assert (result.q >= chain.lower).all() and (result.q <= chain.upper).all()
+        assert result.position_error[0] < 1e-9 and result.orientation_error[0] < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ten", "general6r", "panda", "gen3", "iiwa14", "vx300"])
+def test_a_timeout_is_kept_to_five_milliseconds(name):
+    """Processor time of this thread, since other processes take their share of the clock."""
+    chain = ten_joints() if name == "ten" else load_robot(name)
+    T = forward_kinematics(chain, random_postures(chain, 20, 12))
+    T[:, :3, 3] *= 1.5
+    T[:, :3, :3] = T[::-1, :3, :3]
+    inverse_kinematics(chain, T[0])
+    for timeout in (1e-3, 5e-3, 2e-2):
+        over = []
+        for target in T:
+            start = time.thread_time()
+            inverse_kinematics(chain, target, timeout=timeout)
+            over.append(time.thread_time() - start - timeout)
+        assert np.median(over) < 5e-3
+        assert np.percentile(over, 90) < 8e-3

@@ -115,7 +115,7 @@ def test_robots_are_listed_with_joints_and_family(capfd):
         assert name in out
     assert re.search(r"puma560.*RRRRRR.*decoupled", out)
     assert re.search(r"ur5e.*RRRRRR.*three-parallel", out)
-    assert re.search(r"panda.*RRRRRRR.*iterative", out)
+    assert re.search(r"panda.*RRRRRRR.*redundant", out)
     assert re.search(r"stanford.*RRPRRR.*decoupled", out)
 
 

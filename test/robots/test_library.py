@@ -19,17 +19,27 @@ from robomech_ros.robots import (
 
 ROBOTS = pytest.mark.parametrize("robot", list_robots())
 EXPECTED = {
+    "crx10ia": 6,
     "diestro": 6,
     "fanuc_arcmate": 6,
+    "gen3": 7,
     "general6r": 6,
+    "general7r": 7,
+    "iiwa14": 7,
     "irb120": 6,
+    "jaco2": 6,
+    "m1013": 6,
     "panda": 7,
     "planar3r": 3,
     "puma560": 6,
+    "rv4fr": 6,
     "scara": 4,
     "stanford": 6,
     "ur10e": 6,
+    "ur20": 6,
     "ur5e": 6,
+    "vx300": 5,
+    "xarm6": 6,
 }
 ARM = """
 name: arm
@@ -99,6 +109,28 @@ def test_published_poses():
     np.testing.assert_allclose(T[:3, 3], [0.5963, -0.15005, -0.01435], atol=5e-5)
     T = forward_kinematics(load_robot("panda"), np.zeros(7))
     np.testing.assert_allclose(T[:3, 3], [0.088, 0, 0.926], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("robot", "position"),
+    [
+        ("iiwa14", [0, 0, 1.306]),
+        ("crx10ia", [0.7, -0.15, 0.785]),
+        ("m1013", [0, 0.0345, 1.4555]),
+        ("rv4fr", [-0.05, 0, 0.945]),
+        ("xarm6", [0.207, 0, 0.112]),
+        ("ur20", [1.5907, 0.3553, 0.077]),
+        ("vx300", [0.472119, 0, 0.42705]),
+        ("gen3", [0, -0.0248501, 1.187385]),
+    ],
+)
+def test_makers_zero_postures(robot, position):
+    """Where the flange is with all joints at zero, from the lengths of the data sheets."""
+    from robomech_ros.kinematics import forward_kinematics
+
+    chain = load_robot(robot)
+    T = forward_kinematics(chain, np.zeros(chain.n))
+    np.testing.assert_allclose(T[:3, 3], position, atol=1e-12)
 
 
 def test_a_name_a_path_and_a_text_give_the_same_chain(tmp_path):

@@ -1,0 +1,283 @@
+"""Redundant arms: a closed form for each value of a parameter, samples of it ranked."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels import branch_bits as bit
+from robomech_ros._kernels import redundant_layout as at
+from robomech_ros._kernels._jit import (
+    IIN1,
+    IN1,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT3,
+    ZERO,
+    b1,
+    i8,
+    inline,
+    kernel,
+)
+from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
+from robomech_ros._kernels.continuum import free_value
+from robomech_ros._kernels.nearest import approach
+from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.ranking import distance_from, insert, place
+from robomech_ros._kernels.serial import forward_body
+from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    APPROACHED,
+    APPROACHED_WITHIN,
+    FINER_SAMPLES,
+    SAME_POSTURE,
+)
+
+__all__ = ["NONE_EXISTS", "solve_redundant"]
+
+NONE_EXISTS = -1
+_STEPS = np.int64(20)
+
+
+@inline
+def _between(front, T, back, out):
+    """front^-1 T back^-1."""
+    for i in range(3):
+        a, b, c = front[0, i], front[1, i], front[2, i]
+        x = a * T[0, 0] + b * T[1, 0] + c * T[2, 0]
+        y = a * T[0, 1] + b * T[1, 1] + c * T[2, 1]
+        z = a * T[0, 2] + b * T[1, 2] + c * T[2, 2]
+        p = a * (T[0, 3] - front[0, 3]) + b * (T[1, 3] - front[1, 3]) + c * (T[2, 3] - front[2, 3])
+        for j in range(3):
+            out[i, j] = x * back[j, 0] + y * back[j, 1] + z * back[j, 2]
+        out[i, 3] = p - out[i, 0] * back[0, 3] - out[i, 1] * back[1, 3] - out[i, 2] * back[2, 3]
+        out[3, i] = 0.0
+    out[3, 3] = 1.0
+
+
+@inline
+def _repeats(packed, q, count):
+    """Tell whether the last posture is there already."""
+    for k in range(count):
+        apart = 0.0
+        for i in range(q.shape[1]):
+            difference = q[k, i] - q[count, i]
+            if packed[i, 0] == 0.0:
+                difference = wrapped(difference)
+            apart = max(apart, abs(difference))
+        if apart < SAME_POSTURE:
+            return True
+    return False
+
+
+@inline
+def _locked_postures(data, T, seed, locked, q, branch):
+    """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
+
+    ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
+    many postures there are.
+    """
+    n = int(data[at.JOINTS])
+    first = int(data[at.FIRST])
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    own = at.PARTS + 13 * (n + 1)
+    six = data[own : own + 91].reshape((7, 13))
+    front = np.empty((4, 4))
+    back = np.empty((4, 4))
+    target = np.empty((4, 4))
+    found = np.empty((MAX_SOLUTIONS, 6))
+    forward_body(packed[: first + 1], locked[:first], front)
+    forward_body(packed[first + 6 :], locked[first + 6 :], back)
+    _between(front, T, back, target)
+    total = six_joint_postures(
+        int(data[at.SIX]),
+        data[at.BACKWARDS] != 0.0,
+        data[own + 91 :],
+        target,
+        seed[first : first + 6],
+        found,
+        branch,
+    )
+    count = ZERO
+    for k in range(total):
+        if data[at.POLISH] != 0.0:
+            if not polish(six, target, found[k], _STEPS) <= ACCEPTED:
+                continue
+        for i in range(n):
+            if i < first or i >= first + 6:
+                q[count, i] = locked[i]
+            else:
+                value = found[k, i - first]
+                q[count, i] = wrapped(value) if packed[i, 0] == 0.0 else value
+        branch[count] = bit.SELF_MOTION | bit.UNNAMED
+        if data[at.POLISH] != 0.0 and _repeats(packed, q, count):
+            continue
+        count += 1
+    return count
+
+
+@inline
+def _choose(data, lower, upper, seed, k, steps, locked):
+    """Write the k-th of some values of the locked joints; return how far they are from the seed.
+
+    The first is the seed's.  One joint takes the others in order of their distance from there;
+    several follow a sequence that fills the box of their limits evenly.
+    """
+    n = int(data[at.JOINTS])
+    first = int(data[at.FIRST])
+    largest = 0.0
+    root = 1.0
+    for _ in range(32):
+        root = (1.0 + root) ** (1.0 / (n - 5))
+    stride = 1.0
+    for i in range(n):
+        locked[i] = seed[i]
+        if first <= i < first + 6 or k == 0:
+            continue
+        if n == 7:
+            locked[i] = free_value(lower[i], upper[i], seed[i], k, steps)
+        else:
+            stride /= root
+            part = 0.5 + k * stride
+            low, high = lower[i], upper[i]
+            if not high - low < 2.0 * math.pi and data[at.PARTS + 13 * i] == 0.0:
+                low, high = seed[i] - math.pi, seed[i] + math.pi
+            elif not high - low < math.inf:
+                low, high = seed[i] - data[at.SIZE], seed[i] + data[at.SIZE]
+                low, high = max(low, lower[i]), min(high, upper[i])
+            locked[i] = low + (high - low) * (part - math.floor(part))
+        largest = max(largest, abs(locked[i] - seed[i]))
+    return largest
+
+
+@inline
+def _sample(data, T, seed, angle, locked, k, steps, q, branch):
+    """Write the postures of one sample; ``angle`` is the arm angle of the seed."""
+    if data[at.KIND] == at.ARM_ANGLE:
+        away = 2.0 * math.pi * ((k + 1) // 2) / steps
+        angle += away if k % 2 == 1 else -away
+        return arm_angle_postures(data, T, seed, angle, q, branch)
+    return _locked_postures(data, T, seed, locked, q, branch)
+
+
+@inline
+def _collect(
+    data,
+    T,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    nearest,
+    low,
+    high,
+    q,
+    branch,
+    ranked,
+    names,
+    distances,
+):
+    """Rank the postures of all samples; return how many are inside the limits, and how many exist.
+
+    The posture to which steps from the seed lead is among them.  Where only the nearest is asked
+    for, samples that are farther from the seed than the first are left out.
+    """
+    n = seed.shape[0]
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    locked = np.empty(n)
+    placed = np.empty(n)
+    count = ZERO
+    bare = ZERO
+    steps = int(data[at.SAMPLES])
+    angle = arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
+    for i in range(n):
+        placed[i] = seed[i]
+    distance = approach(packed, T, lower, upper, seed, metric, bounded, placed)
+    if distance < math.inf:
+        name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
+        count = insert(placed, name, distance, count, ranked, names, distances)
+        bare += 1
+    for _ in range(2):
+        for k in range(steps):
+            if data[at.KIND] == at.LOCKED:
+                away = _choose(data, low, high, seed, k, steps, locked)
+                if nearest and count > 0 and away >= distances[0]:
+                    continue
+            total = _sample(data, T, seed, angle, locked, k, steps, q, branch)
+            bare += total
+            for i in range(total):
+                if place(turns, lower, upper, seed, bounded, q[i], placed):
+                    distance = distance_from(placed, seed, metric)
+                    count = insert(placed, branch[i], distance, count, ranked, names, distances)
+        if count > 0:
+            break
+        steps *= FINER_SAMPLES
+    return count, bare
+
+
+@kernel(
+    i8(IN1, IN3, IIN1, IN1, IN1, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1),
+)
+def solve_redundant(
+    data, T, turns, lower, upper, seed, metric, bounded, nearest, ranked, names, distances, counts
+):
+    """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
+
+    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last; the first few are moved along their
+    self-motion until they are as near as that goes.  Samples farther than the first are left out
+    where only ``nearest`` is asked for.  ``counts`` (m,) gets their number, or NONE_EXISTS where
+    no sample has a posture even outside the limits.  ``names`` and ``distances`` (room,) are those
+    of the last pose.
+    """
+    n = seed.shape[0]
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    q = np.empty((MAX_SOLUTIONS, n))
+    branch = np.empty(MAX_SOLUTIONS, np.int64)
+    starts, away = np.empty((APPROACHED, n)), np.empty(APPROACHED)
+    low, high = np.empty(n), np.empty(n)
+    for i in range(n):
+        low[i] = lower[i] if bounded else -math.inf
+        high[i] = upper[i] if bounded else math.inf
+    for m in range(T.shape[0]):
+        count, bare = _collect(
+            data,
+            T[m],
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            nearest,
+            low,
+            high,
+            q,
+            branch,
+            ranked[m],
+            names,
+            distances,
+        )
+        tried = min(count, APPROACHED)
+        for k in range(tried):
+            for i in range(n):
+                starts[k, i] = ranked[m, k, i]
+            away[k] = distances[k]
+        for k in range(tried):
+            if away[k] > distances[0] + APPROACHED_WITHIN:
+                break
+            if (
+                approach(packed, T[m], lower, upper, seed, metric, bounded, starts[k])
+                < distances[0]
+            ):
+                distance = distance_from(starts[k], seed, metric)
+                count = insert(starts[k], names[0], distance, count, ranked[m], names, distances)
+        counts[m] = count if bare > 0 else NONE_EXISTS
+        for k in range(count, ranked.shape[1]):
+            for i in range(n):
+                ranked[m, k, i] = math.nan
+    return 0

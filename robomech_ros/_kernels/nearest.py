@@ -1,0 +1,162 @@
+"""The posture of a redundant arm nearest to a seed, along the self-motion of one posture.
+
+Every step goes along the self-motion as far as the linearised distance asks, stops at joint
+limits, and corrects the pose by the shortest move of the joints.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, kernel
+from robomech_ros._kernels.polishing import largest_error, pose_difference
+from robomech_ros._kernels.ranking import LINF, distance_from
+from robomech_ros._kernels.serial import jacobian_body
+from robomech_ros._kernels.tolerances import (
+    AT_LIMIT,
+    NEAREST_ERROR,
+    NEAREST_ITERATIONS,
+    NEAREST_STEP,
+    ON_BOUNDARY,
+)
+
+__all__ = ["approach"]
+
+_LONGEST = 0.5
+_GOLDEN = 0.6180339887498949
+# Golden sections of a step of half a radian that leave 1e-5 rad.
+_SECTIONS = 24
+
+
+@inline
+def _largest_after(q, seed, t, s):
+    """Largest difference from the seed after a step s along t."""
+    largest = 0.0
+    for i in range(q.shape[0]):
+        largest = max(largest, abs(q[i] + s * t[i] - seed[i]))
+    return largest
+
+
+@inline
+def _minimax(q, seed, t, low, high):
+    """Step in [low, high] along t after which the largest difference from the seed is least."""
+    a, b = low, high
+    x, y = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+    fx, fy = _largest_after(q, seed, t, x), _largest_after(q, seed, t, y)
+    for _ in range(_SECTIONS):
+        if fx < fy:
+            b, y, fy = y, x, fx
+            x = b - _GOLDEN * (b - a)
+            fx = _largest_after(q, seed, t, x)
+        else:
+            a, x, fx = x, y, fy
+            y = a + _GOLDEN * (b - a)
+            fy = _largest_after(q, seed, t, y)
+    s = 0.5 * (a + b)
+    better = _largest_after(q, seed, t, s) < _largest_after(q, seed, t, 0.0)
+    return s if better or not low <= 0.0 <= high else 0.0
+
+
+@inline
+def _wish(q, seed, metric, g):
+    """Write the direction in which the distance from the seed shrinks fastest."""
+    n = q.shape[0]
+    if metric != LINF:
+        for i in range(n):
+            g[i] = seed[i] - q[i]
+        return
+    k = 0
+    for i in range(n):
+        g[i] = 0.0
+        if abs(q[i] - seed[i]) > abs(q[k] - seed[k]):
+            k = i
+    g[k] = 1.0 if seed[k] > q[k] else -1.0
+
+
+@inline
+def _length(q, seed, metric, t, lower, upper, bounded):
+    """How far to go along t, inside the limits; the step is at most _LONGEST in every joint."""
+    largest = 0.0
+    for i in range(q.shape[0]):
+        largest = max(largest, abs(t[i]))
+    if largest < ON_BOUNDARY:
+        return 0.0
+    high = _LONGEST / largest
+    low = -high
+    if bounded:
+        for i in range(q.shape[0]):
+            if t[i] != 0.0:
+                one, other = (lower[i] - q[i]) / t[i], (upper[i] - q[i]) / t[i]
+                low = max(low, min(one, other))
+                high = min(high, max(one, other))
+        if low > high:
+            return 0.0
+    if metric == LINF:
+        return _minimax(q, seed, t, low, high)
+    return min(max(1.0, low), high)
+
+
+@inline
+def _inside(q, lower, upper):
+    """Tell whether q keeps its limits; what is beyond by rounding is put on them."""
+    for i in range(q.shape[0]):
+        if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
+            return False
+    for i in range(q.shape[0]):
+        q[i] = min(max(q[i], lower[i]), upper[i])
+    return True
+
+
+@kernel(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+def approach(packed, T, lower, upper, seed, metric, bounded, q):
+    """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
+
+    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails.
+    """
+    n = q.shape[0]
+    J = np.empty((6, n))
+    current = np.empty((4, 4))
+    e = np.empty(6)
+    y = np.empty(6)
+    A = np.empty((6, 6))
+    g = np.empty(n)
+    settled = False
+    for iteration in range(NEAREST_ITERATIONS):
+        jacobian_body(packed, q, J, current)
+        pose_difference(T, current, e)
+        error = largest_error(e)
+        if settled and error <= NEAREST_ERROR:
+            if not bounded or _inside(q, lower, upper):
+                return distance_from(q, seed, metric)
+            settled = False
+        if not error < 1.0:
+            return math.inf
+        for i in range(6):
+            for j in range(i + 1):
+                value = 0.0
+                for k in range(n):
+                    value += J[i, k] * J[j, k]
+                A[i, j] = value
+        if not cholesky_solve(A, e, 6):
+            return math.inf
+        if not settled:
+            _wish(q, seed, metric, g)
+            for i in range(6):
+                y[i] = 0.0
+                for k in range(n):
+                    y[i] += J[i, k] * g[k]
+            cholesky_again(A, y, 6)
+            for k in range(n):
+                for i in range(6):
+                    g[k] -= J[i, k] * y[i]
+            s = _length(q, seed, metric, g, lower, upper, bounded)
+            largest = 0.0
+            for k in range(n):
+                largest = max(largest, abs(s * g[k]))
+                q[k] += s * g[k]
+            settled = max(largest, error) < NEAREST_STEP or iteration == NEAREST_ITERATIONS // 2
+        for k in range(n):
+            for i in range(6):
+                q[k] += J[i, k] * e[i]
+    return math.inf

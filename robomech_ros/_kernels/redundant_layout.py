@@ -1,0 +1,31 @@
+"""Where the constants of a redundant arm of n joints stand in its data array.
+
+LOCKED arms have six neighbouring joints, from FIRST on, that make an arm with a closed form; the
+n - 6 others are locked at chosen values.  ARM_ANGLE arms have seven revolute joints, axes 1 to 3
+through one point and axes 5 to 7 through another; the angle of the elbow about the line between
+both is chosen.
+"""
+
+LOCKED = 0
+ARM_ANGLE = 1
+
+KIND = 0
+JOINTS = 1  # n
+FIRST = 2  # first joint of the six
+BACKWARDS = 3  # 1.0 where their inverse motion is solved
+SIX = 4  # family of the six
+POLISH = 5  # 1.0 where their constants are idealised, so that solutions need to be polished
+SAMPLES = 6  # values of the redundancy parameter that are tried
+SIZE = 7  # length of the arm (m)
+PARTS = 8  # from here the packed chain, n + 1 rows of 13; then the packed chain of the six, 7 rows
+# of 13; then, for LOCKED, the constants of the six as their family reads them, for ARM_ANGLE:
+SHOULDER = 0  # constants of the shoulder where decoupled_layout has those of a wrist, ANGLES first
+WRIST = 10  # the same of the wrist
+CENTRE_0 = 20  # centre of the shoulder in the base (m)
+CENTRE_3 = 23  # and in the frame that moves with joint 3
+CENTRE_4 = 26  # centre of the wrist in the frame that moves with joint 4
+CENTRE_7 = 29  # and in the tip frame
+ELBOW = 32  # point of axis 4 nearest to the shoulder, in the frame that moves with joint 3
+REFERENCE = 35  # direction in the base that arm angles are measured from
+OTHER = 38  # the one that takes its place where the wrist centre is in that direction
+LENGTH = 41

@@ -1,0 +1,14 @@
+"""Where the constants of an arm of n < 6 joints stand in its data array.
+
+The arm is completed to one of six joints by imagined ones, so that it has a closed form; solutions
+are those in which the imagined joints stay at zero.
+"""
+
+JOINTS = 0  # n
+SIX = 1  # family of the six
+BACKWARDS = 2  # 1.0 where their inverse motion is solved
+EXACT = 3  # 1.0 where nothing is idealised
+SIZE = 4  # length of the arm (m)
+PLACES = 5  # for each of the six: which joint of the arm it is, -1 for an imagined one
+SLIDES = 11  # for each of the six: 1.0 for a prismatic joint
+PARTS = 17  # the packed chain, n + 1 rows of 13; then the constants of the six

@@ -1,0 +1,148 @@
+"""Arms with more than six joints: recognition of a closed form for each value of a parameter.
+
+Covered are arms of seven revolute joints with a spherical shoulder and a spherical wrist, whose
+parameter is the arm angle, and all others in which six neighbouring joints have a closed form; the
+joints before and after them are locked at values of choice.  A joint between the six need not be
+locked: three axes next to each other that meet at an end of the six, or are parallel, stay
+together when the first or the last joint of the arm is locked.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels import redundant_layout as at
+from robomech_ros._kernels.six_joints import ITERATIVE
+from robomech_ros._kernels.tolerances import (
+    ANGLE_SAMPLES,
+    CONCURRENT_EXACT,
+    LOCKED_SAMPLES,
+    NEARLY_SPHERICAL,
+)
+from robomech_ros.kinematics.decoupled import common_point, transforms, wrist_constants
+from robomech_ros.kinematics.iterative import iterative_data
+from robomech_ros.kinematics.six_joints import SixJointArm, chain_of, match_six, reversed_transforms
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["locked_anyway", "match"]
+
+Array = NDArray[np.float64]
+
+
+def match(chain: SerialChain) -> Array | None:
+    """Recognise a redundant arm with a closed form for each value of its redundancy parameters.
+
+    Parameters
+    ----------
+    chain : SerialChain
+
+    Returns
+    -------
+    ndarray or None
+        The constants that ``_kernels.inverse_redundant`` reads; None for fewer than seven joints
+        and where no six neighbouring joints have a closed form.
+    """
+    if chain.n < 7:
+        return None
+    C = transforms(chain)
+    parts = _arm_angle_parts(chain, C)
+    if parts is not None:
+        return _laid_out(chain, at.ARM_ANGLE, np.zeros(91), parts)
+    for ideal in (False, True):
+        for first in range(chain.n - 5):
+            six = C[first : first + 7].copy()
+            six[0] = six[6] = np.eye(4)
+            types = chain.types[first : first + 6].tolist()
+            arm = _idealised(six, types) if ideal else match_six(six, types)
+            if arm is not None:
+                rows = np.zeros((7, 13))
+                rows[:6, 0] = types
+                rows[:, 1:10] = six[:, :3, :3].reshape(7, 9)
+                rows[:, 10:] = six[:, :3, 3]
+                rows[6, 0] = -1.0
+                data = _laid_out(chain, at.LOCKED, rows.ravel(), arm.data)
+                data[at.FIRST], data[at.BACKWARDS] = first, arm.backwards
+                data[at.SIX], data[at.POLISH] = arm.family, ideal
+                return data
+    return None
+
+
+def locked_anyway(chain: SerialChain) -> Array:
+    """Lay out seven joints of which the last is locked and the others are searched for.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of seven joints, without a closed form.
+
+    Returns
+    -------
+    ndarray
+        As :func:`match` gives it.
+    """
+    six = transforms(chain)[:7]
+    six[0] = six[6] = np.eye(4)
+    rest = iterative_data(chain_of(six, chain.types[:6].tolist()), respect_limits=False)
+    data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
+    data[at.SIX] = ITERATIVE
+    return data
+
+
+def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
+    head = np.zeros(at.PARTS)
+    head[at.KIND], head[at.JOINTS] = kind, chain.n
+    head[at.SAMPLES] = ANGLE_SAMPLES if kind == at.ARM_ANGLE else LOCKED_SAMPLES
+    head[at.SIZE] = max(float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum()), 1e-3)
+    return np.concatenate((head, chain.packed.ravel(), six, rest))
+
+
+def _idealised(C: Array, types: list[int]) -> SixJointArm | None:
+    """Find the closed form of six joints whose last or first three axes nearly meet."""
+    for backwards in (False, True):
+        links = reversed_transforms(C) if backwards else C.copy()
+        if any((types[::-1] if backwards else types)[3:]):
+            continue
+        centre = common_point(links[4], links[5])
+        size = max(float(np.linalg.norm(C[:, :3, 3], axis=1).sum()), 1e-3)
+        if centre is None or centre[2] > NEARLY_SPHERICAL * size:
+            continue
+        height4, height6, _ = centre
+        # The centre of the true wrist's axes 4 and 5, and the same place on axes 5 and 6.
+        height5 = float((np.linalg.inv(links[4]) @ (0.0, 0.0, height4, 1.0))[2])
+        links[4, :3, 3] = (0.0, 0.0, height4) - links[4, :3, 2] * height5
+        links[5, :3, 3] = (0.0, 0.0, height5) - links[5, :3, 2] * height6
+        arm = match_six(reversed_transforms(links) if backwards else links, types)
+        if arm is not None:
+            return arm
+    return None
+
+
+def _arm_angle_parts(chain: SerialChain, C: Array) -> Array | None:
+    """Lay out what is particular of an arm with a spherical shoulder and a spherical wrist."""
+    if chain.n != 7 or chain.types.any():
+        return None
+    shoulder, wrist = common_point(C[1], C[2]), common_point(C[5], C[6])
+    size = float(np.linalg.norm(C[:, :3, 3], axis=1).sum())
+    if shoulder is None or wrist is None:
+        return None
+    if max(shoulder[2], wrist[2]) > CONCURRENT_EXACT * size:
+        return None
+    first, last = wrist_constants(C[1], C[2]), wrist_constants(C[5], C[6])
+    if first is None or last is None:
+        return None
+    parts = np.zeros(at.LENGTH)
+    parts[at.SHOULDER : at.SHOULDER + 10], parts[at.WRIST : at.WRIST + 10] = first, last
+    centre3 = np.array([0.0, 0.0, shoulder[1]])
+    centre4 = (C[4] @ (0.0, 0.0, wrist[0], 1.0))[:3]
+    axis = C[3, :3, 2]
+    from_shoulder = C[3, :3, 3] - centre3
+    elbow = from_shoulder - (axis @ from_shoulder) * axis
+    if min(np.linalg.norm(elbow), np.linalg.norm(centre4[:2])) < NEARLY_SPHERICAL * size:
+        return None
+    parts[at.CENTRE_0 : at.CENTRE_0 + 3] = (C[0] @ (0.0, 0.0, shoulder[0], 1.0))[:3]
+    parts[at.CENTRE_3 : at.CENTRE_3 + 3] = centre3
+    parts[at.CENTRE_4 : at.CENTRE_4 + 3] = centre4
+    parts[at.CENTRE_7 : at.CENTRE_7 + 3] = (np.linalg.inv(C[7]) @ (0.0, 0.0, wrist[1], 1.0))[:3]
+    parts[at.ELBOW : at.ELBOW + 3] = centre3 + elbow
+    parts[at.REFERENCE : at.REFERENCE + 3] = C[0, :3, 2]
+    parts[at.OTHER : at.OTHER + 3] = C[0, :3, 0]
+    return parts
