@@ -20,12 +20,14 @@ from robomech_ros._kernels._jit import (
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
+from robomech_ros._kernels.inverse_general import DOUBT, solve_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 
 __all__ = [
     "DECOUPLED",
+    "GENERAL",
     "ITERATIVE",
     "MAX_SOLUTIONS",
     "NONE_EXISTS",
@@ -37,18 +39,21 @@ __all__ = [
 DECOUPLED = 0
 THREE_PARALLEL = 1
 ITERATIVE = 2
+GENERAL = 3
 
 MAX_SOLUTIONS = 16
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
 
 # Entries of ``state``: how many bare solutions there are, branches of continua without a posture
-# inside the limits, ranked solutions, and bare ones that stand for a continuum.
+# inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
+# cannot vouch for having found all.
 BARE = 0
 MISSING = 1
 RANKED = 2
 SINGULAR = 3
-STATE = 4
+UNPROVEN = 4
+STATE = 5
 
 # Values of the free joints that are tried where the seed's leads out of the limits.
 _FREE_VALUES = 96
@@ -159,13 +164,18 @@ def solve(
                 total = solve_decoupled(data, T[m], start, p, b)
             elif family == THREE_PARALLEL:
                 total = solve_parallel(data, T[m], start, p, b)
+            elif family == GENERAL:
+                total = solve_general(data, T[m], start, p, b)
             else:
                 total = solve_iterative(data, T[m], start, p, b)
+            unproven = total & DOUBT
+            total -= unproven
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total
             if k == 0:
                 found = total
+                state[UNPROVEN] = unproven // DOUBT
                 state[MISSING] = 0
                 state[SINGULAR] = _count_continua(branch, total)
                 state[RANKED] = rank_body(

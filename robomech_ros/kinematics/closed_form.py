@@ -51,7 +51,7 @@ def solve_closed_form(
         counts,
         state,
     )
-    bare, missing, count, singular = state.tolist()
+    bare, missing, count, singular, unproven = state.tolist()
     if not count:
         if not bare:
             return explain_nothing(chain, T, family)
@@ -72,7 +72,7 @@ def solve_closed_form(
         q=ranked[:kept],
         seed_distance=distances[:kept],
         family=family.name,
-        complete=not singular and family.exact,
+        complete=not singular and not unproven and family.exact,
         status=Status.SUCCESS,
         reason=reason,
         blocking_joints=(),

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import decoupled_layout
-from robomech_ros._kernels.inverse import DECOUPLED, ITERATIVE, THREE_PARALLEL
-from robomech_ros.kinematics import decoupled, iterative, three_parallel
+from robomech_ros._kernels.inverse import DECOUPLED, GENERAL, ITERATIVE, THREE_PARALLEL
+from robomech_ros.kinematics import decoupled, general_6r, iterative, three_parallel
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
 __all__ = ["Family", "family_of", "iterative_family"]
@@ -23,7 +23,7 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"`` or ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"`` or ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -51,6 +51,7 @@ class Family:
 _CLOSED_FORMS = (
     ("decoupled", DECOUPLED, decoupled.match),
     ("three-parallel", THREE_PARALLEL, three_parallel.match),
+    ("general-6r", GENERAL, general_6r.match),
 )
 
 

@@ -49,8 +49,9 @@ def inverse_kinematics(
     """Find the joint values that bring the tip to a pose, nearest to the seed first.
 
     An arm with a spherical wrist, whatever its first three joints, and an arm with three
-    parallel axes next to each other get all their real solutions in closed form; any other chain
-    is searched iteratively (``complete`` is False then). At a pose where joints can move while
+    parallel axes next to each other get all their real solutions in closed form, any other arm of
+    six revolute joints from a determinant in one of them; other chains are searched iteratively
+    (``complete`` is False then). At a pose where joints can move while
     the tip stays, each branch is represented by one posture, with the free joint at the seed's
     value where that is possible, and the result is marked as a continuum.
 
