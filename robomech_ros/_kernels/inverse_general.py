@@ -5,7 +5,7 @@ its determinant is well above rounding, has simple zeros only, and each of them 
 posture of its own.  Then the list is complete.
 
 At a singular posture, where axes line up, or where two postures share the hidden angle, that may
-fail for every form.  Then the pose is nudged, in four directions, to neighbours that are solved
+fail for every form.  Then the pose is nudged, back and forth, to neighbours that are solved
 cleanly, and their solutions are followed back.  Where the Jacobian is regular a solution has one
 beside it for every pose nearby, so that none of these can be lost; a fold keeps its two on one
 side.  The list counts as complete where two nudges at least were clean and each of them led to
@@ -50,11 +50,13 @@ DOUBT = 1 << 8
 
 MAX_SOLUTIONS = 16
 # Nudges: rotation (rad), translation over the size, and their norm.  Each is used both ways; the
-# large one is sure to leave the degenerate pose, the small one stays near all regular solutions.
+# largest is sure to leave the degenerate pose, the smallest stays near all regular solutions.
 _NUDGES = (
     (1.1e-3, -0.7e-3, 0.8e-3, 0.9e-3, 0.5e-3, -1.2e-3, 2.2e-3),
     (-0.5e-4, 0.8e-4, 0.4e-4, 0.3e-4, -0.9e-4, 0.6e-4, 1.5e-4),
+    (1.5e-2, 0.9e-2, -1.2e-2, 0.7e-2, -1.6e-2, 1.0e-2, 2.9e-2),
 )
+_EIGHTH = 0.25 * math.pi
 _NUDGED = 1 + 2 * len(_NUDGES)
 # Beside the rows reached, as bits.
 _IS_CLEAN = 1 << 16
@@ -192,7 +194,14 @@ def _follow_back(data, packed, T, number, trial, q, count):
     for part in NUDGE_PARTS:
         _nudged(data, T, number, part, near)
         polish(packed, near, trial, GENERAL_STEPS)
-    return _admit(data, packed, T, trial, True, q, count)
+    row, count = _admit(data, packed, T, trial, True, q, count)
+    if row < 0:
+        # Where many solutions become one, Newton steps stop short of it.  Such postures are those
+        # at which links line up or stand square.
+        for j in range(6):
+            trial[j] = _EIGHTH * math.floor(trial[j] / _EIGHTH + 0.5)
+        row, count = _admit(data, packed, T, trial, True, q, count)
+    return row, count
 
 
 @inline
@@ -273,6 +282,10 @@ def solve_general(data, T, seed, q, branch):
         reached[number] = _IS_CLEAN | rows if clean else 0
         if number == 0 and clean:
             break
+        if number % 2 == 0 and number > 0 and clean and reached[number] == reached[number - 1]:
+            if reached[number] == _IS_CLEAN | ((1 << count) - 1):
+                # Both ways led to all that is known.
+                break
     for k in range(count):
         branch[k] = POSTURE_NUMBERED | (k << ARM_SHIFT)
     if reached[0] & _IS_CLEAN:

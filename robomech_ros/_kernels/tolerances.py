@@ -187,8 +187,8 @@ MOST_WINDINGS = 8192
 
 # --- General six-joint arms: the determinant (lengths over the size) ---
 # Rounding of the determinant, over the product of all pivots but the least: a dozen eliminations
-# of entries of order one.
-DETERMINANT_NOISE = 2e-15
+# of entries of order one, which are themselves rounded.
+DETERMINANT_NOISE = 1e-14
 # Below this the unknowns that a form eliminates are too dependent for it.
 GENERAL_MARGIN = 1e-6
 # A pivot below this (of the first) is zero: there is nothing left to eliminate.
@@ -219,7 +219,7 @@ SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-2
 # Parts of a nudge in which a solution is followed back, to where Newton steps take over: at a
 # posture of multiplicity m it comes nearer by the m-th root of them only.
-NUDGE_PARTS = (0.25, 0.0625, 1e-2, 1e-3, 1e-4, 1e-5)
+NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 # A step (rad) away from a singular posture, and how much of it must be left after polishing, to
 # tell a continuum.
 CONTINUUM_STEP = 3e-2
