@@ -68,12 +68,17 @@ def core(E, cosine, sine, A, B, K):
 
 @inline
 def determinant(E, cosine, sine, A, B, K):
-    """Evaluate the determinant; return it and the product of all pivots but the least.
+    """Evaluate the determinant; return it, the product of all pivots but the least, and a pivot.
 
-    That product, times the rounding of one pivot, is the rounding of the determinant.
+    That product, times the rounding of one pivot, is the rounding of the determinant.  Pivots
+    that come late carry the roundings of the earlier ones, divided by the least of these, which
+    is the last that is returned.
     """
     value, least = core(E, cosine, sine, A, B, K)
+    early = 1.0
     for k in range(5):
+        if k == 4:
+            early = min(early, least)
         r = k
         best = abs(K[k, k])
         for i in range(k + 1, 6):
@@ -82,7 +87,7 @@ def determinant(E, cosine, sine, A, B, K):
                 best = size
                 r = i
         if best < _NOTHING:
-            return 0.0, 0.0
+            return 0.0, 0.0, early
         if r != k:
             for j in range(6):
                 K[k, j], K[r, j] = K[r, j], K[k, j]
@@ -96,7 +101,7 @@ def determinant(E, cosine, sine, A, B, K):
                 K[i, j] -= factor * K[k, j]
     last = abs(K[5, 5])
     others = abs(value) if last <= least else abs(value) * (last / least)
-    return value * K[5, 5], others
+    return value * K[5, 5], others, early
 
 
 @inline

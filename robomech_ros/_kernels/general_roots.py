@@ -69,7 +69,7 @@ def sample(E, form, A, B, K):
     largest = 0.0
     noise = 0.0
     for j in range(SAMPLES):
-        values[j], others = determinant(E, SAMPLE_COSINES[j], SAMPLE_SINES[j], A, B, K)
+        values[j], others, _ = determinant(E, SAMPLE_COSINES[j], SAMPLE_SINES[j], A, B, K)
         largest = max(largest, abs(values[j]))
         noise = max(noise, others)
     for k in range(9):
@@ -112,12 +112,12 @@ def _anew(E, arc, low, high, A, B, K, values, b):
         weight = 1.0 + t * t
         c = (1.0 - t * t) / weight
         s = 2.0 * t / weight
-        value, others = determinant(E, c * cosine - s * sine, s * cosine + c * sine, A, B, K)
+        value, others, early = determinant(E, c * cosine - s * sine, s * cosine + c * sine, A, B, K)
         weight *= weight
         weight *= weight
         weight *= weight
         values[j] = value * weight
-        noise = max(noise, others * weight)
+        noise = max(noise, others * weight / early)
     for i in range(17):
         total = 0.0
         for j in range(17):

@@ -8,8 +8,9 @@ At a singular posture, where axes line up, or where two postures share the hidde
 fail for every form.  Then the pose is nudged, back and forth, to neighbours that are solved
 cleanly, and their solutions are followed back.  Where the Jacobian is regular a solution has one
 beside it for every pose nearby, so that none of these can be lost; a fold keeps its two on one
-side.  The list counts as complete where two nudges at least were clean and each of them led to
-all regular solutions found.
+side.  The list counts as complete where a nudge and its opposite were clean, none of their
+solutions was lost on the way, and both led to all solutions that are far from singular; but not
+where the determinant of every form vanishes all round, as it does where a joint is free.
 """
 
 import math
@@ -30,6 +31,7 @@ from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     CONTINUUM_KEPT,
     CONTINUUM_STEP,
+    GENERAL_FREE_VALUES,
     GENERAL_MARGIN,
     GENERAL_MULTIPLE,
     GENERAL_REGULAR,
@@ -96,7 +98,7 @@ def _admit(data, packed, T, trial, singular, q, count):
     more solutions have become one.
     """
     error = polish(packed, T, trial, GENERAL_STEPS_SINGULAR if singular else GENERAL_STEPS)
-    if not error <= ACCEPTED * max(1.0, data[at.SIZE]):
+    if not error <= ACCEPTED:
         return -1, count
     same = SAME_POSTURE
     ratio = 1.0
@@ -121,8 +123,12 @@ def _admit(data, packed, T, trial, singular, q, count):
 
 
 @inline
-def _solve_form(data, form, packed, T, pose, back, q, count):
-    """Enter the solutions that a form finds; return whether it is clean, and count."""
+def _solve_form(data, form, packed, T, pose, back, seed, q, count):
+    """Enter the solutions that a form finds; return whether it is clean, void, and count.
+
+    Void is a form whose determinant vanishes all round: the hidden joint may be free.  It is then
+    given the seed's value, or the next of some others with which there is a posture.
+    """
     constant = data[form + at.FIXED : form + at.FIXED + 12]
     moving = pose if data[form + at.SENSE] > 0.0 else back
     before, behind = constant, moving
@@ -140,11 +146,19 @@ def _solve_form(data, form, packed, T, pose, back, q, count):
     S = np.empty((6, 6))
     shape = np.empty((2, 9))
     largest, noise = sample(E, shape, A, B, S)
-    if not largest > GENERAL_VOID * noise:
-        return False, count
     roots = np.empty((MAX_ROOTS, 2))
-    zeros, whole = isolate(E, shape, noise, A, B, S, roots)
-    clean = clean and whole
+    void = not largest > GENERAL_VOID * noise
+    if void:
+        clean = False
+        zeros = GENERAL_FREE_VALUES
+        start = data[form + at.SENSE] * seed[int(data[form + at.JOINTS + at.HIDDEN])]
+        for k in range(zeros):
+            away = 2.0 * math.pi * ((k + 1) // 2) / zeros
+            roots[k, 0] = start + (away if k % 2 == 1 else -away)
+            roots[k, 1] = roots[k, 0]
+    else:
+        zeros, whole = isolate(E, shape, noise, A, B, S, roots)
+        clean = clean and whole
     x = np.empty(6)
     order = np.empty(6, np.int64)
     left = np.empty(14)
@@ -161,7 +175,9 @@ def _solve_form(data, form, packed, T, pose, back, q, count):
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:
             rows |= 1 << row
-    return clean, count
+            if void:
+                break
+    return clean, void, count
 
 
 @inline
@@ -231,21 +247,26 @@ def _classify(data, packed, T, q, branch, count):
 
 
 @inline
-def _solve_at(data, packed, T, q):
-    """Write the solutions of the first clean form, or of all, to q; return whether clean, count."""
+def _solve_at(data, packed, T, seed, q):
+    """Write the solutions of the first clean form, or of all, to q.
+
+    Returns whether one is clean, whether all are void, and how many solutions there are.
+    """
     pose = np.empty(12)
     back = np.empty(12)
     demanded(data, T, pose, back)
     count = 0
     if not pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11] <= 1.0 + ACCEPTED:
         # Farther away than the stretched arm reaches.
-        return True, 0
+        return True, False, 0
+    all_void = True
     for k in range(int(data[at.FORMS])):
         form = at.HEAD + k * at.FORM
-        clean, count = _solve_form(data, form, packed, T, pose, back, q, count)
+        clean, void, count = _solve_form(data, form, packed, T, pose, back, seed, q, count)
+        all_void = all_void and void
         if clean:
-            return True, count
-    return False, count
+            return True, False, count
+    return False, all_void, count
 
 
 @kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
@@ -260,10 +281,12 @@ def solve_general(data, T, seed, q, branch):
     trial = np.empty(6)
     reached = np.zeros(_NUDGED, np.int64)
     count = 0
+    untold = False
     # Number 0 is the pose itself.
     for number in range(_NUDGED):
         _nudged(data, T, number, 1.0, near)
-        clean, found = _solve_at(data, packed, near, others)
+        clean, void, found = _solve_at(data, packed, near, seed, others)
+        untold = untold or (number == 0 and void)
         rows = 0
         for k in range(found):
             for j in range(6):
@@ -292,6 +315,6 @@ def solve_general(data, T, seed, q, branch):
         return count
     wanted = _IS_CLEAN | _classify(data, packed, T, q, branch, count)
     for pair in range(1, _NUDGED, 2):
-        if reached[pair] & reached[pair + 1] & wanted == wanted:
+        if not untold and reached[pair] & reached[pair + 1] & wanted == wanted:
             return count
     return count | DOUBT

@@ -213,6 +213,8 @@ GENERAL_STEPS_SINGULAR = 60
 GENERAL_SINGULAR = 1e-6
 GENERAL_MULTIPLE = 1e-5
 GENERAL_REGULAR = 2e-2
+# Values of a hidden joint that are tried where its determinant vanishes all round.
+GENERAL_FREE_VALUES = 16
 # Postures nearer to each other than this (rad) are one where Newton steps converge slowly: the
 # square root of the pose's rounding, with room, and a higher root of ACCEPTED.
 SAME_SINGULAR = 1e-5
