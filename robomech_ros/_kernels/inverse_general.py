@@ -315,6 +315,6 @@ def solve_general(data, T, seed, q, branch):
         return count
     wanted = _IS_CLEAN | _classify(data, packed, T, q, branch, count)
     for pair in range(1, _NUDGED, 2):
-        if not untold and reached[pair] & reached[pair + 1] & wanted == wanted:
+        if not untold and count > 0 and reached[pair] & reached[pair + 1] & wanted == wanted:
             return count
     return count | DOUBT

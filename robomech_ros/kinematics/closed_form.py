@@ -13,6 +13,7 @@ from robomech_ros.kinematics.outcome import (
     describe_continuum,
     explain_limits,
     explain_nothing,
+    nothing,
 )
 from robomech_ros.kinematics.request import Request
 from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
@@ -53,6 +54,9 @@ def solve_closed_form(
     )
     bare, missing, count, singular, unproven = state.tolist()
     if not count:
+        if not bare and unproven:
+            reason = "the pose is degenerate: no posture was found, which proves nothing"
+            return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
         if not bare:
             return explain_nothing(chain, T, family)
         return explain_limits(chain, T, q[:bare], family, singular > 0)
