@@ -11,11 +11,14 @@ ARM_MASK = 0xF << ARM_SHIFT
 SHOULDER_SINGULAR = 1 << 8
 ELBOW_SINGULAR = 1 << 9
 WRIST_SINGULAR = 1 << 10
-# One posture of the self-motion of a redundant arm.
+# The same of an arm whose joints have no such names, and one posture of the self-motion of a
+# redundant one.
 SELF_MOTION = 1 << 13
 CONTINUUM = SHOULDER_SINGULAR | ELBOW_SINGULAR | WRIST_SINGULAR | SELF_MOTION
 # The posture has no name.
 UNNAMED = 1 << 14
+# It has a number (in the place of the arm's) and nothing else.
+POSTURE_NUMBERED = 1 << 15
 # A singular posture without a continuum: two solutions have become one.
 BOUNDARY = 1 << 11
 # Axes 4 and 6 of a singular spherical wrist point in opposite directions.

@@ -19,10 +19,12 @@ from robomech_ros._kernels._jit import (
     kernel,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
+from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.inverse_short import solve_short
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 from robomech_ros._kernels.six_joints import (
     DECOUPLED,
+    GENERAL,
     ITERATIVE,
     MAX_SOLUTIONS,
     THREE_PARALLEL,
@@ -31,6 +33,7 @@ from robomech_ros._kernels.six_joints import (
 
 __all__ = [
     "DECOUPLED",
+    "GENERAL",
     "ITERATIVE",
     "MAX_SOLUTIONS",
     "NONE_EXISTS",
@@ -48,12 +51,14 @@ SHORT = 4
 NONE_EXISTS = -1
 
 # Entries of ``state``: how many bare solutions there are, branches of continua without a posture
-# inside the limits, ranked solutions, and bare ones that stand for a continuum.
+# inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
+# cannot vouch for having found all.
 BARE = 0
 MISSING = 1
 RANKED = 2
 SINGULAR = 3
-STATE = 4
+UNPROVEN = 4
+STATE = 5
 
 # Values of the free joints that are tried where the seed's leads out of the limits.
 _FREE_VALUES = 96
@@ -166,11 +171,14 @@ def solve(
                 total = solve_short(data, T[m], start, p, b)
             else:
                 total = six_joint_postures(family, _FORWARDS, data, T[m], start, p, b)
+            unproven = total & DOUBT
+            total -= unproven
             if bounded:
                 _settle(family, lower, upper, seed, p, b, total)
             state[BARE] = total
             if k == 0:
                 found = total
+                state[UNPROVEN] = unproven // DOUBT
                 state[MISSING] = 0
                 state[SINGULAR] = _count_continua(branch, total)
                 state[RANKED] = rank_body(

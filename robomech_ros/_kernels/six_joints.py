@@ -4,11 +4,13 @@ import numpy as np
 
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, b1, i8, inline, kernel
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
+from robomech_ros._kernels.inverse_general import solve_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 
 __all__ = [
     "DECOUPLED",
+    "GENERAL",
     "ITERATIVE",
     "MAX_SOLUTIONS",
     "THREE_PARALLEL",
@@ -18,6 +20,8 @@ __all__ = [
 DECOUPLED = 0
 THREE_PARALLEL = 1
 ITERATIVE = 2
+# 3 and 4 are arms of more and of fewer joints.
+GENERAL = 5
 
 MAX_SOLUTIONS = 16
 
@@ -29,6 +33,8 @@ def _postures(family, data, T, seed, q, branch):
         return solve_decoupled(data, T, seed, q, branch)
     if family == THREE_PARALLEL:
         return solve_parallel(data, T, seed, q, branch)
+    if family == GENERAL:
+        return solve_general(data, T, seed, q, branch)
     return solve_iterative(data, T, seed, q, branch)
 
 

@@ -67,7 +67,7 @@ PARALLEL_EXACT = 1e-14
 # with a smaller sine to them, make an arm that loses a degree of freedom: not this family.
 PARALLEL_DISTANCE = 1e-5
 # Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
-PARALLEL_RANK = 1e-7
+ARM_MOBILITY = 1e-7
 
 # --- Three parallel axes: solution ---
 # A target beyond a boundary by no more than this (of the arm's size, or a cosine) counts as on
@@ -204,6 +204,48 @@ MOVES_IN_CONTINUUM = 1e-6
 # Windings listed for one pose, at most: eight solutions of six joints with three windings each
 # are 5832; a file of limits in thousands of turns must not fill the memory.
 MOST_WINDINGS = 8192
+
+# --- General six-joint arms: the determinant (lengths over the size) ---
+# Rounding of the determinant, over the product of all pivots but the least: a dozen eliminations
+# of entries of order one, which are themselves rounded.
+DETERMINANT_NOISE = 1e-14
+# Below this the unknowns that a form eliminates are too dependent for it.
+GENERAL_MARGIN = 1e-6
+# A pivot below this (of the first) is zero: there is nothing left to eliminate.
+GENERAL_RANK = 1e-13
+# A determinant whose largest value is not this many times its rounding says nothing.
+GENERAL_VOID = 1e3
+# An interval is sampled anew where no coefficient exceeds its rounding more often than this.
+GENERAL_ANEW = 1e4
+# Least width of an interval (of half an arc): the square root of the rounding.
+GENERAL_WIDTH = 1e-6
+# Halvings and samplings allowed for one determinant: ten times what any pose of the arms tested
+# needs that is not singular.
+GENERAL_HALVINGS = 600
+GENERAL_SAMPLINGS = 16
+
+# --- General six-joint arms: postures ---
+# Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
+GENERAL_STEPS = 12
+GENERAL_STEPS_SINGULAR = 60
+# Ratio of pivots of a Jacobian (lengths over the size) below which a posture counts as singular,
+# as one where three or more solutions may have become one, and above which as far from singular.
+GENERAL_SINGULAR = 1e-6
+GENERAL_MULTIPLE = 1e-5
+GENERAL_REGULAR = 2e-2
+# Values of a hidden joint that are tried where its determinant vanishes all round.
+GENERAL_FREE_VALUES = 16
+# Postures nearer to each other than this (rad) are one where Newton steps converge slowly: the
+# square root of the pose's rounding, with room, and a higher root of ACCEPTED.
+SAME_SINGULAR = 1e-5
+SAME_MULTIPLE = 5e-2
+# Parts of a nudge in which a solution is followed back, to where Newton steps take over: at a
+# posture of multiplicity m it comes nearer by the m-th root of them only.
+NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
+# A step (rad) away from a singular posture, and how much of it must be left after polishing, to
+# tell a continuum.
+CONTINUUM_STEP = 3e-2
+CONTINUUM_KEPT = 3e-3
 
 # --- Redundant arms ---
 # The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where

@@ -10,6 +10,7 @@ _SINGULAR = (
     (bit.SHOULDER_SINGULAR, "shoulder-singular"),
     (bit.ELBOW_SINGULAR, "elbow-singular"),
     (bit.WRIST_SINGULAR, "wrist-singular"),
+    (bit.SELF_MOTION, "self-motion"),
     (bit.BOUNDARY, "at-boundary"),
 )
 
@@ -30,13 +31,17 @@ def branch_name(branch: int) -> str:
     """
     if branch & bit.UNNAMED:
         return ""
-    if branch & bit.ARM_NUMBERED:
-        words = [f"arm-{((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1}"]
+    number = ((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1
+    if branch & bit.POSTURE_NUMBERED:
+        words = [f"posture-{number}"]
+    elif branch & bit.ARM_NUMBERED:
+        words = [f"arm-{number}"]
     else:
         words = [
             "shoulder-right" if branch & bit.SHOULDER_RIGHT else "shoulder-left",
             "elbow-down" if branch & bit.ELBOW_DOWN else "elbow-up",
         ]
-    words.append("wrist-flip" if branch & bit.WRIST_FLIP else "wrist-noflip")
+    if not branch & bit.POSTURE_NUMBERED:
+        words.append("wrist-flip" if branch & bit.WRIST_FLIP else "wrist-noflip")
     words += [word for mark, word in _SINGULAR if branch & mark]
     return " ".join(words)

@@ -13,6 +13,7 @@ from robomech_ros.kinematics.outcome import (
     describe_continuum,
     explain_limits,
     explain_nothing,
+    nothing,
 )
 from robomech_ros.kinematics.request import Request
 from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
@@ -51,8 +52,11 @@ def solve_closed_form(
         counts,
         state,
     )
-    bare, missing, count, singular = state.tolist()
+    bare, missing, count, singular, unproven = state.tolist()
     if not count:
+        if not bare and unproven:
+            reason = "the pose is degenerate: no posture was found, which proves nothing"
+            return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
         if not bare:
             return explain_nothing(chain, T, family)
         return explain_limits(chain, T, q[:bare], family, singular > 0)
@@ -72,7 +76,7 @@ def solve_closed_form(
         q=ranked[:kept],
         seed_distance=distances[:kept],
         family=family.name,
-        complete=not singular and family.exact,
+        complete=not singular and not unproven and family.exact,
         status=Status.SUCCESS,
         reason=reason,
         blocking_joints=(),

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
-from robomech_ros._kernels.six_joints import DECOUPLED, ITERATIVE
-from robomech_ros.kinematics import iterative, redundant, short
+from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, ITERATIVE
+from robomech_ros.kinematics import general_6r, iterative, redundant, short
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
@@ -28,7 +28,8 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"redundant"``, ``"short"`` or ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"redundant"``, ``"short"`` or
+        ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -62,6 +63,7 @@ class Family:
 
 _FAMILIES = (
     *CLOSED_FORMS,
+    ("general-6r", GENERAL, general_6r.match),
     ("redundant", REDUNDANT, redundant.match),
     ("short", SHORT, short.match),
 )

@@ -57,14 +57,15 @@ def inverse_kinematics(
     """Find the joint values that bring the tip to a pose, nearest to the seed first.
 
     An arm with a spherical wrist, whatever its first three joints, and an arm with three
-    parallel axes next to each other get all their real solutions in closed form; a redundant arm
-    gets samples of its self-motion, in closed form for each value of its redundancy parameter,
-    and the first of them is the nearest to the seed; any other chain is searched iteratively
-    (``complete`` is False for both). Arms of fewer than six joints get all their solutions in
-    closed form wherever they can be completed to one of the former; where a pose cannot be taken,
-    as is the rule for them, the result says which posture comes nearest. At a pose where joints
-    can move while the tip stays, each branch is represented by one posture, with the free joint at
-    the seed's value where that is possible, and the result is marked as a continuum.
+    parallel axes next to each other get all their real solutions in closed form, any other arm of
+    six revolute joints from a determinant in one of them; a redundant arm gets samples of its
+    self-motion, in closed form for each value of its redundancy parameter, and the first of them
+    is the nearest to the seed; any other chain is searched iteratively (``complete`` is False for
+    both). Arms of fewer than six joints get all their solutions in closed form wherever they can
+    be completed to one with a closed form; where a pose cannot be taken, as is the rule for them,
+    the result says which posture comes nearest. At a pose where joints can move while the tip
+    stays, each branch is represented by one posture, with the free joint at the seed's value
+    where that is possible, and the result is marked as a continuum.
 
     Parameters
     ----------

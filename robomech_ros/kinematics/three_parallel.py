@@ -14,15 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels.serial import jacobian
 from robomech_ros._kernels.tolerances import (
     PARALLEL_ANGLE,
     PARALLEL_DISTANCE,
     PARALLEL_EXACT,
     PARALLEL_MEETING,
-    PARALLEL_RANK,
     PARALLEL_SLACK,
 )
+from robomech_ros.kinematics.mobility import moves_in_all_directions
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
 __all__ = ["match"]
@@ -86,7 +85,7 @@ def match(chain: SerialChain) -> Array | None:
             _Line(sense * lines[j].direction, lines[j].point, lines[j].slides) for j in joints
         )
         arm = _Arm(order, from_tip, axes, tuple(joints), home, size)
-        if _are_parallel(arm) and _moves_in_all_directions(chain, size):
+        if _are_parallel(arm) and moves_in_all_directions(chain, size):
             return _constants(chain, arm)
     return None
 
@@ -280,14 +279,3 @@ def _neglected(arm: _Arm, kind: int) -> float:
         apart = abs(float(cross @ (six.point - five.point))) / sine
         worst = max(worst, apart / arm.size)
     return max(worst, np.finfo(float).eps / sine)
-
-
-def _moves_in_all_directions(chain: SerialChain, size: float) -> bool:
-    """Tell whether the arm has six degrees of freedom: a posture with a regular Jacobian."""
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, 6))
-    q[:, chain.types == PRISMATIC] *= size
-    J = np.empty((len(q), 6, 6))
-    jacobian(chain.packed, q, J, np.empty((4, 4)))
-    J[:, 3:] /= size
-    values = np.linalg.svd(J, compute_uv=False)
-    return bool(np.max(values[:, -1] / values[:, 0]) > PARALLEL_RANK)

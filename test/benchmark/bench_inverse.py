@@ -1,7 +1,8 @@
-"""All inverse-kinematic solutions of PUMA 560 and UR5e, against EAIK."""
+"""All inverse-kinematic solutions: PUMA 560 and UR5e against EAIK, general arms alone."""
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,15 +16,20 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.robots import SerialChain, load_robot
+from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 
 ARMS = ("puma560", "ur5e")
 POSES = 500
 BATCH = 200
 SINGLES = 40
+REPEATS = 5
 RESIDUAL = 1e-6
 SINGLE_LIMIT = 20.0
 BATCH_RATIO = 1.0
+# Arms that EAIK refuses: one of random numbers, and one with up to 16 solutions.
+GENERAL_ARMS = ("random", "general6r")
+GENERAL_MEDIAN = 80.0
+GENERAL_LONGEST = 200.0  # at the 99th percentile
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,51 @@ def rows() -> tuple[list[Row], list[str]]:
             f"{counts.differing} of {POSES} poses differ, our worst residual {counts.worst:.1e}"
         )
         table += _time(name, chain, peer, targets)
+    for name in GENERAL_ARMS:
+        rows_of_arm, remark = _time_general(name)
+        table += rows_of_arm
+        remarks.append(remark)
     return table, remarks
+
+
+def _general_arm(name: str) -> SerialChain:
+    if name != "random":
+        return load_robot(name)
+    rng = np.random.default_rng(0)
+    a, b = rng.uniform(0.1, 1.0, 6), rng.uniform(-0.5, 0.5, 6)
+    return chain_from_dh(a, b, rng.uniform(-np.pi, np.pi, 6))
+
+
+def _time_general(name: str) -> tuple[list[Row], str]:
+    """Time an arm without closed form, pose by pose inside the compiled loop and in batch."""
+    chain = _general_arm(name)
+    postures = np.random.default_rng(6).uniform(-np.pi, np.pi, (POSES, chain.n))
+    targets = forward_kinematics(chain, postures)
+    _, count, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
+    single = np.full(POSES, np.inf)
+    for _ in range(REPEATS):
+        for k in range(POSES):
+            one = targets[k : k + 1]
+            start = time.perf_counter()
+            inverse_kinematics_batch(chain, one, respect_limits=False)
+            single[k] = min(single[k], time.perf_counter() - start)
+    times = interleave(
+        {
+            "batch": Work(
+                lambda: inverse_kinematics_batch(chain, targets, respect_limits=False), POSES
+            )
+        }
+    )
+    batch = times["batch"]
+    longest = 1e6 * float(np.quantile(single, 0.99))
+    median = 1e6 * float(np.median(single))
+    table = [
+        Row(f"general 6R ({name}), all solutions, batch, a pose", batch.median,
+            spread=batch.spread, limit=GENERAL_MEDIAN),
+        Row(f"general 6R ({name}), median pose, one call", median),
+        Row(f"general 6R ({name}), 99th percentile, one call", longest, limit=GENERAL_LONGEST),
+    ]  # fmt: skip
+    return table, f"general 6R ({name}): {count.mean():.2f} solutions a pose, at most {count.max()}"
 
 
 def count_solutions(chain: SerialChain, peer: HomogeneousRobot, targets: Array) -> Counts:

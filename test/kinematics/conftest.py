@@ -1,11 +1,16 @@
 """Arms of the inverse-kinematics tests, and an independent search to compare with."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 _FIRST = {"123": 0, "234": 1, "345": 2, "456": 3}
 _KINDS = ("skew", "meeting", "parallel", "square")

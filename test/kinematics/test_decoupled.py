@@ -219,8 +219,8 @@ def test_nothing_missing(arm, apart, search_everywhere, name):
     ("change", "family"),
     [
         ({}, "decoupled"),
-        ({"a": [0, 0.4318, 0.0203, 0.01, 0, 0]}, "iterative"),
-        ({"b": [0, 0, 0.15005, 0.4318, 0.01, 0]}, "iterative"),
+        ({"a": [0, 0.4318, 0.0203, 0.01, 0, 0]}, "general-6r"),
+        ({"b": [0, 0, 0.15005, 0.4318, 0.01, 0]}, "general-6r"),
     ],
 )
 def test_geometry_decides_the_family(change, family):

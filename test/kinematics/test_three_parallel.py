@@ -122,7 +122,7 @@ def test_calibrated_arm_is_not_idealised(three_parallel_arm):
     assert match(off) is None
     T = forward_kinematics(off, [0.3, -1.2, 1.5, -1.9, -1.3, 0.4])
     result = inverse_kinematics(off, T, respect_limits=False)
-    assert result.family == "iterative" and not result.complete and len(result)
+    assert result.family == "general-6r" and result.complete and len(result)
     assert result.position_error.max() < 1e-9
 
 

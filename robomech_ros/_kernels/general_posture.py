@@ -1,0 +1,143 @@
+"""The six joints of a general arm, once the hidden one and its two neighbours are known."""
+
+import math
+
+from robomech_ros._kernels import general_layout as at
+from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels.angles import wrapped
+
+__all__ = ["half_angles", "remaining_joints"]
+
+_ROOT_2 = math.sqrt(2.0)
+
+
+@inline
+def half_angles(x):
+    """Angles of joints THIRD and FOURTH from a null vector x (6,).
+
+    It holds ``s c (s, c)`` of the first half angle times ``(s s, sqrt(2) s c, c c)`` of the other.
+    """
+    first, second, product = 0.0, 0.0, 0.0
+    for j in range(3):
+        first += x[j] * x[j]
+        second += x[3 + j] * x[3 + j]
+        product += x[j] * x[3 + j]
+    if first >= second:
+        third = 2.0 * math.atan2(first, product)
+        k = 0
+    else:
+        third = 2.0 * math.atan2(product, second)
+        k = 3
+    return third, _fourth_angle(x[k], x[k + 1], x[k + 2])
+
+
+@inline
+def _fourth_angle(square, product, other):
+    """Angle from multiples of ``s s, sqrt(2) s c, c c`` of its half."""
+    if abs(square) >= abs(other):
+        return 2.0 * math.atan2(square, product / _ROOT_2)
+    return 2.0 * math.atan2(product / _ROOT_2, other)
+
+
+@inline
+def _turned(data, k, angle, x, y, z):
+    """Take a vector through the rotation of the link at k of the data, then about z."""
+    u = data[k] * x + data[k + 1] * y + data[k + 2] * z
+    v = data[k + 4] * x + data[k + 5] * y + data[k + 6] * z
+    w = data[k + 8] * x + data[k + 9] * y + data[k + 10] * z
+    c = math.cos(angle)
+    s = math.sin(angle)
+    return c * u - s * v, s * u + c * v, w
+
+
+@inline
+def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
+    """Angle of joint LAST: where x of the frame behind it, brought round the loop, points."""
+    x, y, z = data[links + 36], data[links + 40], data[links + 44]
+    c, s = math.cos(q5), math.sin(q5)
+    x, y = c * x - s * y, s * x + c * y
+    x, y, z = _turned(data, links + 24, q4, x, y, z)
+    x, y, z = _turned(data, links + 12, q3, x, y, z)
+    u = data[links] * x + data[links + 1] * y + data[links + 2] * z
+    v = data[links + 4] * x + data[links + 5] * y + data[links + 6] * z
+    w = data[links + 8] * x + data[links + 9] * y + data[links + 10] * z
+    c, s = math.cos(q2), math.sin(q2)
+    u, v = c * u - s * v, s * u + c * v
+    x = behind[0] * u + behind[4] * v + behind[8] * w
+    y = behind[1] * u + behind[5] * v + behind[9] * w
+    z = behind[2] * u + behind[6] * v + behind[10] * w
+    c, s = math.cos(q1), math.sin(q1)
+    x, y = c * x - s * y, s * x + c * y
+    u = before[0] * x + before[4] * y + before[8] * z
+    v = before[1] * x + before[5] * y + before[9] * z
+    return -math.atan2(v, u)
+
+
+@inline
+def _left_side(data, form, hidden, third, fourth, left):
+    """Write the fourteen quantities of three joints to left (14,)."""
+    c3, s3 = math.cos(hidden), math.sin(hidden)
+    s, c = math.sin(0.5 * third), math.cos(0.5 * third)
+    u, v = math.sin(0.5 * fourth), math.cos(0.5 * fourth)
+    fourths = (u * u, _ROOT_2 * u * v, v * v)
+    thirds = (s * s, s * c, c * c)
+    k = form + at.EQUATIONS
+    for r in range(at.N_EQUATIONS):
+        total = 0.0
+        for i in range(3):
+            part = 0.0
+            for j in range(3):
+                m = k + 3 * i + j
+                part += fourths[j] * (c3 * data[m] + s3 * data[m + 9] + data[m + 18])
+            total += thirds[i] * part
+        left[r] = total
+        k += at.N_COLUMNS
+
+
+@inline
+def _first_angle(X, left):
+    """Angle of joint FIRST from six linear equations by least squares."""
+    aa, ab, bb, ay, by = 0.0, 0.0, 0.0, 0.0, 0.0
+    for r in range(8, 14):
+        y = left[r] - X[r, 2]
+        aa += X[r, 0] * X[r, 0]
+        ab += X[r, 0] * X[r, 1]
+        bb += X[r, 1] * X[r, 1]
+        ay += X[r, 0] * y
+        by += X[r, 1] * y
+    return math.atan2(aa * by - ab * ay, bb * ay - ab * by)
+
+
+@inline
+def _second_angle(X, left, first):
+    """Angle of joint SECOND from four complex equations by least squares."""
+    c, s = math.cos(first), math.sin(first)
+    real, imaginary = 0.0, 0.0
+    for r in range(4):
+        x = X[r, 0] * c + X[r, 1] * s + X[r, 2]
+        y = X[4 + r, 0] * c + X[4 + r, 1] * s + X[4 + r, 2]
+        real += left[r] * x + left[4 + r] * y
+        imaginary += left[r] * y - left[4 + r] * x
+    return math.atan2(imaginary, real)
+
+
+@inline
+def remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, q):
+    """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
+
+    Joints FIRST and SECOND follow from linear equations, joint LAST from the rotation left over.
+    """
+    _left_side(data, form, hidden, third, fourth, left)
+    first = _first_angle(X, left)
+    second = _second_angle(X, left, first)
+    last = _last_angle(data, form + at.LINKS, before, behind, first, second, hidden, third, fourth)
+    third += data[form + at.OFFSETS]
+    fourth += data[form + at.OFFSETS + 1]
+    sense = data[form + at.SENSE]
+    k = form + at.JOINTS
+    q[int(data[k])] = wrapped(sense * first)
+    q[int(data[k + 1])] = wrapped(sense * second)
+    q[int(data[k + 2])] = wrapped(sense * hidden)
+    q[int(data[k + 3])] = wrapped(sense * third)
+    q[int(data[k + 4])] = wrapped(sense * fourth)
+    q[int(data[k + 5])] = wrapped(sense * last)

@@ -1,0 +1,42 @@
+"""How large an arm is, and whether it has six degrees of freedom."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.serial import jacobian
+from robomech_ros._kernels.tolerances import ARM_MOBILITY
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+
+__all__ = ["arm_size", "moves_in_all_directions"]
+
+Array = NDArray[np.float64]
+
+
+def arm_size(chain: SerialChain) -> float:
+    """Measure an arm (m): the sum of the distances between the frames of neighbouring joints.
+
+    It is 1e-3 at least, and no less than the distance that can be between the first and the last
+    of these frames while prismatic joints stay at zero.
+    """
+    return max(float(np.linalg.norm(chain.packed[1 : chain.n, 10:], axis=1).sum()), 1e-3)
+
+
+def moves_in_all_directions(chain: SerialChain, size: float) -> bool:
+    """Tell whether a six-joint arm has six degrees of freedom: a posture with a regular Jacobian.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of six joints.
+    size : float
+        Of the arm (m).
+    """
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, 6))
+    q[:, chain.types == PRISMATIC] *= size
+    J = np.empty((len(q), 6, 6))
+    jacobian(chain.packed, q, J, np.empty((4, 4)))
+    J[:, 3:] /= size
+    values = np.linalg.svd(J, compute_uv=False)
+    return bool(np.max(values[:, -1] / values[:, 0]) > ARM_MOBILITY)

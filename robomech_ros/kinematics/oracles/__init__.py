@@ -1,0 +1,9 @@
+"""Slow, plain solvers of general six-revolute arms, to learn from and to check the fast one with.
+
+They share no code with it: neither equations nor elimination, roots or refinement.
+"""
+
+from robomech_ros.kinematics.oracles.bivariate import Intersection, solve_bivariate
+from robomech_ros.kinematics.oracles.univariate import solve_univariate
+
+__all__ = ["Intersection", "solve_bivariate", "solve_univariate"]

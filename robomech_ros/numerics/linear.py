@@ -1,0 +1,128 @@
+"""Overdetermined and underdetermined linear systems by Householder reflections.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+
+__all__ = ["least_squares", "minimum_norm"]
+
+Array = NDArray[np.float64]
+
+# A pivot below this (of the longest column) is rounding: the columns depend on each other.
+_RANK = 1e-13
+
+
+def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
+    """Minimise ``|A x - b|`` for a matrix with at least as many rows as columns.
+
+    The normal equations, which square the condition number, are not formed.
+
+    Parameters
+    ----------
+    A : array_like, shape (m, n)
+        Of full rank, m >= n.
+    b : array_like, shape (m,)
+
+    Returns
+    -------
+    x : ndarray, shape (n,)
+    error : float
+        What is left of ``|A x - b|``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+        Shapes that do not fit, or values that are not finite.
+    BadValueError
+        The columns depend on each other.
+    """
+    A, b = _checked(A, b)
+    m, n = A.shape
+    if m < n:
+        raise WrongSizeError("A", A.shape, "at least as many rows as columns")
+    reflections, U = _triangular(A)
+    turned = _reflect(reflections, b)
+    return _back_substituted(U, turned[:n]), float(np.linalg.norm(turned[n:]))
+
+
+def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
+    """Find the shortest x with ``A x = b`` for a matrix with at most as many rows as columns.
+
+    Parameters
+    ----------
+    A : array_like, shape (m, n)
+        Of full rank, m <= n.
+    b : array_like, shape (m,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+        Shapes that do not fit, or values that are not finite.
+    BadValueError
+        The rows depend on each other.
+    """
+    A, b = _checked(A, b)
+    m, n = A.shape
+    if m > n:
+        raise WrongSizeError("A", A.shape, "at most as many rows as columns")
+    # With H A^T = [U; 0], A x = U^T y for x = H^T [y; 0]: the rest of y would only lengthen x.
+    reflections, U = _triangular(A.T)
+    y = np.zeros(n)
+    for i in range(m):
+        y[i] = (b[i] - U[:i, i] @ y[:i]) / U[i, i]
+    return _reflect(reflections[::-1], y)
+
+
+def _checked(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
+    matrix, vector = np.array(A, dtype=float), np.array(b, dtype=float)
+    if matrix.ndim != 2 or not matrix.size:
+        raise WrongSizeError("A", matrix.shape, "(m, n)")
+    if vector.shape != matrix.shape[:1]:
+        raise WrongSizeError("b", vector.shape, matrix.shape[:1])
+    for name, value in (("A", matrix), ("b", vector)):
+        if not np.isfinite(value).all():
+            raise NonFiniteError(name, value)
+    return matrix, vector
+
+
+def _triangular(A: Array) -> tuple[list[tuple[Array, float]], Array]:
+    """Reflect A (m, n), m >= n, to an upper triangle; give reflections (u, beta) and triangle."""
+    U = A.copy()
+    m, n = U.shape
+    largest = float(np.linalg.norm(A, axis=0).max())
+    reflections = []
+    for i in range(n):
+        u = np.zeros(m)
+        u[i:] = U[i:, i]
+        length = float(np.linalg.norm(u))
+        if length <= _RANK * largest:
+            raise BadValueError("A", A.tolist(), "a matrix of full rank")
+        alpha = length if u[i] >= 0.0 else -length
+        u[i] += alpha
+        beta = alpha * float(u[i])
+        U -= np.outer(u, u @ U) / beta
+        reflections.append((u, beta))
+    return reflections, U
+
+
+def _reflect(reflections: list[tuple[Array, float]], vector: Array) -> Array:
+    for u, beta in reflections:
+        vector = vector - u * float(u @ vector) / beta
+    return vector
+
+
+def _back_substituted(U: Array, b: Array) -> Array:
+    x = np.zeros(len(b))
+    for i in range(len(b) - 1, -1, -1):
+        x[i] = (b[i] - U[i, i + 1 : len(b)] @ x[i + 1 :]) / U[i, i]
+    return x
