@@ -20,11 +20,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding
 import numba
 import numpy
 from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 __all__ = [
+    "F3",
+    "F12",
     "IIN1",
     "IN1",
     "IN2",
@@ -41,6 +46,8 @@ __all__ = [
     "i8",
     "inline",
     "kernel",
+    "linked",
+    "part",
 ]
 
 f8 = types.float64
@@ -56,12 +63,16 @@ OUT2 = types.Array(f8, 2, "C")
 OUT3 = types.Array(f8, 3, "C")
 IOUT1 = types.Array(i8, 1, "C")
 IOUT2 = types.Array(i8, 2, "C")
+# A point, and a pose as rotation row by row, then origin.
+F3 = types.UniTuple(f8, 3)
+F12 = types.UniTuple(f8, 12)
 
 # Where a count begins that is handed to another function: numba would compile that function once
 # more for the literal 0, and count it as a second one.
 ZERO = numpy.int64(0)
 
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": False}
+_NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _lock = threading.Lock()
 
 
@@ -101,31 +112,104 @@ def kernel(signature: Any) -> Callable[[Callable[..., Any]], Any]:
         Decorator.  A cache that cannot be read or written costs the compile time again, never
         an error.
     """
+    return functools.partial(_compiled, signature, {"no_cfunc_wrapper": True})
+
+
+def part(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a part of kernels by itself, as :func:`kernel` does; only kernels can call it.
+
+    To link it costs them nothing, while what is inline is compiled again in each of them.
+    """
 
     def decorate(function: Callable[..., Any]) -> Any:
-        directory = cache_directory()
-        if directory is None:
-            return numba.njit(signature, **_OPTIONS)(function)
-        with _lock:
-            before = numba.config.CACHE_DIR
-            numba.config.CACHE_DIR = str(directory)
-            try:
-                return numba.njit(signature, cache=True, **_OPTIONS)(function)
-            except Exception:
-                # A damaged or full cache; a mistake in the kernel itself is raised again here.
-                return numba.njit(signature, **_OPTIONS)(function)
-            finally:
-                numba.config.CACHE_DIR = before
+        return linked(_compiled(signature, _NO_WRAPPERS, function))
 
     return decorate
+
+
+def _compiled(signature: Any, options: dict[str, bool], function: Callable[..., Any]) -> Any:
+    options = {**_OPTIONS, **options}
+    directory = cache_directory()
+    if directory is None:
+        return numba.njit(signature, **options)(function)
+    with _lock:
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(directory)
+        try:
+            return numba.njit(signature, cache=True, **options)(function)
+        except Exception:
+            # A damaged or full cache; a mistake in the kernel itself is raised again here.
+            return numba.njit(signature, **options)(function)
+        finally:
+            numba.config.CACHE_DIR = before
 
 
 def inline(function: Callable[..., Any]) -> Any:
     """Compile a function that only kernels call, together with each of them.
 
-    It has no entry from Python, which saves a sixth of the time that all kernels take.
+    It has no entry from Python, which saves a sixth of the time that all kernels take.  It is
+    compiled for types only: numba would make one for every number that stands in a call.
     """
-    return numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+    dispatcher = numba.njit(**_NO_WRAPPERS, **_OPTIONS)(function)
+    if hasattr(dispatcher, "get_call_template"):
+        of_types = dispatcher.get_call_template
+
+        def without_literals(args: Any, kws: Any) -> Any:
+            plain = {name: types.unliteral(kind) for name, kind in kws.items()}
+            return of_types(tuple(types.unliteral(kind) for kind in args), plain)
+
+        dispatcher.get_call_template = without_literals
+    return dispatcher
+
+
+def linked(function: Any) -> Any:
+    """Make a kernel callable in other kernels without becoming a part of them.
+
+    Numba compiles all that a function calls anew, together with it; a kernel that calls kernels
+    that call kernels would take minutes.  Instead the address is found by name when a compiled
+    kernel is loaded.
+
+    Parameters
+    ----------
+    function : kernel
+        What :func:`kernel` has made.
+
+    Returns
+    -------
+    callable
+        For other kernels, not for Python.
+    """
+    if not hasattr(function, "overloads"):
+        # Not compiled at all, as NUMBA_DISABLE_JIT wants it.
+        return function
+    (compiled,) = function.overloads.values()
+    name = f"robomech.{function.__module__}.{function.__name__}"
+    address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+    llvmlite.binding.add_symbol(name, address)
+    wanted = compiled.signature
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        (given,) = signature.args
+        values = [
+            context.cast(builder, value, have, want)
+            for value, have, want in zip(
+                cgutils.unpack_tuple(builder, args[0]), given, wanted.args, strict=True
+            )
+        ]
+        kind = context.call_conv.get_function_type(wanted.return_type, wanted.args)
+        callee = cgutils.get_or_insert_function(builder.module, kind, name)
+        status, result = context.call_conv.call_function(
+            builder, callee, wanted.return_type, wanted.args, values
+        )
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return result
+
+    @intrinsic
+    def call(typing_context: Any, *args: Any) -> Any:
+        return wanted.return_type(types.StarArgTuple.from_types(args)), generate
+
+    return call
 
 
 @functools.lru_cache(maxsize=1)

@@ -18,7 +18,7 @@ import numpy as np
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as wrist_at
 from robomech_ros._kernels import redundant_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, f8, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, f8, i8, inline, kernel, linked
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polynomials import order_one_roots
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
@@ -311,3 +311,7 @@ def arm_angle(data, q):
         side = _turned(packed, j, side)
     _, reference, normal = _base_triad(parts, p)
     return math.atan2(_dot(side, normal), _dot(side, reference))
+
+
+call_arm_angle_postures = linked(arm_angle_postures)
+call_arm_angle = linked(arm_angle)

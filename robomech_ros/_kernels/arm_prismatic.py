@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part
 from robomech_ros._kernels.arm_revolute import (
     FREE_1,
     FREE_2,
@@ -238,7 +238,7 @@ def _slides(data, c, w, arms):
     return 1
 
 
-@inline
+@part(i8(IN1, F3, F3, F3, OUT2))
 def prismatic_arm(data, c, w, seed, arms):
     """Write candidates for the three joints to ``arms`` (rows x, y, z, free joints).
 

@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots, square, value
 from robomech_ros._kernels.tolerances import DOUBLE_ROOT, ON_AXIS
 
@@ -184,7 +184,7 @@ def _complete(data, c, px, py, pz, rx, ry, seed, arm):
     return (FREE_1 if any_x else 0) + (FREE_2 if any_y else 0)
 
 
-@inline
+@part(i8(IN1, F3, F3, F3, OUT2))
 def revolute_arm(data, c, w, seed, arms):
     """Write candidates for the three joints to ``arms`` (rows x, y, z, free joints).
 

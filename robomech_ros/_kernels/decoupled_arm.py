@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import ZERO, inline
+from robomech_ros._kernels._jit import F3, IN1, IOUT1, OUT2, ZERO, f8, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_prismatic import prismatic_arm
 from robomech_ros._kernels.arm_revolute import FREE_1, FREE_2, FREE_3, revolute_arm
@@ -266,7 +266,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
     return count
 
 
-@inline
+@part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
 def arm_postures(data, c, seed, shift, arms, bits):
     """Write the arm's solutions to ``arms`` and their branches to ``bits``; return how many.
 

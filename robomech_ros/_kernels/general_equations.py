@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, OUT1, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, OUT2, f8, i8, inline, kernel, part
 from robomech_ros._kernels.tolerances import GENERAL_RANK
 
 __all__ = ["closure_quantities", "demanded", "free_equations", "right_side", "write_inverse"]
@@ -241,7 +241,7 @@ def _real_equations(K, X, E, W, Z):
     return pivots / norms if norms > 0.0 else 0.0
 
 
-@inline
+@part(f8(IN2, IN2, OUT2))
 def free_equations(K, X, E):
     """Write six equations E (6, 27) in the last three joints only.
 

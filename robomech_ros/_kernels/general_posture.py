@@ -2,8 +2,10 @@
 
 import math
 
+from numba import types
+
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, f8, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 
 __all__ = ["half_angles", "remaining_joints"]
@@ -121,7 +123,7 @@ def _second_angle(X, left, first):
     return math.atan2(imaginary, real)
 
 
-@inline
+@part(types.void(IN1, i8, IN2, IN1, IN1, f8, f8, f8, OUT1, OUT1))
 def remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, q):
     """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
 

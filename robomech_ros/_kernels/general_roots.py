@@ -16,8 +16,9 @@ Lane and Riesenfeld, Bounds on a polynomial, BIT 21 (1981), pp. 112-117.
 import math
 
 import numpy as np
+from numba import types
 
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import IN2, OUT2, b1, f8, i8, inline, part
 from robomech_ros._kernels.circle_tables import (
     ARC_COSINES,
     ARC_SINES,
@@ -62,7 +63,7 @@ _NOISE = 2
 _LEVEL = 3  # halvings since it was sampled, -1 where that was all round
 
 
-@inline
+@part(types.UniTuple(f8, 2)(IN2, OUT2, OUT2, OUT2, OUT2))
 def sample(E, form, A, B, K):
     """Write the parts of cos kx and sin kx to form (2, 9); return largest value and rounding."""
     values = np.empty(SAMPLES)
@@ -227,7 +228,7 @@ def _angle(arc, t):
     return CENTRES[arc] + 2.0 * math.atan(ARC_TANGENT * t)
 
 
-@inline
+@part(types.Tuple((i8, b1))(IN2, IN2, f8, OUT2, OUT2, OUT2, OUT2))
 def isolate(E, form, noise, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
 

@@ -28,7 +28,7 @@ from robomech_ros._kernels.six_joints import (
     ITERATIVE,
     MAX_SOLUTIONS,
     THREE_PARALLEL,
-    six_joint_postures,
+    call_six_joints,
 )
 
 __all__ = [
@@ -170,7 +170,7 @@ def solve(
             if family == SHORT:
                 total = solve_short(data, T[m], start, p, b)
             else:
-                total = six_joint_postures(family, _FORWARDS, data, T[m], start, p, b)
+                total = call_six_joints(family, _FORWARDS, data, T[m], start, p, b)
             unproven = total & DOUBT
             total -= unproven
             if bounded:

@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.decoupled_arm import (
     MOST_ARMS,
@@ -18,7 +18,7 @@ from robomech_ros._kernels.decoupled_arm import (
     is_among,
     step_aside,
 )
-from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.polynomials import order_one_roots
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
@@ -194,7 +194,7 @@ def _enter(data, arm, angles, q):
 def _polished(data, T, posture, others, limit):
     """Take an idealised solution to the true chain; False where that fails or repeats one."""
     packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
-    if not polish(packed, T, posture, _STEPS) <= limit:
+    if not call_polish(packed, T, posture, _STEPS) <= limit:
         return False
     for j in range(6):
         if j > 2 or data[at.TYPES + j] == 0.0:
@@ -264,7 +264,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     return count
 
 
-@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 

@@ -16,16 +16,29 @@ where the determinant of every form vanishes all round, as it does where a joint
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, i8, inline, kernel
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT1,
+    OUT2,
+    b1,
+    i8,
+    inline,
+    kernel,
+    linked,
+    part,
+)
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
 from robomech_ros._kernels.general_determinant import core, null_vector
 from robomech_ros._kernels.general_equations import demanded, free_equations, right_side
 from robomech_ros._kernels.general_posture import half_angles, remaining_joints
 from robomech_ros._kernels.general_roots import MAX_ROOTS, isolate, sample
-from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
@@ -90,14 +103,14 @@ def _regularity(data, packed, q, direction):
     return last
 
 
-@inline
+@part(types.UniTuple(i8, 2)(IN1, IN2, IN2, OUT1, b1, OUT2, i8))
 def _admit(data, packed, T, trial, singular, q, count):
     """Polish a posture and enter it if it is a new solution; return its row (-1: none), count.
 
     Near ``singular`` solutions Newton steps are slow and end at some distance, the farther the
     more solutions have become one.
     """
-    error = polish(packed, T, trial, GENERAL_STEPS_SINGULAR if singular else GENERAL_STEPS)
+    error = call_polish(packed, T, trial, GENERAL_STEPS_SINGULAR if singular else GENERAL_STEPS)
     if not error <= ACCEPTED:
         return -1, count
     same = SAME_POSTURE
@@ -209,7 +222,7 @@ def _follow_back(data, packed, T, number, trial, q, count):
     near = np.empty((4, 4))
     for part in NUDGE_PARTS:
         _nudged(data, T, number, part, near)
-        polish(packed, near, trial, GENERAL_STEPS)
+        call_polish(packed, near, trial, GENERAL_STEPS)
     row, count = _admit(data, packed, T, trial, True, q, count)
     if row < 0:
         # Where many solutions become one, Newton steps stop short of it.  Such postures are those
@@ -239,7 +252,7 @@ def _classify(data, packed, T, q, branch, count):
             for j in range(6):
                 move = u[j] if number % 2 == 0 else u[5 - j]
                 trial[j] = q[k, j] + CONTINUUM_STEP * move / u[6]
-            error = polish(packed, T, trial, GENERAL_STEPS_SINGULAR)
+            error = call_polish(packed, T, trial, GENERAL_STEPS_SINGULAR)
             if error <= ACCEPTED and _distance(trial, q[k]) > CONTINUUM_KEPT:
                 bit = SELF_MOTION
         branch[k] |= bit
@@ -318,3 +331,6 @@ def solve_general(data, T, seed, q, branch):
         if not untold and count > 0 and reached[pair] & reached[pair + 1] & wanted == wanted:
             return count
     return count | DOUBT
+
+
+call_general = linked(solve_general)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import iterative_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT1, OUT2, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT1, OUT2, i8, inline, kernel, part
 from robomech_ros._kernels.iterative_steps import attempt
 from robomech_ros._kernels.polishing import polish, pose_difference, pose_error
 from robomech_ros._kernels.serial import forward_body
@@ -177,7 +177,7 @@ def search(data, T, seed, first, restarts, q, found, state):
     return found
 
 
-@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_iterative(data, T, seed, q, branch):
     """Write the solutions found for the pose T (4, 4) to q (MAX, n); return how many."""
     state = np.zeros(at.BEST_Q + int(data[at.JOINTS]) + q.shape[0])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
@@ -16,7 +16,7 @@ from robomech_ros._kernels.parallel_pairs import (
     separate_pairs,
 )
 from robomech_ros._kernels.parallel_slides import sliding_pairs
-from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, POLISH_ABOVE, SAME_POSTURE
 
 
@@ -85,7 +85,7 @@ def _refined(data, T, q, branch, errors, count):
     doubtful = data[at.EXACT] == 0.0
     for k in range(count):
         if data[at.EXACT] == 0.0 or errors[k] > POLISH_ABOVE:
-            errors[k] = polish(packed, T, q[k], 60)
+            errors[k] = call_polish(packed, T, q[k], 60)
             for j in range(6):
                 if packed[j, 0] == 0.0:
                     q[k, j] = wrapped(q[k, j])
@@ -121,7 +121,7 @@ def _without_repetitions(data, q, branch, count):
     return kept
 
 
-@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_parallel(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,); return how many."""
     G = _demanded(data, T)

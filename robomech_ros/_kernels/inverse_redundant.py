@@ -20,13 +20,13 @@ from robomech_ros._kernels._jit import (
     kernel,
 )
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
+from robomech_ros._kernels.arm_angle import call_arm_angle, call_arm_angle_postures
 from robomech_ros._kernels.continuum import free_value
 from robomech_ros._kernels.nearest import approach
-from robomech_ros._kernels.polishing import polish
+from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.ranking import distance_from, insert, place
 from robomech_ros._kernels.serial import forward_body
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     APPROACHED,
@@ -91,7 +91,7 @@ def _locked_postures(data, T, seed, locked, q, branch):
     forward_body(packed[: first + 1], locked[:first], front)
     forward_body(packed[first + 6 :], locked[first + 6 :], back)
     _between(front, T, back, target)
-    total = six_joint_postures(
+    total = call_six_joints(
         int(data[at.SIX]),
         data[at.BACKWARDS] != 0.0,
         data[own + 91 :],
@@ -103,7 +103,7 @@ def _locked_postures(data, T, seed, locked, q, branch):
     count = ZERO
     for k in range(total):
         if data[at.POLISH] != 0.0:
-            if not polish(six, target, found[k], _STEPS) <= ACCEPTED:
+            if not call_polish(six, target, found[k], _STEPS) <= ACCEPTED:
                 continue
         for i in range(n):
             if i < first or i >= first + 6:
@@ -158,7 +158,7 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
     if data[at.KIND] == at.ARM_ANGLE:
         away = 2.0 * math.pi * ((k + 1) // 2) / steps
         angle += away if k % 2 == 1 else -away
-        return arm_angle_postures(data, T, seed, angle, q, branch)
+        return call_arm_angle_postures(data, T, seed, angle, q, branch)
     return _locked_postures(data, T, seed, locked, q, branch)
 
 
@@ -193,7 +193,7 @@ def _collect(
     count = ZERO
     bare = ZERO
     steps = int(data[at.SAMPLES])
-    angle = arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
+    angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
     for i in range(n):
         placed[i] = seed[i]
     distance = approach(packed, T, lower, upper, seed, metric, bounded, placed)

@@ -6,10 +6,10 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import short_layout as at
-from robomech_ros._kernels._jit import ZERO, inline
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.polishing import polish
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.polishing import call_polish
+from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE, SHORT_CONTINUUM, SHORT_SLACK
 
 __all__ = ["solve_short"]
@@ -41,7 +41,7 @@ def _entered(data, packed, T, found, q, count):
         place = int(data[at.PLACES + i])
         if place >= 0:
             q[count, place] = found[i]
-    if not polish(packed, T, q[count], _STEPS) <= ACCEPTED:
+    if not call_polish(packed, T, q[count], _STEPS) <= ACCEPTED:
         return count
     for i in range(n):
         if packed[i, 0] == 0.0:
@@ -58,7 +58,7 @@ def _entered(data, packed, T, found, q, count):
     return count + 1
 
 
-@inline
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
@@ -82,7 +82,7 @@ def solve_short(data, T, seed, q, branch):
             start[i] += turn if data[at.SLIDES + i] == 0.0 else data[at.SIZE] * (turn - math.pi)
             if attempt == 0 and data[at.SLIDES + i] != 0.0:
                 start[i] = seed[place] if place >= 0 else 0.0
-        total = six_joint_postures(
+        total = call_six_joints(
             int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks
         )
         for k in range(total):

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part
 from robomech_ros._kernels.polishing import largest_error, pose_difference
 from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
@@ -108,7 +108,7 @@ def _inside(q, lower, upper):
     return True
 
 
-@kernel(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+@part(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 

@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import ZERO, inline
+from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
@@ -156,7 +156,7 @@ def moved_apart(x1, y1, x2, y2, least):
     return c * x1 + s * y1, c * y1 - s * x1, c * x2 - s * y2, c * y2 + s * x2
 
 
-@inline
+@part(i8(IN1, F12, OUT2))
 def separate_pairs(data, G, pairs):
     """Find all pairs where axes 5 and 6 meet or are parallel; return their number or FREE."""
     factor, k1, c1, s1, k2, c2, s2 = separated(data, G)
@@ -347,7 +347,7 @@ def _add_nearly_separate(data, d, pairs, count):
     return _add_pairs(data, d, x2, y2, pairs, count)
 
 
-@inline
+@part(i8(IN1, F12, OUT2))
 def joint_pairs(data, G, pairs):
     """Find all pairs where axes 5 and 6 are skew; return their number or FREE."""
     d = equations(data, G)

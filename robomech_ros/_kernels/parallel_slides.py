@@ -7,7 +7,7 @@ it is linear.  Equations and rows as in ``parallel_pairs``.
 import math
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import F12, IN1, OUT2, i8, inline, part
 from robomech_ros._kernels.branch_bits import BOUNDARY, WRIST_SINGULAR
 from robomech_ros._kernels.parallel_arm import carried, lack_of_reach, wrist_turns
 from robomech_ros._kernels.parallel_pairs import (
@@ -175,7 +175,7 @@ def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
     return lack + _enter_slide(data, G, seed, known, v2, c, s, bits, pair)
 
 
-@inline
+@part(i8(IN1, F12, IN1, OUT2))
 def sliding_pairs(data, G, seed, pairs):
     """Find all pairs of an arm with a prismatic joint; return their number or FREE."""
     if data[at.SLIDING] == at.SLIDE_A:

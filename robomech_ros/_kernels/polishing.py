@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, inline, kernel, linked
 from robomech_ros._kernels.serial import forward_body, jacobian_body
 from robomech_ros._kernels.tolerances import POLISH_DAMPING, POLISHED
 
@@ -131,3 +131,6 @@ def polish(packed, T, q, max_iterations):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
     return residual
+
+
+call_polish = linked(polish)

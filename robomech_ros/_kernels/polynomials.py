@@ -5,7 +5,7 @@ Roots are given as cosine and sine, so that an angle of half a turn is no specia
 
 import math
 
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import OUT2, f8, i8, inline, part
 from robomech_ros._kernels.tolerances import DOUBLE_ROOT, VANISHING
 
 __all__ = [
@@ -183,7 +183,7 @@ def _quartic_roots(b, c, d, e, touching, roots):
     return count
 
 
-@inline
+@part(i8(f8, f8, f8, f8, f8, f8, OUT2))
 def order_two_roots(a0, a1, b1, a2, b2, touching, roots):
     """Solve a0 + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, coefficients of order one.
 

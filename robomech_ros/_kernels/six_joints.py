@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, b1, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, b1, i8, inline, kernel, linked
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
-from robomech_ros._kernels.inverse_general import solve_general
+from robomech_ros._kernels.inverse_general import call_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 
@@ -34,7 +34,7 @@ def _postures(family, data, T, seed, q, branch):
     if family == THREE_PARALLEL:
         return solve_parallel(data, T, seed, q, branch)
     if family == GENERAL:
-        return solve_general(data, T, seed, q, branch)
+        return call_general(data, T, seed, q, branch)
     return solve_iterative(data, T, seed, q, branch)
 
 
@@ -64,3 +64,6 @@ def six_joint_postures(family, backwards, data, T, seed, q, branch):
         for i in range(3):
             q[k, i], q[k, 5 - i] = -q[k, 5 - i], -q[k, i]
     return count
+
+
+call_six_joints = linked(six_joint_postures)
