@@ -220,8 +220,8 @@ def _nudged(data, T, number, part, near):
 def _follow_back(data, packed, T, number, trial, q, count):
     """Follow a solution of a nudged pose, in ``trial``, to the pose T; return its row, count."""
     near = np.empty((4, 4))
-    for part in NUDGE_PARTS:
-        _nudged(data, T, number, part, near)
+    for fraction in NUDGE_PARTS:
+        _nudged(data, T, number, fraction, near)
         call_polish(packed, near, trial, GENERAL_STEPS)
     row, count = _admit(data, packed, T, trial, True, q, count)
     if row < 0:
