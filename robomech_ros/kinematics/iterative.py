@@ -26,6 +26,7 @@ from robomech_ros._kernels.tolerances import (
     REACH_POSITION_WEIGHT,
     STALLED,
 )
+from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
 __all__ = [
@@ -44,6 +45,8 @@ Array = NDArray[np.float64]
 MAX_SOLUTIONS = 16
 # Attempts between two looks at the clock: some 2 ms for ten joints.
 _CHUNK = 8
+# The work of a step grows with the cube of the joints: of more, no time limit could be kept.
+_MOST_JOINTS = 100
 FULL_TASK = (True, True, True, True, True, True)
 Task = tuple[bool, bool, bool, bool, bool, bool]
 
@@ -139,8 +142,15 @@ def iterative_data(
     -------
     ndarray
         See ``_kernels.iterative_layout``.
+
+    Raises
+    ------
+    BadValueError
+        More than a hundred joints.
     """
     n = chain.n
+    if n > _MOST_JOINTS:
+        raise BadValueError("number of joints", n, f"at most {_MOST_JOINTS} for a search")
     redundant = n > sum(task)
     if wanted is None:
         wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS

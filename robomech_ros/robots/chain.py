@@ -33,10 +33,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-# The work of a search grows with the cube of the joints: of more, a step would take so long that
-# no time limit could be kept.
-MOST_JOINTS = 100
-
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
 
 REVOLUTE = 0
@@ -116,8 +112,6 @@ class SerialChain:
         _check_names("joint_names", self.joint_names)
         _check_names("names of links", [frame.name for frame in self.frames])
         n = len(self.joint_names)
-        if n > MOST_JOINTS:
-            raise BadValueError("number of joints", n, f"at most {MOST_JOINTS}")
         for field in KEYS:
             self._freeze(field, np.float64, (n,))
         check_limits(self.joint_names, {field: getattr(self, field) for field in KEYS})

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -120,7 +121,8 @@ def test_a_far_point_is_not_out_of_reach_of_slides():
 
 
 def test_an_answer_cut_short_says_so():
-    chain = load_robot("general6r")
+    a, alpha = [0.3, 0.2, 0.4, 0.1, 0.25, 0.15], [1.2, -0.9, 0.7, 1.1, -1.3, 0.4]
+    chain = chain_from_dh(a, [0.1] * 6, alpha, types="RRPRRR")
     T = forward_kinematics(chain, np.full(6, 0.3))
     whole = inverse_kinematics(chain, T)
     hurried = inverse_kinematics(chain, T, seed=np.full(6, 0.3), timeout=1e-9)
@@ -136,3 +138,9 @@ def test_a_redundant_answer_cut_short_says_both():
     reasons = {inverse_kinematics(chain, T, seed=q, timeout=1e-9).reason for _ in range(3)}
     # Eight samples may be found before the first look at the clock.
     assert all("form a continuum" in reason for reason in reasons)
+
+
+def test_more_than_a_hundred_joints_are_refused():
+    chain = chain_from_dh([0.1] * 101, [0.0] * 101, [0.5] * 101)
+    with pytest.raises(BadValueError, match="number of joints is 101, expected at most 100"):
+        inverse_kinematics(chain, forward_kinematics(chain, np.zeros(101)))

@@ -256,9 +256,3 @@ def test_bad_dh_parameters_are_refused(arguments, error, text):
     *positional, keywords = arguments if isinstance(arguments[-1], dict) else (*arguments, {})
     with pytest.raises(error, match=text):
         chain_from_dh(*positional, **keywords)
-
-
-def test_a_chain_has_a_hundred_joints_at_most():
-    assert chain_from_dh([0.1] * 100, [0.0] * 100, [0.5] * 100).n == 100
-    with pytest.raises(BadValueError, match="number of joints is 101, expected at most 100"):
-        chain_from_dh([0.1] * 101, [0.0] * 101, [0.5] * 101)
