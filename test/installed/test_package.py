@@ -19,6 +19,7 @@ DEFINITIONS = sorted(
 )
 # Import name -> rosdep key, where they differ.
 ROSDEP = {
+    "llvmlite": "python3-numba",  # which it is a part of
     "lxml": "python3-lxml",
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
@@ -29,7 +30,7 @@ ROSDEP = {
     "yaml": "python3-yaml",
 }
 # Import name -> name in the package index, where they differ.
-INDEX = {"yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
+INDEX = {"llvmlite": "numba", "yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
 # Imported only where it is installed, or without a rosdep key (README.md says how it is installed).
 OPTIONAL = {"control_msgs", "moveit_msgs", "tf2_ros"}
 NO_ROSDEP_KEY = {"ruckig"}
