@@ -1,4 +1,4 @@
-"""All inverse-kinematic solutions: PUMA 560 and UR5e against EAIK, general arms alone."""
+"""Inverse kinematics: PUMA 560 and UR5e against EAIK; general, redundant and short arms alone."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 from eaik.IK_Homogeneous import HomogeneousRobot
 from peers import Array, eaik_robot
 from table import Row
-from timing import Work, interleave
+from timing import Work, interleave, summarise
 
 from robomech_ros.kinematics import (
     forward_kinematics,
     inverse_kinematics,
     inverse_kinematics_batch,
 )
+from robomech_ros.kinematics.iterative import iterative_data, iterative_search
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 
 ARMS = ("puma560", "ur5e")
@@ -25,6 +26,11 @@ SINGLES = 40
 REPEATS = 5
 RESIDUAL = 1e-6
 SINGLE_LIMIT = 20.0
+FAMILY_LIMIT = 60.0
+NEAREST_LIMIT = 15.0
+NUMERIC_LIMIT = 50.0
+NUMERIC_ARMS = ("puma560", "ur5e", "general6r")
+SHORT_ARMS = ("planar3r", "scara", "vx300")
 BATCH_RATIO = 1.0
 # Arms that EAIK refuses: one of random numbers, and one with up to 16 solutions.
 GENERAL_ARMS = ("random", "general6r")
@@ -71,7 +77,8 @@ def rows() -> tuple[list[Row], list[str]]:
         rows_of_arm, remark = _time_general(name)
         table += rows_of_arm
         remarks.append(remark)
-    return table, remarks
+    panda, remark = _redundant("panda")
+    return table + panda + _short() + _numeric(), [*remarks, remark]
 
 
 def _general_arm(name: str) -> SerialChain:
@@ -173,3 +180,75 @@ def _time(name: str, chain: SerialChain, peer: HomogeneousRobot, targets: Array)
         Row(f"{name}, batch with limits, a pose", limits.median, peer=peer_best,
             peer_name="EAIK", spread=limits.spread),
     ]  # fmt: skip
+
+
+def _postures(chain: SerialChain, count: int) -> Array:
+    """Draw random postures inside the limits, angles within half a turn."""
+    half = np.where(chain.types == 1, 0.5, np.pi)
+    lower, upper = np.maximum(chain.lower, -half), np.minimum(chain.upper, half)
+    return np.random.default_rng(6).uniform(lower, upper, (count, chain.n))
+
+
+def _redundant(name: str) -> tuple[list[Row], str]:
+    """Time the sampled family of a redundant arm, and the nearest solution to a seed near by."""
+    chain = load_robot(name)
+    postures = _postures(chain, BATCH)
+    targets = forward_kinematics(chain, postures)
+    near = postures[0]
+    poses = forward_kinematics(
+        chain, np.clip(near + 0.1 * np.sin(postures), chain.lower, chain.upper)
+    )
+    times = interleave(
+        {
+            "family": Work(
+                lambda: inverse_kinematics_batch(chain, targets, respect_limits=False), BATCH
+            ),
+            "nearest": Work(
+                lambda: inverse_kinematics_batch(chain, poses, seed=near, max_solutions=1), BATCH
+            ),
+        }
+    )
+    _, count, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
+    family, nearest = times["family"], times["nearest"]
+    remark = f"{name}: {count.mean():.1f} solutions a pose, {count.min()} at least"
+    return [
+        Row(f"{name}, sampled family, batch, a pose", family.median, spread=family.spread,
+            limit=FAMILY_LIMIT),
+        Row(f"{name}, nearest solution, batch, a pose", nearest.median, spread=nearest.spread,
+            limit=NEAREST_LIMIT),
+    ], remark  # fmt: skip
+
+
+def _short() -> list[Row]:
+    """Time all solutions of arms with fewer than six joints."""
+    table = []
+    for name in SHORT_ARMS:
+        chain = load_robot(name)
+        targets = forward_kinematics(chain, _postures(chain, BATCH))
+        work = Work(lambda c=chain, T=targets: inverse_kinematics_batch(c, T), BATCH)
+        timing = interleave({name: work})[name]
+        table.append(
+            Row(f"{name}, all solutions, batch, a pose", timing.median, spread=timing.spread)
+        )
+    return table
+
+
+def _numeric() -> list[Row]:
+    """Time the iterative solver to its first solution, pose by pose, for arms of six joints."""
+    table = []
+    for name in NUMERIC_ARMS:
+        chain = load_robot(name)
+        data, seed = iterative_data(chain, wanted=1), chain.midrange()
+        targets = forward_kinematics(chain, _postures(chain, POSES))
+        samples, solved = [], 0
+        for target in targets:
+            begin = time.perf_counter_ns()
+            search = iterative_search(data, target, seed)
+            samples.append((time.perf_counter_ns() - begin) / 1e3)
+            solved += len(search.q) > 0
+        timing = summarise(samples)
+        table.append(
+            Row(f"{name}, iterative, one solution, {solved / POSES:.1%} of poses", timing.median,
+                spread=timing.spread, limit=NUMERIC_LIMIT)
+        )  # fmt: skip
+    return table
