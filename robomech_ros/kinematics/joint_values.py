@@ -10,7 +10,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["as_joint_values", "as_rows", "raise_not_finite"]
+__all__ = ["as_joint_values", "as_rows", "check_chain", "raise_not_finite"]
 
 Array = NDArray[np.float64]
 
@@ -36,8 +36,7 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     WrongSizeError
         The last axis has not n entries.
     """
-    if not isinstance(chain, SerialChain):
-        raise BadValueError("chain", chain, "a SerialChain, as load_robot gives it")
+    check_chain(chain)
     if type(q) is not np.ndarray or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
         q = np.array(real_array(what, q), order="C")
@@ -45,6 +44,17 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
         expected = f"({chain.n},) or (..., {chain.n}) for {', '.join(chain.joint_names) or 'none'}"
         raise WrongSizeError(what, q.shape, expected)
     return q
+
+
+def check_chain(chain: SerialChain) -> None:
+    """Refuse what is no chain.
+
+    Raises
+    ------
+    BadValueError
+    """
+    if not isinstance(chain, SerialChain):
+        raise BadValueError("chain", chain, "a SerialChain, as load_robot gives it")
 
 
 def as_rows(q: Array) -> Array:

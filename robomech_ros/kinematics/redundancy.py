@@ -21,6 +21,7 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.redundant import locked_anyway
 from robomech_ros.kinematics.sampled import parameter_name
 from robomech_ros.kinematics.target import as_targets
@@ -210,6 +211,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     BadValueError, WrongSizeError, NonFiniteError
         A chain with another number of joints, or a target that is none.
     """
+    check_chain(chain)
     target = as_targets(T)[0]
     tracer = Tracer(chain, target)
     pieces = _pieces(tracer)

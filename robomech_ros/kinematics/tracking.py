@@ -14,6 +14,7 @@ from robomech_ros._kernels.tolerances import (
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.inverse import inverse_kinematics, inverse_kinematics_batch
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.redundancy import Tracer, margins
 from robomech_ros.kinematics.request import as_seed, as_tolerance
 from robomech_ros.kinematics.target import as_targets
@@ -109,6 +110,7 @@ def track(
     SeedOutsideLimitsError
         A joint of the start is outside its limits.
     """
+    check_chain(chain)
     targets = as_targets(poses, batch=True)
     if not len(targets):
         raise BadValueError("poses", "empty", "at least one pose")

@@ -10,6 +10,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     optimal_posture,
     self_motion,
+    track,
 )
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import load_robot
@@ -162,3 +163,9 @@ def test_a_redundant_arm_of_any_geometry(pose_errors):
     assert motion.branches and "joint_7" in motion.parameter_name
     for branch in motion.branches:
         assert pose_errors(chain, T, branch.q).max() < 1e-8
+
+
+@pytest.mark.parametrize("function", [self_motion, track])
+def test_what_is_no_chain_is_named(function):
+    with pytest.raises(BadValueError, match="chain is None, expected a SerialChain"):
+        function(None, np.eye(4))
