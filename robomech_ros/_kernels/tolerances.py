@@ -306,5 +306,8 @@ LEAST_SQUARES_STALL = 1.0 - 1e-9
 # Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
 TRACK_JUMP = 0.5
 TRACK_JUMP_SLIDE = 0.1
-# Constant values of the redundancy parameter that are tried.
-TRACK_PARAMETERS = 16
+# Values of the redundancy parameter at which a path is looked for, how often the distance to the
+# end of a branch is halved, and how often the path is smoothed.
+TRACK_PARAMETERS = 64
+TRACK_HALVINGS = 6
+TRACK_SWEEPS = 8

@@ -7,9 +7,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import (
     AT_LIMIT,
+    TRACK_HALVINGS,
     TRACK_JUMP,
     TRACK_JUMP_SLIDE,
     TRACK_PARAMETERS,
+    TRACK_SWEEPS,
 )
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
@@ -83,8 +85,8 @@ def track(
     Where all solutions of every pose are known, the path with the fewest jumps between branches is
     chosen among all, then that with the fewest between windings, then the one whose joints move
     least. A redundant arm goes from each posture to the nearest one of the next pose; where that
-    jumps, motions with a constant redundancy parameter are tried, and the one with the fewest
-    jumps is taken, which need not be the fewest possible. The poses must be so near to each other
+    jumps, the path with the fewest jumps among samples of the self-motion of every pose is taken,
+    and smoothed. The poses must be so near to each other
     that a continuous motion keeps every joint's move below the threshold of a jump.
 
     Parameters
@@ -153,26 +155,72 @@ def _greedy(chain: SerialChain, targets: Array, origin: Array | None) -> Array:
 
 
 def _redundant(chain: SerialChain, targets: Array, origin: Array | None, largest: Array) -> Array:
-    """Go on to the nearest posture; where that jumps, keep the redundancy parameter instead."""
+    """Go on to the nearest posture; where that jumps, look for the best way among many postures."""
     q = _greedy(chain, targets, origin)
     jumps = len(_jumps(chain, q, origin, largest))
     if chain.n != 7 or (len(q) == len(targets) and not jumps):
         return q
-    best = (len(targets) - len(q), jumps, np.inf), q
-    tracers = [Tracer(chain, T) for T in targets]
-    low, high, _ = tracers[0].range()
-    values = np.linspace(low, high, TRACK_PARAMETERS, endpoint=False).tolist()
-    own = [] if origin is None else [tracers[0].parameter(origin)]
-    for value in own + values:
-        lists = []
-        for tracer in tracers:
-            found = tracer.at(value)
-            lists.append(found[margins(chain, found) >= 0.0])
-        cost, path = _fewest_jumps(chain, lists, origin, largest)
-        worth = len(targets) - len(path), len(_jumps(chain, path, origin, largest)), cost
-        if worth < best[0]:
-            best = worth, path
-    return best[1]
+    _, other = _fewest_jumps(chain, _sampled(chain, targets, q, origin), origin, largest)
+    other = _relaxed(chain, targets[: len(other)], other, origin, largest)
+    worth = len(other), -len(_jumps(chain, other, origin, largest))
+    return other if worth > (len(q), -jumps) else q
+
+
+def _sampled(chain: SerialChain, targets: Array, q: Array, origin: Array | None) -> list[Array]:
+    """List postures inside the limits for every pose: those of many parameters, and of a path."""
+    lists = []
+    ends: list[float] = []
+    for k, T in enumerate(targets):
+        tracer = Tracer(chain, T)
+        low, high, _ = tracer.range()
+        values = np.linspace(low, high, TRACK_PARAMETERS).tolist()
+        known = [*ends, *(tracer.parameter(p) for p in (origin, *q[k : k + 1]) if p is not None)]
+        found, ends = _spread(tracer, sorted({*values, *known}))
+        found = np.concatenate([found, q[k : k + 1]])
+        lists.append(found[margins(chain, found) >= 0.0])
+    return lists
+
+
+def _spread(tracer: Tracer, values: list[float]) -> tuple[Array, list[float]]:
+    """Give the postures at increasing values of the parameter, and at more where a branch ends.
+
+    There the posture changes with the root of the distance from the end, so that halving it again
+    and again keeps the postures about as near to each other as elsewhere.  Gives the ends, too.
+    """
+    found = [tracer.at(value) for value in values]
+    ends = []
+    for k in range(len(values) - 1):
+        if len(found[k]) == len(found[k + 1]):
+            continue
+        low, high, at_low = values[k], values[k + 1], len(found[k])
+        for _ in range(TRACK_HALVINGS):
+            middle = 0.5 * (low + high)
+            found.append(tracer.at(middle))
+            low, high = (middle, high) if len(found[-1]) == at_low else (low, middle)
+        ends.append(low if at_low > len(found[k + 1]) else high)
+    return np.concatenate(found), ends
+
+
+def _relaxed(
+    chain: SerialChain, targets: Array, q: Array, origin: Array | None, largest: Array
+) -> Array:
+    """Smooth a path of samples: move postures on their self-motion towards their neighbours.
+
+    Each goes to the posture nearest to the mean of its neighbours, unless one of the joints would
+    jump; the last one has one neighbour only, as has the first without a start.
+    """
+    q = q.copy()
+    for _ in range(TRACK_SWEEPS):
+        for k, T in enumerate(targets):
+            before = q[k - 1] if k else origin
+            near = [other for other in (before, *q[k + 1 : k + 2]) if other is not None]
+            if not near or (np.abs(np.diff([near[0], q[k], *near[1:]], axis=0)) > largest).any():
+                continue
+            mean = np.mean(near, axis=0)
+            moved = inverse_kinematics(chain, T, seed=mean, max_solutions=1, metric="l2").q
+            if len(moved) and not (np.abs(moved[0] - near) > largest).any():
+                q[k] = moved[0]
+    return q
 
 
 def _fewest_jumps(
