@@ -21,6 +21,7 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import PROFILES, SampledPlan
 
 __all__ = [
+    "OFFERED",
     "SHORTEST_PERIOD",
     "encode_plan",
     "plan_options",
@@ -36,7 +37,8 @@ _NAMES = {
     getattr(PlanJoint.Request, name): name
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
-_OFFERED = ", ".join(
+# The profiles a request may ask for, with their numbers, in words.
+OFFERED = ", ".join(
     f"{name} ({number})" for number, name in _NAMES.items() if name.lower() in PROFILES
 )
 _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
@@ -53,7 +55,7 @@ def profile_name(number: int) -> str:
     name = _NAMES.get(number)
     if name is None or name.lower() not in PROFILES:
         shown = f"{name} ({number})" if name else number
-        raise BadValueError("profile", shown, f"one of {_OFFERED}")
+        raise BadValueError("profile", shown, f"one of {OFFERED}")
     return name.lower()
 
 

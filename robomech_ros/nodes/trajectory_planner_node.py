@@ -22,6 +22,7 @@ from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.plan_messages import (
+    OFFERED,
     SHORTEST_PERIOD,
     encode_plan,
     plan_options,
@@ -105,9 +106,8 @@ class TrajectoryPlannerNode(Node):
         self.create_service(
             PlanJoint, "~/plan_joint", self._plan_joint, callback_group=ReentrantCallbackGroup()
         )
-        profiles = ", ".join(name.upper() for name in PROFILES)
         self.get_logger().info(
-            f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {profiles}"
+            f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
         )
 
     def _warm_up(self) -> None:

@@ -4,23 +4,28 @@ from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.polynomial import Polynomial345
 from robomech_ros.trajectory.profiles import PROFILES, point_to_point
+from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
 from robomech_ros.trajectory.sample import Sample, Trajectory
 from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
+from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.verification import Verification, Violation, verify
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
     "PROFILES",
+    "Cycloidal",
+    "DoubleS",
     "JerkLimited",
     "JointLimits",
     "Limits",
     "PiecewisePolynomial",
     "Polynomial345",
+    "Polynomial4567",
     "Sample",
     "SampledPlan",
     "Trajectory",
+    "Trapezoidal",
     "Verification",
     "Violation",
     "Waypoints",

@@ -5,41 +5,33 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import Phases, jerk_phases
-from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["JerkLimited"]
 
 
 @dataclass(frozen=True, eq=False)
-class JerkLimited:
+class JerkLimited(MotionToRest):
     """Piecewise constant jerk, all joints arriving together, at rest.
 
     From rest every joint whose limits permit it follows the course of the slowest one, so that
     the path is as straight as can be; that costs no time.  A wanted duration slows the fastest
     motion down as a whole; from a moving start it is left to Ruckig.
-
-    Attributes
-    ----------
-    goal : ndarray, shape (n,)
-        Joint values at the end, rad or m.
-    pieces : PiecewisePolynomial
-        The curve; its breaks are the steps of the jerk of any joint.
+    The breaks of its pieces are the steps of the jerk of any joint.
     """
-
-    goal: FloatArray
-    pieces: PiecewisePolynomial
 
     REQUIRED: ClassVar[tuple[Rate, ...]] = RATES
     STARTS_MOVING: ClassVar[bool] = True
+    ACCELERATION_STEPS: ClassVar[bool] = False
 
     @classmethod
     def plan(
@@ -88,40 +80,8 @@ class JerkLimited:
             if not moving and duration > planned.duration:
                 slow = phases.slowed(duration / planned.duration)
                 planned = cls(goal, _curve(start, goal, slow))
-        planned._check_overshoot(start, limits)
+        planned.check_positions(start, limits)
         return planned
-
-    @property
-    def duration(self) -> float:
-        """Time from start to end, in s."""
-        return self.pieces.duration
-
-    def sample(self, t: npt.ArrayLike) -> Sample:
-        """Sample positions and derivatives.
-
-        Parameters
-        ----------
-        t : array_like, shape () or (m,)
-            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
-
-        Returns
-        -------
-        Sample
-            Arrays of shape (n,) or (m, n).
-
-        Raises
-        ------
-        NonFiniteError
-            If an instant is NaN or infinite.
-        """
-        sample = self.pieces.sample(t)
-        ended = np.asarray(t, dtype=np.float64).ravel() >= self.duration
-        if sample.position.ndim == 1:
-            ended = ended[0]
-        sample.position[ended] = self.goal
-        sample.velocity[ended] = 0.0
-        sample.acceleration[ended] = 0.0
-        return sample
 
     def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:
         """Refuse where Ruckig needed longer than wanted."""
@@ -137,22 +97,6 @@ class JerkLimited:
                 binding.append(rate)
         names = " and ".join(binding) or "jerk"
         raise DurationTooShortError(wanted, self.duration, limits.joint_names[joint], names)
-
-    def _check_overshoot(self, start: FloatArray, limits: Limits) -> None:
-        """Refuse a motion that leaves the position limits on its way (it started moving)."""
-        low, high = extremes(self.pieces, 0)
-        # A start on the far side of a limit, within the slack, may stay there.
-        for values, edge, bound in (
-            (-low, -np.minimum(limits.lower, start), limits.lower),
-            (high, np.maximum(limits.upper, start), limits.upper),
-        ):
-            excess = values - edge
-            joint = int(np.argmax(excess)) if len(excess) else 0
-            if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
-                value = float(low[joint] if bound is limits.lower else high[joint])
-                raise LimitExceededError(
-                    "position on the way", limits.joint_names[joint], value, float(bound[joint])
-                )
 
 
 def _check_moving_start(limits: Limits, velocity: FloatArray, acceleration: FloatArray) -> None:

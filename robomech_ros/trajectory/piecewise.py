@@ -12,7 +12,7 @@ from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, he
 __all__ = ["PiecewisePolynomial"]
 
 # Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
-_MAX_ORDER = 5
+_MAX_ORDER = 9
 _FACTORS = np.array([[math.perm(i, d) for i in range(_MAX_ORDER + 1)] for d in range(4)], float)
 _POWERS = np.array([[max(i - d, 0) for i in range(_MAX_ORDER + 1)] for d in range(4)])
 
@@ -32,7 +32,7 @@ class PiecewisePolynomial:
         entry (s = 0) the joints stand still at ``coefficients[0]``.
     coefficients : ndarray, shape (order + 1, max(s, 1), n)
         Power coefficients, lowest power first; rad or m over s to the power of the first index.
-        The order is 5 at most.
+        The order is 9 at most.
     """
 
     breaks: FloatArray

@@ -11,8 +11,9 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
-from robomech_ros.trajectory.polynomial import Polynomial345
+from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
 __all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
@@ -35,10 +36,13 @@ class Profile(Protocol):
         The limits without which it cannot be planned.
     STARTS_MOVING : bool
         Whether it can start from other than rest.
+    ACCELERATION_STEPS : bool
+        Whether accelerations step, so that samples of them do not tell the curve.
     """
 
     REQUIRED: ClassVar[tuple[Rate, ...]]
     STARTS_MOVING: ClassVar[bool]
+    ACCELERATION_STEPS: ClassVar[bool]
 
     @classmethod
     def plan(
@@ -53,7 +57,14 @@ class Profile(Protocol):
         """Plan from `start` to rest at `goal` (n,), within `limits`."""
 
 
-PROFILES: dict[str, type[Profile]] = {"poly345": Polynomial345, "ruckig": JerkLimited}
+PROFILES: dict[str, type[Profile]] = {
+    "poly345": Polynomial345,
+    "poly4567": Polynomial4567,
+    "cycloidal": Cycloidal,
+    "trapezoidal": Trapezoidal,
+    "double_s": DoubleS,
+    "ruckig": JerkLimited,
+}
 
 
 def profile_named(name: str) -> type[Profile]:
@@ -90,11 +101,13 @@ def point_to_point(
     q0, q1 : array_like, shape (n,)
         Start and goal, rad or m.
     limits : JointLimits
-        A chain model, `Limits`, or anything with the same attributes.  Profile ``poly345`` needs
-        velocity and acceleration limits of every joint and keeps to those jerk limits that are
-        there; ``ruckig`` needs all three.
+        A chain model, `Limits`, or anything with the same attributes.  Velocity and acceleration
+        limits of every joint are needed, and jerk limits for ``double_s`` and ``ruckig``; the
+        others but ``trapezoidal`` keep to those jerk limits that are there.
     profile : str
-        A name in `PROFILES`, in capitals or not.
+        A name in `PROFILES`, in capitals or not: ``poly345``, ``poly4567``, ``cycloidal`` (the
+        book's laws), ``trapezoidal``, ``double_s``, ``ruckig`` (the fastest; the only one that
+        may start moving).
     duration : float, optional
         Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
         the least.

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import DurationTooShortError
+from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.profiles import (
+    PROFILES,
     checked_duration,
     point_to_point,
     profile_named,
@@ -96,7 +97,12 @@ def sampled_point_to_point(
         As `point_to_point`, `discretise` and `verify` do.
     """
     scales = (velocity_scale, acceleration_scale, jerk_scale)
-    allowed = scaled_limits(Limits.of(limits), profile_named(profile), *scales)
+    method = profile_named(profile)
+    if method.ACCELERATION_STEPS:
+        able = sorted(name for name, one in PROFILES.items() if not one.ACCELERATION_STEPS)
+        expected = f"one with continuous acceleration, as samples need it: {', '.join(able)}"
+        raise BadValueError("profile", profile, expected)
+    allowed = scaled_limits(Limits.of(limits), method, *scales)
     factors = np.ones((3, len(allowed.joint_names)))
     duration = checked_duration(duration)
     if duration is None:

@@ -1,4 +1,4 @@
-"""The 3-4-5 polynomial: golden extremes, shortest durations, wanted durations."""
+"""The laws from rest to rest: golden extremes, shortest durations, wanted durations."""
 
 import json
 from pathlib import Path
@@ -9,13 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robomech_ros.errors import DurationTooShortError, MissingLimitsError
-from robomech_ros.trajectory import Limits, point_to_point, verify
+from robomech_ros.trajectory import Limits, Sample, point_to_point, verify
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden" / "ppo_profiles.json").read_text()
 )
 JOINTS = ("base", "shoulder", "elbow")
 UNLIMITED = Limits(JOINTS, velocity=[1e9] * 3, acceleration=[1e9] * 3)
+LAWS = {"poly345": "345", "poly4567": "4567", "cycloidal": "cycloidal"}
 
 
 def rates(sample):
@@ -27,12 +28,11 @@ def rates(sample):
 
 
 @pytest.mark.parametrize("duration", [1.0, 0.25, 7.0])
-def test_golden_extremes(duration):
+@pytest.mark.parametrize("profile", LAWS)
+def test_golden_extremes(profile, duration):
     rise = np.array([1.0, -2.0, 0.5])
-    motion = point_to_point(
-        np.zeros(3), rise, limits=UNLIMITED, profile="poly345", duration=duration
-    )
-    golden = GOLDEN["profiles"]["345"]
+    motion = point_to_point(np.zeros(3), rise, limits=UNLIMITED, profile=profile, duration=duration)
+    golden = GOLDEN["profiles"][LAWS[profile]]
     for order, name in enumerate(("velocity", "acceleration", "jerk"), 1):
         scaled = rise / duration**order
         for end in ("max", "min"):
@@ -42,6 +42,8 @@ def test_golden_extremes(duration):
                 np.testing.assert_allclose(
                     value, golden[name][f"{end}_num"] * scaled, rtol=1e-12, atol=1e-12
                 )
+        peak = np.abs([golden[name]["max_num"], golden[name]["min_num"]]).max()
+        assert motion.LAW.peaks[name] == pytest.approx(peak, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -90,9 +92,10 @@ def test_the_duration_of_a_plan_rounded_to_nanoseconds_can_be_asked_for_again():
     assert again.duration == shortest
 
 
-def test_ends_are_exact():
+@pytest.mark.parametrize("profile", LAWS)
+def test_ends_are_exact(profile):
     start, goal = np.array([0.1, -2.3, 3.0]), np.array([1 / 3, 2.7, -2.9])
-    motion = point_to_point(start, goal, limits=UNLIMITED, profile="poly345", duration=1.7)
+    motion = point_to_point(start, goal, limits=UNLIMITED, profile=profile, duration=1.7)
     for instant, place in ((0.0, start), (motion.duration, goal), (-1.0, start), (99.0, goal)):
         sample = motion.sample(instant)
         np.testing.assert_array_equal(sample.position, place)
@@ -102,13 +105,15 @@ def test_ends_are_exact():
             np.testing.assert_array_equal(sample.jerk, 0.0)
 
 
-def test_pieces_are_the_same_curve():
+@pytest.mark.parametrize("profile", LAWS)
+def test_pieces_are_the_same_curve(profile):
     start, goal = np.array([0.1, -2.3, 3.0]), np.array([1 / 3, 2.7, -2.9])
-    motion = point_to_point(start, goal, limits=UNLIMITED, profile="poly345", duration=1.7)
+    motion = point_to_point(start, goal, limits=UNLIMITED, profile=profile, duration=1.7)
     instants = np.linspace(0.0, 1.7, 101)
     one, other = motion.sample(instants), motion.pieces.sample(instants)
-    for name in ("position", "velocity", "acceleration", "jerk"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)
+    # The cycloidal motion is no polynomial; its pieces are so near to it.
+    for name, tolerance in zip(Sample._fields, (1e-13, 1e-11, 1e-9, 1e-7), strict=True):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance)
 
 
 def test_velocity_and_acceleration_limits_are_needed_and_jerk_limits_are_not():
@@ -126,6 +131,7 @@ def test_velocity_and_acceleration_limits_are_needed_and_jerk_limits_are_not():
         point_to_point(np.zeros(3), np.ones(3), limits=free, jerk_scale=0.5)
 
 
+@pytest.mark.parametrize("profile", LAWS)
 @settings(max_examples=60, deadline=None)
 @given(
     rise=st.lists(st.floats(-6.0, 6.0), min_size=3, max_size=3),
@@ -134,10 +140,10 @@ def test_velocity_and_acceleration_limits_are_needed_and_jerk_limits_are_not():
     jerk=st.one_of(st.none(), st.floats(0.1, 1e4)),
 )
 def test_any_motion_is_within_its_limits_and_no_slower_than_needed(
-    rise, velocity, acceleration, jerk
+    profile, rise, velocity, acceleration, jerk
 ):
     allowed = Limits(JOINTS, velocity=velocity, acceleration=acceleration, jerk=jerk)
-    motion = point_to_point(np.zeros(3), rise, limits=allowed, profile="poly345")
+    motion = point_to_point(np.zeros(3), rise, limits=allowed, profile=profile)
     report = verify(motion, allowed, start=np.zeros(3))
     assert report.ok, report.violation
     peaks = (report.peak_velocity_ratio, report.peak_acceleration_ratio, report.peak_jerk_ratio)

@@ -1,12 +1,10 @@
-"""The 3-4-5 interpolating polynomial.
+"""Motions from rest to rest on a straight line in joint space, along one of the book's laws.
 
 References
 ----------
-J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., ch. 6 (pick-and-place
-trajectories).
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3 and 6.4.
 """
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -16,28 +14,22 @@ import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError
+from robomech_ros.trajectory.laws import CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
-__all__ = ["Polynomial345"]
-
-# Largest magnitudes of the first three derivatives of s(tau) over 0 <= tau <= 1.
-PEAKS: dict[Rate, float] = {
-    "velocity": 15.0 / 8.0,
-    "acceleration": 10.0 * math.sqrt(3.0) / 3.0,
-    "jerk": 60.0,
-}
+__all__ = ["Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
 
 
 @dataclass(frozen=True, eq=False)
-class Polynomial345:
-    r"""Rest to rest along the 3-4-5 polynomial, all joints together.
+class RestToRest:
+    r"""From rest to rest, all joints together.
 
-    .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T), \quad s(\tau) = 6\tau^5 - 15\tau^4 + 10\tau^3
+    .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T)
 
-    Velocities and accelerations are zero at both ends; the joints keep the ratio of their
-    displacements, so that the path is a straight line in joint space.
+    The joints keep the ratio of their displacements, so that the path is a straight line in joint
+    space.
 
     Attributes
     ----------
@@ -45,18 +37,16 @@ class Polynomial345:
         Joint values in rad or m.
     duration : float
         T in s.
-
-    References
-    ----------
-    Angeles, 4th ed., ch. 6.
     """
 
     start: FloatArray
     goal: FloatArray
     duration: float
 
+    LAW: ClassVar[Law]
     REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
     STARTS_MOVING: ClassVar[bool] = False
+    ACCELERATION_STEPS: ClassVar[bool] = False
 
     @classmethod
     def plan(
@@ -67,7 +57,7 @@ class Polynomial345:
         duration: float | None = None,
         start_velocity: FloatArray | None = None,
         start_acceleration: FloatArray | None = None,
-    ) -> "Polynomial345":
+    ) -> "RestToRest":
         """Choose the duration: the shortest within the limits, or the one wanted.
 
         Parameters
@@ -79,7 +69,7 @@ class Polynomial345:
         duration : float, optional
             Wanted duration in s; None for the shortest.
         start_velocity, start_acceleration : None
-            The polynomial starts from rest.
+            The motion starts from rest.
 
         Raises
         ------
@@ -88,7 +78,7 @@ class Polynomial345:
         """
         rise = np.abs(goal - start)
         needed = {
-            rate: (PEAKS[rate] * rise / getattr(limits, rate)) ** (1.0 / order)
+            rate: (cls.LAW.peaks[rate] * rise / getattr(limits, rate)) ** (1.0 / order)
             for order, rate in enumerate(RATES, start=1)
         }
         rate = max(RATES, key=lambda name: needed[name].max(initial=0.0))
@@ -126,23 +116,39 @@ class Polynomial345:
         rise = self.goal - self.start
         # The half nearer to an end counts from that end, so that both are met exactly.
         position = np.where(
-            tau < 0.5, self.start + rise * _progress(tau), self.goal - rise * _progress(rest)
+            tau < 0.5,
+            self.start + rise * self.LAW.progress(tau),
+            self.goal - rise * self.LAW.progress(rest),
         )
-        velocity = rise / self.duration * (30.0 * (tau * rest) ** 2)
-        acceleration = rise / self.duration**2 * (60.0 * tau * rest * (1.0 - 2.0 * tau))
-        jerk = rise / self.duration**3 * (60.0 - 360.0 * tau * rest)
-        return held_outside(Sample(position, velocity, acceleration, jerk), inside != times)
+        rates = self.LAW.rates(tau)
+        scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
+        return held_outside(Sample(position, *scaled), inside != times)
 
     @cached_property
     def pieces(self) -> PiecewisePolynomial:
         """The same curve in powers of t; its breaks are where the jerk may step."""
-        rise, duration = self.goal - self.start, self.duration
-        coefficients = np.zeros((6, 1, len(rise)))
-        coefficients[0] = self.start
-        for power, factor in ((3, 10.0), (4, -15.0), (5, 6.0)):
-            coefficients[power] = factor * rise / duration**power
-        return PiecewisePolynomial(np.array([0.0, duration]), coefficients)
+        law, duration = self.LAW.pieces, self.duration
+        if (self.goal == self.start).all():
+            return PiecewisePolynomial(np.array([0.0, duration]), self.start[None, None])
+        powers = duration ** np.arange(len(law.coefficients))
+        coefficients = law.coefficients / powers[:, None, None] * (self.goal - self.start)
+        coefficients[0] += self.start
+        return PiecewisePolynomial(law.breaks * duration, coefficients)
 
 
-def _progress(tau: FloatArray) -> FloatArray:
-    return tau**3 * (10.0 + tau * (6.0 * tau - 15.0))
+class Polynomial345(RestToRest):
+    """Along the 3-4-5 polynomial: the lowest accelerations, and steps of the jerk at the ends."""
+
+    LAW = POLY345
+
+
+class Polynomial4567(RestToRest):
+    """Along the 4-5-6-7 polynomial, whose jerk vanishes at both ends, too."""
+
+    LAW = POLY4567
+
+
+class Cycloidal(RestToRest):
+    """Along the cycloidal motion: uniform, less one turn of a wheel."""
+
+    LAW = CYCLOIDAL

@@ -1,0 +1,125 @@
+"""Laws of motion from rest to rest, over a time and a way of 1.
+
+All of them are symmetric, s(1 - tau) = 1 - s(tau), and have no velocity and no acceleration at
+their ends.
+
+References
+----------
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3 and 6.4.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.trajectory.hermite import septic
+from robomech_ros.trajectory.limits import Rate
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates"]
+
+# Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
+_CYCLOIDAL_SEGMENTS = 32
+
+
+class Rates(NamedTuple):
+    """First three derivatives of s, shaped like tau."""
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    jerk: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """How the part of the way s that is done depends on the part of the time tau that is over.
+
+    Attributes
+    ----------
+    progress : callable
+        s(tau), accurate relative to s itself for tau up to 1/2.
+    rates : callable
+        Its first three derivatives.
+    peaks : dict
+        Their largest magnitudes.
+    pieces : PiecewisePolynomial
+        s(tau) as one joint.
+    """
+
+    progress: Callable[[FloatArray], FloatArray]
+    rates: Callable[[FloatArray], Rates]
+    peaks: dict[Rate, float]
+    pieces: PiecewisePolynomial
+
+
+def _one_piece(*coefficients: float) -> PiecewisePolynomial:
+    return PiecewisePolynomial(np.array([0.0, 1.0]), np.array(coefficients)[:, None, None])
+
+
+def _progress345(tau: FloatArray) -> FloatArray:
+    return tau**3 * (10.0 + tau * (6.0 * tau - 15.0))
+
+
+def _rates345(tau: FloatArray) -> Rates:
+    both = tau * (1.0 - tau)
+    return Rates(30.0 * both**2, 60.0 * both * (1.0 - 2.0 * tau), 60.0 - 360.0 * both)
+
+
+def _progress4567(tau: FloatArray) -> FloatArray:
+    return tau**4 * (35.0 + tau * (tau * (70.0 - 20.0 * tau) - 84.0))
+
+
+def _rates4567(tau: FloatArray) -> Rates:
+    both = tau * (1.0 - tau)
+    return Rates(
+        140.0 * both**3,
+        420.0 * both**2 * (1.0 - 2.0 * tau),
+        840.0 * both * (1.0 - 5.0 * both),
+    )
+
+
+def _progress_cycloidal(tau: FloatArray) -> FloatArray:
+    turn = 2.0 * math.pi
+    # The difference loses its digits near zero; there the next term is below rounding.
+    small = (turn * tau) ** 3 / (6.0 * turn) * (1.0 - (turn * tau) ** 2 / 20.0)
+    return np.where(tau < 1e-4, small, tau - np.sin(turn * tau) / turn)
+
+
+def _rates_cycloidal(tau: FloatArray) -> Rates:
+    # Counted from the nearer end, so that both ends are at rest exactly.
+    angle = 2.0 * math.pi * np.where(tau < 0.5, tau, tau - 1.0)
+    return Rates(
+        2.0 * np.sin(0.5 * angle) ** 2,
+        2.0 * math.pi * np.sin(angle),
+        4.0 * math.pi**2 * np.cos(angle),
+    )
+
+
+def _cycloidal_pieces() -> PiecewisePolynomial:
+    tau = np.linspace(0.0, 1.0, _CYCLOIDAL_SEGMENTS + 1)
+    values = np.stack([_progress_cycloidal(tau), *_rates_cycloidal(tau)])
+    return septic(tau, values[:, :, None])
+
+
+POLY345 = Law(
+    _progress345,
+    _rates345,
+    {"velocity": 15.0 / 8.0, "acceleration": 10.0 * math.sqrt(3.0) / 3.0, "jerk": 60.0},
+    _one_piece(0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
+)
+POLY4567 = Law(
+    _progress4567,
+    _rates4567,
+    {"velocity": 35.0 / 16.0, "acceleration": 84.0 * math.sqrt(5.0) / 25.0, "jerk": 52.5},
+    _one_piece(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
+)
+CYCLOIDAL = Law(
+    _progress_cycloidal,
+    _rates_cycloidal,
+    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
+    _cycloidal_pieces(),
+)

@@ -1,0 +1,81 @@
+"""Motions that are piecewise polynomials and end at rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.trajectory.bounds import extremes
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray, Sample
+
+__all__ = ["MotionToRest"]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionToRest:
+    """A curve that ends at rest exactly at its goal.
+
+    Attributes
+    ----------
+    goal : ndarray, shape (n,)
+        Joint values at the end, rad or m.
+    pieces : PiecewisePolynomial
+        The curve, from t = 0 on.
+    """
+
+    goal: FloatArray
+    pieces: PiecewisePolynomial
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        sample = self.pieces.sample(t)
+        ended = np.asarray(t, dtype=np.float64).ravel() >= self.duration
+        if sample.position.ndim == 1:
+            ended = ended[0]
+        sample.position[ended] = self.goal
+        sample.velocity[ended] = 0.0
+        sample.acceleration[ended] = 0.0
+        return sample
+
+    def check_positions(self, start: FloatArray, limits: Limits) -> None:
+        """Raise `LimitExceededError` where the motion leaves the position limits on its way.
+
+        A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
+        """
+        low, high = extremes(self.pieces, 0)
+        for values, edge, bound in (
+            (-low, -np.minimum(limits.lower, start), limits.lower),
+            (high, np.maximum(limits.upper, start), limits.upper),
+        ):
+            excess = values - edge
+            joint = int(np.argmax(excess)) if len(excess) else 0
+            if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
+                value = float(low[joint] if bound is limits.lower else high[joint])
+                raise LimitExceededError(
+                    "position on the way", limits.joint_names[joint], value, float(bound[joint])
+                )
