@@ -8,8 +8,10 @@ from robomech_ros.trajectory.profiles import PROFILES, point_to_point
 from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
 from robomech_ros.trajectory.sample import Sample, Trajectory
 from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
+from robomech_ros.trajectory.splines import Spline, spline_through
 from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.verification import Verification, Violation, verify
+from robomech_ros.trajectory.via_polynomial import ViaPolynomial, via_polynomial
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
@@ -24,14 +26,18 @@ __all__ = [
     "Polynomial4567",
     "Sample",
     "SampledPlan",
+    "Spline",
     "Trajectory",
     "Trapezoidal",
     "Verification",
+    "ViaPolynomial",
     "Violation",
     "Waypoints",
     "discretise",
     "interpolant",
     "point_to_point",
     "sampled_point_to_point",
+    "spline_through",
     "verify",
+    "via_polynomial",
 ]

@@ -11,7 +11,7 @@ from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.motion_to_rest import MotionToRest
+from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import Phases, jerk_phases
 from robomech_ros.trajectory.sample import FloatArray
@@ -80,7 +80,7 @@ class JerkLimited(MotionToRest):
             if not moving and duration > planned.duration:
                 slow = phases.slowed(duration / planned.duration)
                 planned = cls(goal, _curve(start, goal, slow))
-        planned.check_positions(start, limits)
+        check_positions(planned.pieces, start, limits)
         return planned
 
     def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:

@@ -12,7 +12,7 @@ from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["MotionToRest"]
+__all__ = ["MotionToRest", "check_positions", "settled"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,29 +53,36 @@ class MotionToRest:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        sample = self.pieces.sample(t)
-        ended = np.asarray(t, dtype=np.float64).ravel() >= self.duration
-        if sample.position.ndim == 1:
-            ended = ended[0]
-        sample.position[ended] = self.goal
-        sample.velocity[ended] = 0.0
-        sample.acceleration[ended] = 0.0
-        return sample
+        return settled(self.pieces.sample(t), t, self.pieces, self.goal)
 
-    def check_positions(self, start: FloatArray, limits: Limits) -> None:
-        """Raise `LimitExceededError` where the motion leaves the position limits on its way.
 
-        A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
-        """
-        low, high = extremes(self.pieces, 0)
-        for values, edge, bound in (
-            (-low, -np.minimum(limits.lower, start), limits.lower),
-            (high, np.maximum(limits.upper, start), limits.upper),
-        ):
-            excess = values - edge
-            joint = int(np.argmax(excess)) if len(excess) else 0
-            if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
-                value = float(low[joint] if bound is limits.lower else high[joint])
-                raise LimitExceededError(
-                    "position on the way", limits.joint_names[joint], value, float(bound[joint])
-                )
+def settled(
+    sample: Sample, t: npt.ArrayLike, pieces: PiecewisePolynomial, goal: FloatArray
+) -> Sample:
+    """Put a sample at the end of its curve, or later, at rest at the goal (n,) exactly."""
+    ended = np.asarray(t, dtype=np.float64).ravel() >= pieces.breaks[-1]
+    if sample.position.ndim == 1:
+        ended = ended[0]
+    sample.position[ended] = goal
+    sample.velocity[ended] = 0.0
+    sample.acceleration[ended] = 0.0
+    return sample
+
+
+def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limits) -> None:
+    """Raise `LimitExceededError` where a curve leaves the position limits on its way.
+
+    A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
+    """
+    low, high = extremes(pieces, 0)
+    for values, edge, bound in (
+        (-low, -np.minimum(limits.lower, start), limits.lower),
+        (high, np.maximum(limits.upper, start), limits.upper),
+    ):
+        excess = values - edge
+        joint = int(np.argmax(excess)) if len(excess) else 0
+        if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
+            value = float(low[joint] if bound is limits.lower else high[joint])
+            raise LimitExceededError(
+                "position on the way", limits.joint_names[joint], value, float(bound[joint])
+            )

@@ -71,6 +71,12 @@ class PiecewisePolynomial:
             values = _differentiated(values)
         return values
 
+    def stretched(self, factor: float) -> "PiecewisePolynomial":
+        """Give the same curve over a time longer by a factor, from the same instant on."""
+        powers = factor ** np.arange(len(self.coefficients))
+        breaks = self.breaks[0] + factor * (self.breaks - self.breaks[0])
+        return PiecewisePolynomial(breaks, self.coefficients / powers[:, None, None])
+
     def sample(self, t: npt.ArrayLike) -> Sample:
         """Sample positions and derivatives.
 

@@ -1,0 +1,129 @@
+"""When a curve through points passes each of them.
+
+References
+----------
+E. T. Y. Lee, "Choosing nodes in parametric curve interpolation", Computer-Aided Design 21, 1989
+(chord length, centripetal); C.-S. Lin, P.-R. Chang and J. Y. S. Luh, "Formulation and
+optimization of cubic polynomial joint trajectories for industrial robots", IEEE Transactions on
+Automatic Control 28, 1983 (optimal times).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import minimize
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.limits import RATES, Limits
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.time_scaling import stretch_needed
+
+__all__ = ["SPACINGS", "optimal_knots", "spaced_knots"]
+
+# Power of the distance between two points that their distance in time is proportional to.
+_POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
+SPACINGS = (*_POWERS, "optimal")
+# Shortest segment, in parts of the mean one.
+_SHORTEST = 1e-3
+_ITERATIONS = 60
+
+Through = Callable[[FloatArray], PiecewisePolynomial]
+
+
+def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1.0) -> FloatArray:
+    """Space knots by the distances between points.
+
+    Parameters
+    ----------
+    points : ndarray, shape (m, n)
+        Joint values, rad or m.
+    spacing : str
+        ``"uniform"``, ``"chord"`` (proportional to the distance) or ``"centripetal"`` (to its
+        root).
+    scale : ndarray, shape (n,), or float
+        What makes joints comparable: distances are measured in it.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        From 0 to 1, strictly increasing; points that coincide are kept apart a little.
+
+    Raises
+    ------
+    BadValueError
+        If there is no such spacing.
+    """
+    if spacing not in _POWERS:
+        raise BadValueError("spacing", spacing, "one of " + ", ".join(SPACINGS))
+    distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
+    spans = distances ** _POWERS[spacing]
+    spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
+    knots: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    return knots
+
+
+def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+    """Find the knots with the shortest duration within the limits.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (m,)
+        Where to start from, strictly increasing.
+    through : callable
+        Gives the curve for knots.
+    limits : Limits
+        Those that are finite count.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Knots of a local minimum of the duration, never longer than from those given.
+    """
+    curve = through(knots)
+    factor, _, _ = stretch_needed(curve, limits)
+    if not factor > 0.0:
+        return knots
+    start = np.log(factor * np.diff(knots))
+    least = start.mean() + np.log(_SHORTEST)
+
+    def after(logarithms: FloatArray) -> FloatArray:
+        return np.concatenate([[0.0], np.cumsum(np.exp(logarithms))])
+
+    def spare(logarithms: FloatArray) -> FloatArray:
+        return 1.0 - _peaks(through(after(logarithms)), limits)
+
+    found = minimize(
+        lambda logarithms: float(np.exp(logarithms).sum()),
+        start,
+        jac=np.exp,
+        method="SLSQP",
+        bounds=[(least, None)] * len(start),
+        constraints={"type": "ineq", "fun": spare},
+        options={"maxiter": _ITERATIONS, "ftol": 1e-7},
+    ).x
+    if not np.isfinite(found).all():
+        return knots
+    better = after(found)
+    shortest = stretch_needed(through(better), limits)[0] * better[-1]
+    return better if shortest < factor * (knots[-1] - knots[0]) else knots
+
+
+def _peaks(curve: PiecewisePolynomial, limits: Limits) -> FloatArray:
+    """Largest ratios to the limits in each segment of a cubic curve, as powers of a stretch."""
+    spans = curve.spans[:, None]
+    _, b, c, d = curve.coefficients
+    ends = b, b + spans * (2.0 * c + 3.0 * d * spans)
+    turn = np.divide(-c, 3.0 * d, out=np.zeros_like(c), where=d != 0.0)
+    middle = np.where((turn > 0.0) & (turn < spans), b - c**2 / np.where(d, 3.0 * d, 1.0), 0.0)
+    peaks = (
+        np.maximum(np.maximum(np.abs(ends[0]), np.abs(ends[1])), np.abs(middle)),
+        2.0 * np.maximum(np.abs(c), np.abs(c + 3.0 * d * spans)),
+        6.0 * np.abs(d),
+    )
+    ratios = [
+        ((peak / getattr(limits, rate)) ** (1.0 / order)).max(axis=1)
+        for order, (rate, peak) in enumerate(zip(RATES, peaks, strict=True), 1)
+        if np.isfinite(getattr(limits, rate)).any()
+    ]
+    return np.concatenate(ratios)

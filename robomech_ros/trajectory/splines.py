@@ -1,0 +1,248 @@
+"""Splines through points in joint space."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.cubic_spline import End, cubic_spline, periodic_cubic_spline
+from robomech_ros.trajectory.knots import SPACINGS, optimal_knots, spaced_knots
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.motion_to_rest import check_positions, settled
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.profiles import checked_duration
+from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.time_scaling import fitted
+
+__all__ = ["Spline", "spline_through"]
+
+Ends = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
+_QUINTIC_ENDS = ("natural", "clamped", "rest")
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A spline through points.
+
+    Attributes
+    ----------
+    points : ndarray, shape (m, n)
+        Joint values, rad or m.
+    knots : ndarray, shape (m,)
+        When each point is passed, in s.
+    ends : str
+        The conditions at its ends.
+    pieces : PiecewisePolynomial
+        The curve; between two knots there is one more break beside an end at rest of a cubic one.
+    """
+
+    points: FloatArray
+    knots: FloatArray
+    ends: Ends
+    pieces: PiecewisePolynomial
+
+    @property
+    def duration(self) -> float:
+        """Time from the first knot to the last, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; outside the knots the joints rest.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        sample = self.pieces.sample(t)
+        return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
+
+
+def spline_through(
+    points: npt.ArrayLike,
+    *,
+    times: npt.ArrayLike | None = None,
+    limits: JointLimits | Any = None,
+    spacing: str = "centripetal",
+    ends: Ends = "rest",
+    degree: Literal[3, 5] = 3,
+    slopes: npt.ArrayLike | None = None,
+    duration: float | None = None,
+) -> Spline:
+    """Interpolate points by a spline in time.
+
+    Parameters
+    ----------
+    points : array_like, shape (m, n)
+        Joint values one after another, rad or m, m >= 2.
+    times : array_like, shape (m,), optional
+        When each is passed, in s, strictly increasing.  Without them the knots follow `spacing`,
+        and the motion is as fast as `limits` allow or takes the wanted `duration`.
+    limits : JointLimits, optional
+        A chain model, `Limits`, or anything with the same attributes; needed without `times`:
+        velocity and acceleration limits of every joint, and those jerk limits that are there.
+        With `times` they are left to :func:`verify`.
+    spacing : str
+        ``"uniform"``, ``"chord"`` (times proportional to distances), ``"centripetal"`` (to their
+        roots) or ``"optimal"`` (the shortest motion within the limits; cubic only).
+    ends : str
+        ``"rest"``: neither velocity nor acceleration, as a motion of a robot needs it;
+        ``"clamped"``: velocities are `slopes`; ``"natural"``: no acceleration (of a quintic one
+        no third and fourth derivative); ``"parabolic"``: constant acceleration in the first and
+        in the last segment; ``"periodic"``: the motion goes on as it began.
+    degree : int
+        3 for continuous acceleration, 5 for continuous jerk and its derivative.
+    slopes : array_like, shape (2, n), optional
+        Velocities at clamped ends, rad/s or m/s, with `times` only; default zero.
+    duration : float, optional
+        Wanted duration in s, without `times`.
+
+    Returns
+    -------
+    Spline
+        With ``.duration``, ``.sample(t)``, ``.pieces`` and ``.knots``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        If points, times or options are none.
+    MissingLimitsError
+        If a joint lacks a limit that is needed.
+    SeedOutsideLimitsError, LimitExceededError
+        If the first point, or another part of the curve, is outside the position limits.
+    DurationTooShortError
+        If the limits do not allow the wanted duration.
+
+    References
+    ----------
+    Angeles, 4th ed., section 6.6.
+    """
+    places = _points(points)
+    _check_options(places, ends, degree, spacing)
+    rates = _slopes(slopes, ends, places.shape[1], times is not None)
+    if times is not None:
+        if duration is not None:
+            raise BadValueError("duration", duration, "none, where times are given")
+        return _spline(places, _knots(times, len(places)), ends, degree, rates)
+    if limits is None:
+        raise BadValueError("limits", None, "limits of the joints, where no times are given")
+    allowed = Limits.of(limits)
+    if len(allowed.joint_names) != places.shape[1]:
+        raise WrongSizeError("joints of points", places.shape[1], len(allowed.joint_names))
+    allowed.require("velocity", "acceleration")
+    allowed.check_start(places[0])
+    if spacing == "optimal":
+        start = spaced_knots(places, "centripetal", allowed.velocity)
+        knots = optimal_knots(
+            start, lambda times: _spline(places, times, ends, degree, rates).pieces, allowed
+        )
+    else:
+        knots = spaced_knots(places, spacing, allowed.velocity)
+    shape = _spline(places, knots, ends, degree, rates)
+    pieces = fitted(shape.pieces, allowed, checked_duration(duration))
+    check_positions(pieces, places[0], allowed)
+    return Spline(places, shape.knots * (pieces.duration / shape.duration), ends, pieces)
+
+
+def _points(points: npt.ArrayLike) -> FloatArray:
+    places = real_array("points", points).copy()
+    if places.ndim != 2 or len(places) < 2 or not places.shape[1]:
+        raise WrongSizeError("points", places.shape, "(m, n) with at least two points")
+    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    if len(bad):
+        raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
+    places.setflags(write=False)
+    return places
+
+
+def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:
+    if degree not in (3, 5):
+        raise BadValueError("degree", degree, "3 or 5")
+    known = get_args(Ends) if degree == 3 else _QUINTIC_ENDS
+    if ends not in known:
+        raise BadValueError("ends", ends, f"one of {', '.join(known)} for degree {degree}")
+    if spacing not in SPACINGS:
+        raise BadValueError("spacing", spacing, "one of " + ", ".join(SPACINGS))
+    if spacing == "optimal" and degree != 3:
+        raise BadValueError("spacing", spacing, "another one for degree 5")
+    least = 3 if ends in ("parabolic", "periodic") else 2
+    if len(places) < least:
+        raise WrongSizeError("points", places.shape, f"at least {least} points for {ends} ends")
+    if ends == "periodic" and not np.array_equal(places[0], places[-1]):
+        expected = f"the first point again, {places[0].tolist()}"
+        raise BadValueError(f"points[{len(places) - 1}]", places[-1].tolist(), expected)
+
+
+def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> FloatArray:
+    if slopes is None:
+        return np.zeros((2, n))
+    if ends != "clamped" or not timed:
+        raise BadValueError("slopes", slopes, "none, but for clamped ends with times")
+    rates = real_array("slopes", slopes)
+    if rates.shape != (2, n):
+        raise WrongSizeError("slopes", rates.shape, (2, n))
+    if not np.isfinite(rates).all():
+        raise NonFiniteError("slopes", rates)
+    return rates
+
+
+def _knots(times: npt.ArrayLike, count: int) -> FloatArray:
+    knots = real_array("times", times).copy()
+    if knots.shape != (count,):
+        raise WrongSizeError("times", knots.shape, (count,))
+    if not np.isfinite(knots).all():
+        raise NonFiniteError("times", knots)
+    late = np.flatnonzero(np.diff(knots) <= 0.0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise BadValueError(f"times[{k}]", float(knots[k]), f"more than {knots[k - 1]:.9g} s")
+    return knots
+
+
+def _spline(
+    places: FloatArray, knots: FloatArray, ends: Ends, degree: int, slopes: FloatArray
+) -> Spline:
+    if degree == 5:
+        pieces = _quintic(places, knots, ends, slopes)
+    elif ends == "periodic":
+        pieces = periodic_cubic_spline(knots, places)
+    else:
+        pieces = _cubic(places, knots, ends, slopes)
+    return Spline(places, knots, ends, pieces)
+
+
+def _cubic(
+    places: FloatArray, knots: FloatArray, end: End, slopes: FloatArray
+) -> PiecewisePolynomial:
+    if end == "rest" and len(places) == 2:
+        # One segment has no room for two ends at rest: through the middle, at half of the time.
+        places = np.insert(places, 1, places.mean(axis=0), axis=0)
+        knots = np.insert(knots, 1, knots.mean())
+    return cubic_spline(knots, places, (end, end), (slopes[0], slopes[1]))
+
+
+def _quintic(
+    places: FloatArray, knots: FloatArray, ends: Ends, slopes: FloatArray
+) -> PiecewisePolynomial:
+    """Continuous up to the fourth derivative, by scipy's B-splines."""
+    orders = (3, 4) if ends == "natural" else (1, 2)
+    still = np.zeros(places.shape[1])
+    conditions = tuple([(orders[0], slope), (orders[1], still)] for slope in slopes)
+    shape = make_interp_spline(knots, places, 5, bc_type=conditions)
+    taylor = [shape(knots[:-1], order) / math.factorial(order) for order in range(6)]
+    return PiecewisePolynomial(knots, np.array(taylor))

@@ -1,0 +1,63 @@
+"""Curves made slower or faster as a whole, until they fill the limits or last as long as wanted."""
+
+import numpy as np
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import DurationTooShortError
+from robomech_ros.trajectory.bounds import extremes
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+
+__all__ = ["fitted", "stretch_needed"]
+
+
+def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, int, Rate]:
+    """Find by which factor a curve must last longer (or may last shorter) to fill its limits.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints.
+    limits : Limits
+        Of n joints; those that are finite count.
+
+    Returns
+    -------
+    tuple of float, int, str
+        The factor, 0 for a curve that stands still, the joint and the limit that bind.
+    """
+    needed = np.zeros((len(RATES), curve.joints))
+    for order, rate in enumerate(RATES, 1):
+        low, high = extremes(curve, order)
+        ratios = np.maximum(np.maximum(-low, high), 0.0) / getattr(limits, rate)
+        needed[order - 1] = ratios ** (1.0 / order)
+    k, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
+    return float(needed[k, joint]), int(joint), RATES[k]
+
+
+def fitted(
+    curve: PiecewisePolynomial, limits: Limits, duration: float | None = None
+) -> PiecewisePolynomial:
+    """Let a curve last as short as its limits allow, or as long as wanted.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints, from t = 0 on.
+    limits : Limits
+        Of n joints; those that are finite count.
+    duration : float, optional
+        Wanted duration in s; None for the shortest.
+
+    Raises
+    ------
+    DurationTooShortError
+        If the wanted duration would break a limit.
+    """
+    factor, joint, rate = stretch_needed(curve, limits)
+    shortest = max(factor * curve.duration, tolerances.SHORTEST_TRAJECTORY)
+    if duration is not None:
+        if duration < shortest - tolerances.DURATION_ROUNDING * (1.0 + shortest):
+            raise DurationTooShortError(duration, shortest, limits.joint_names[joint], rate)
+        shortest = max(shortest, duration)
+    return curve.stretched(shortest / curve.duration)

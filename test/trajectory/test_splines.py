@@ -1,0 +1,186 @@
+"""Splines: golden numbers, scipy, ends, spacings, limits, and what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline, make_interp_spline
+
+from robomech_ros.errors import (
+    BadValueError,
+    DurationTooShortError,
+    LimitExceededError,
+    MissingLimitsError,
+    NonFiniteError,
+    SeedOutsideLimitsError,
+    WrongSizeError,
+)
+from robomech_ros.trajectory import Limits, spline_through, verify
+
+GOLDEN = json.loads(
+    (Path(__file__).parents[1] / "data" / "golden" / "cubic_spline.json").read_text()
+)
+JOINTS = tuple(f"joint_{k}" for k in range(4))
+LIMITS = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0, lower=-3.0, upper=3.0)
+RATES = ("velocity", "acceleration", "jerk")
+
+
+def random_points(seed, count=8, joints=4):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-2.0, 2.0, (count, joints)), np.cumsum(rng.uniform(0.1, 1.0, count))
+
+
+def test_golden_natural_spline():
+    spline = spline_through(np.array(GOLDEN["s"])[:, None], times=GOLDEN["x"], ends="natural")
+    for power, name in enumerate("DCBA"):
+        np.testing.assert_allclose(
+            spline.pieces.coefficients[power, :, 0], GOLDEN[name], rtol=1e-12, atol=1e-12
+        )
+
+
+def test_golden_periodic_spline():
+    points = np.array(GOLDEN["s_periodic"])[:, None]
+    spline = spline_through(points, times=GOLDEN["x"], ends="periodic")
+    second = spline.sample(np.array(GOLDEN["x"])).acceleration[:, 0]
+    np.testing.assert_allclose(second, GOLDEN["second_derivatives_periodic"], atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 30])
+@pytest.mark.parametrize("ends", ["natural", "clamped"])
+def test_scipy_gives_the_same_cubic_spline(ends, count):
+    points, times = random_points(count, count)
+    slopes = np.random.default_rng(1).normal(size=(2, 4)) if ends == "clamped" else None
+    conditions = ends if slopes is None else tuple((1, slope) for slope in slopes)
+    theirs = CubicSpline(times, points, bc_type=conditions)
+    ours = spline_through(points, times=times, ends=ends, slopes=slopes)
+    instants = np.linspace(times[0], times[-1], 500)
+    sample = ours.sample(instants)
+    scale = 1.0 + np.abs(theirs(instants, 2)).max()
+    np.testing.assert_allclose(sample.position, theirs(instants), atol=1e-12)
+    np.testing.assert_allclose(sample.acceleration, theirs(instants, 2), atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("count", [3, 4, 30])
+def test_scipy_gives_the_same_periodic_spline(count):
+    points, times = random_points(count, count)
+    points[-1] = points[0]
+    theirs = CubicSpline(times, points, bc_type="periodic")
+    instants = np.linspace(times[0], times[-1], 500)
+    ours = spline_through(points, times=times, ends="periodic").sample(instants)
+    np.testing.assert_allclose(ours.position, theirs(instants), atol=1e-12)
+
+
+def test_parabolic_ends_have_constant_acceleration():
+    points, times = random_points(5)
+    spline = spline_through(points, times=times, ends="parabolic")
+    np.testing.assert_allclose(spline.pieces.coefficients[3, [0, -1]], 0.0, atol=1e-12)
+    np.testing.assert_allclose(spline.sample(times).position, points, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 9])
+@pytest.mark.parametrize("degree", [3, 5])
+def test_ends_at_rest(degree, count):
+    points, times = random_points(7, count)
+    times -= times[0]
+    spline = spline_through(points, times=times, degree=degree)
+    np.testing.assert_allclose(spline.sample(times).position, points, atol=1e-12)
+    first, last = spline.sample(times[0]), spline.sample(times[-1])
+    np.testing.assert_allclose([first.velocity, first.acceleration], 0.0, atol=1e-11)
+    np.testing.assert_array_equal(last.position, points[-1])
+    np.testing.assert_array_equal([last.velocity, last.acceleration], 0.0)
+    breaks, step = spline.pieces.breaks[1:-1], 1e-9
+    before, after = spline.sample(breaks - step), spline.sample(breaks + step)
+    for name in ("position", "velocity", "acceleration") + (("jerk",) if degree == 5 else ()):
+        one, other = getattr(before, name), getattr(after, name)
+        np.testing.assert_allclose(one, other, atol=1e-4 * (1.0 + np.abs(one).max(initial=0.0)))
+
+
+def test_scipy_gives_the_same_natural_quintic_spline():
+    points, times = random_points(3, 9)
+    zero = np.zeros(4)
+    theirs = make_interp_spline(times, points, 5, bc_type=([(3, zero), (4, zero)],) * 2)
+    instants = np.linspace(times[0], times[-1], 300)
+    ours = spline_through(points, times=times, ends="natural", degree=5).sample(instants)
+    np.testing.assert_allclose(ours.position, theirs(instants), atol=1e-10)
+    np.testing.assert_allclose(ours.jerk, theirs(instants, 3), atol=1e-7)
+
+
+@pytest.mark.parametrize("spacing", ["uniform", "chord", "centripetal", "optimal"])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_fastest_motion_fills_the_limits(seed, spacing):
+    points, _ = random_points(seed, 6)
+    wide = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0)
+    spline = spline_through(points, limits=wide, spacing=spacing)
+    report = verify(spline, wide, start=points[0])
+    assert report.ok, report.violation
+    peaks = [getattr(report, f"peak_{rate}_ratio").max() for rate in RATES]
+    assert max(peaks) == pytest.approx(1.0, rel=1e-9)
+    np.testing.assert_allclose(spline.sample(spline.knots).position, points, atol=1e-10)
+    slow = spline_through(points, limits=wide, spacing=spacing, duration=60.0)
+    assert slow.duration == pytest.approx(60.0) and verify(slow, wide).ok
+    with pytest.raises(DurationTooShortError):
+        spline_through(points, limits=wide, spacing=spacing, duration=0.98 * spline.duration)
+
+
+def test_optimal_knots_are_the_fastest():
+    gains = []
+    for seed in range(10):
+        points, _ = random_points(seed, 8)
+        wide = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0)
+        durations = {
+            spacing: spline_through(points, limits=wide, spacing=spacing).duration
+            for spacing in ("uniform", "chord", "centripetal", "optimal")
+        }
+        assert durations["optimal"] <= durations["centripetal"]
+        gains.append(durations["optimal"] / min(durations.values()))
+    np.testing.assert_allclose(gains, 1.0)
+
+
+def test_points_that_coincide_are_passed_twice():
+    points = np.array([[0.0], [1.0], [1.0], [2.0]])
+    limits = Limits(("slide",), velocity=1.0, acceleration=2.0)
+    spline = spline_through(points, limits=limits)
+    np.testing.assert_allclose(spline.sample(spline.knots).position, points, atol=1e-12)
+    still = spline_through(np.ones((3, 1)), limits=limits)
+    assert still.duration == pytest.approx(1e-3) and (still.sample([0.0, 5e-4]).position == 1).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "text"),
+    [
+        ({"points": [[0.0, 0, 0, 0]]}, WrongSizeError, "points"),
+        ({"points": [0.0, 1.0]}, WrongSizeError, "points"),
+        ({"points": [[0.0] * 4, [np.nan] * 4]}, NonFiniteError, r"points\[1\]"),
+        ({"points": "fast"}, BadValueError, "points"),
+        ({"points": [[0.0] * 3, [1.0] * 3]}, WrongSizeError, "joints of points"),
+        ({"points": [[9.0] * 4, [1.0] * 4]}, SeedOutsideLimitsError, "start"),
+        ({"points": [[0.0] * 4, [3.5] * 4, [0.0] * 4]}, LimitExceededError, "on the way"),
+        ({"limits": None}, BadValueError, "limits"),
+        ({"limits": Limits(JOINTS, velocity=1.0)}, MissingLimitsError, "acceleration"),
+        ({"spacing": "even"}, BadValueError, "uniform, centripetal, chord, optimal"),
+        ({"ends": "loose"}, BadValueError, "natural, clamped, parabolic, rest, periodic"),
+        ({"ends": "periodic"}, BadValueError, r"points\[2\]"),
+        ({"ends": "parabolic", "points": [[0.0] * 4, [1.0] * 4]}, WrongSizeError, "at least 3"),
+        ({"degree": 4}, BadValueError, "3 or 5"),
+        ({"degree": 5, "ends": "periodic"}, BadValueError, "natural, clamped, rest for degree 5"),
+        ({"degree": 5, "spacing": "optimal"}, BadValueError, "spacing"),
+        ({"duration": np.nan}, NonFiniteError, "duration"),
+        ({"duration": -1.0}, BadValueError, "duration"),
+        ({"times": [0.0, 1.0, 1.0]}, BadValueError, r"times\[2\]"),
+        ({"times": [0.0, 1.0]}, WrongSizeError, "times"),
+        ({"times": [0.0, np.inf, 2.0]}, NonFiniteError, "times"),
+        ({"times": [0.0, 1.0, 2.0], "duration": 2.0}, BadValueError, "duration"),
+        ({"slopes": np.zeros((2, 4))}, BadValueError, "slopes"),
+        ({"times": [0, 1, 2], "ends": "clamped", "slopes": [0]}, WrongSizeError, "slopes"),
+        (
+            {"times": [0, 1, 2], "ends": "clamped", "slopes": np.full((2, 4), np.nan)},
+            NonFiniteError,
+            "slopes",
+        ),
+    ],
+)
+def test_bad_requests_are_refused(changes, error, text):
+    request = {"points": np.array([[0.0] * 4, [1.0] * 4, [0.5] * 4]), "limits": LIMITS} | changes
+    with pytest.raises(error, match=text):
+        spline_through(request.pop("points"), **request)
