@@ -102,13 +102,10 @@ class PiecewisePolynomial:
         inside = np.clip(times, self.breaks[0], self.breaks[-1])
         last = self.coefficients.shape[1] - 1
         segment = np.clip(np.searchsorted(self.breaks, inside, side="right") - 1, 0, last)
-        elapsed = (inside - self.breaks[segment])[:, None]
-        coefficients = self.coefficients[:, segment]
-        values = [_horner(coefficients, elapsed)]
-        for _ in range(3):
-            coefficients = _differentiated(coefficients)
-            values.append(_horner(coefficients, elapsed))
-        return held_outside(Sample(*values), inside != times)
+        # Instants last: long inner loops.
+        coefficients = np.take(self.coefficients.transpose(0, 2, 1), segment, axis=2)
+        rates = _horner(coefficients, inside - self.breaks[segment])
+        return held_outside(Sample(*rates.transpose(0, 2, 1).copy()), inside != times)
 
     def _sample_one(self, t: float) -> Sample:
         """Sample at one instant, in one product of matrices."""
@@ -131,8 +128,15 @@ def _differentiated(coefficients: FloatArray) -> FloatArray:
 
 
 def _horner(coefficients: FloatArray, elapsed: FloatArray) -> FloatArray:
-    value: FloatArray = coefficients[-1].copy()
+    """Value and first three derivatives of (n, m) polynomials at m places, shape (4, n, m)."""
+    rates = np.zeros((4, *coefficients.shape[1:]))
+    rates[0] = coefficients[-1]
     for lower in coefficients[-2::-1]:
-        value *= elapsed
-        value += lower
-    return value
+        for order in (3, 2, 1):
+            rates[order] *= elapsed
+            rates[order] += rates[order - 1]
+        rates[0] *= elapsed
+        rates[0] += lower
+    rates[2] *= 2.0
+    rates[3] *= 6.0
+    return rates
