@@ -7,7 +7,7 @@ from nav_msgs.msg import Path
 from numpy.typing import NDArray
 
 from robomech_interfaces.srv import PlanJoint
-from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.conversions import (
     duration_from_seconds,
@@ -18,7 +18,7 @@ from robomech_ros.nodes.conversions import (
 )
 from robomech_ros.nodes.planning import check_duration
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import PROFILES, SampledPlan
+from robomech_ros.trajectory import PROFILES, VIA_PROFILES, Limits, SampledPlan
 
 __all__ = [
     "OFFERED",
@@ -27,6 +27,7 @@ __all__ = [
     "plan_options",
     "profile_name",
     "tip_path",
+    "via_points",
     "wanted_period",
 ]
 
@@ -60,7 +61,7 @@ def profile_name(number: int) -> str:
 
 
 def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
-    """Read what a PlanJoint request wants as keywords of `point_to_point`.
+    """Read what a PlanJoint request wants as keywords of `through_points`.
 
     Parameters
     ----------
@@ -75,12 +76,61 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
         A profile that is not offered, via points, a value out of range.
     """
     options: dict[str, Any] = {"profile": profile_name(request.profile)}
-    if request.via:
-        expected = f"none: {_NAMES[request.profile]} goes straight from start to goal"
+    if request.via and options["profile"] not in VIA_PROFILES:
+        able = ", ".join(name.upper() for name in VIA_PROFILES)
+        expected = f"none for {_NAMES[request.profile]}; {able} take some"
         raise BadValueError("via", f"{len(request.via)} points", expected)
     options["duration"] = seconds_from_duration(request.duration, "duration") or None
     check_duration(options["duration"] or 0.0, max_duration)
+    options["at"] = _instants(request, options["duration"])
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
+
+
+def via_points(request: Any, chain: SerialChain) -> NDArray[np.float64]:
+    """Read the points to pass on the way, shape (m, n).
+
+    Parameters
+    ----------
+    request : PlanJoint.Request
+    chain : SerialChain
+        Of n joints.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+        A point has not one finite position for each joint.
+    BadValueError
+        A point states velocities, accelerations or efforts: they follow from the profile.
+    LimitExceededError
+        A point is outside the position limits.
+    """
+    points = np.empty((len(request.via), chain.n))
+    limits = Limits.of(chain)
+    for k, point in enumerate(request.via):
+        for what in ("velocities", "accelerations", "effort"):
+            if getattr(point, what):
+                raise BadValueError(f"via[{k}].{what}", list(getattr(point, what)), "none")
+        if len(point.positions) != chain.n:
+            raise WrongSizeError(f"via[{k}].positions", len(point.positions), chain.n)
+        points[k] = point.positions
+        if not np.isfinite(points[k]).all():
+            raise NonFiniteError(f"via[{k}].positions", points[k])
+        limits.check_goal(points[k], f"via[{k}].positions")
+    return points
+
+
+def _instants(request: Any, duration: float | None) -> list[float] | None:
+    """Read which part of the duration is over at each via point; None where none says."""
+    seconds = [
+        seconds_from_duration(point.time_from_start, f"via[{k}].time_from_start")
+        for k, point in enumerate(request.via)
+    ]
+    if not any(seconds):
+        return None
+    if duration is None:
+        expected = "0, or a duration of the motion as well"
+        raise BadValueError("via[0].time_from_start", seconds[0], expected)
+    return [instant / duration for instant in seconds]
 
 
 def wanted_period(request: Any) -> float:

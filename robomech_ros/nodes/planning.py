@@ -2,9 +2,12 @@
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import SampledPlan, point_to_point, sampled_point_to_point
+from robomech_ros.trajectory import SampledPlan, sampled_through_points, through_points
 
 __all__ = ["check_duration", "plan_that_fits"]
 
@@ -13,7 +16,7 @@ _SHORTEST = "shortest duration within the scaled limits"
 
 def plan_that_fits(
     chain: SerialChain,
-    ends: tuple[Any, Any],
+    points: NDArray[np.float64],
     *,
     wanted_period: float,
     usual_period: float,
@@ -21,14 +24,14 @@ def plan_that_fits(
     max_duration: float,
     **options: Any,
 ) -> SampledPlan:
-    """Plan from point to point, in no more points and seconds than a trajectory may have.
+    """Plan through points, in no more samples and seconds than a trajectory may have.
 
     Parameters
     ----------
     chain : SerialChain
         Of n joints.
-    ends : tuple of ndarray, shape (n,)
-        Start and goal, rad or m.
+    points : ndarray, shape (m, n)
+        Start, via points and goal, rad or m.
     wanted_period : float
         Largest time between two points (s) that was asked for; 0 = the usual one, or a longer one
         where the points would be too many.  Between points the curve is the same.
@@ -39,27 +42,27 @@ def plan_that_fits(
     max_duration : float
         Longest trajectory (s).
     **options
-        Of `point_to_point`.
+        Of `through_points`.
 
     Raises
     ------
     RobomechError
-        As `sampled_point_to_point` does, and BadValueError for a motion that takes too long.
+        As `sampled_through_points` does, and BadValueError for a motion that takes too long.
     """
     period = wanted_period or usual_period
     try:
-        plan = sampled_point_to_point(
-            *ends, limits=chain, period=period, max_points=max_points, **options
+        plan = sampled_through_points(
+            points, limits=chain, period=period, max_points=max_points, **options
         )
     except BadValueError as error:
         if wanted_period or error.what != "sample_period":
             raise
-        seconds = point_to_point(*ends, limits=chain, **options).duration
+        seconds = through_points(points, limits=chain, **options).duration
         check_duration(seconds, max_duration, _SHORTEST)
         # As many points as may be are left to the breaks of the curve.
         period = 2.0 * seconds / max_points
-        plan = sampled_point_to_point(
-            *ends, limits=chain, period=period, max_points=max_points, **options
+        plan = sampled_through_points(
+            points, limits=chain, period=period, max_points=max_points, **options
         )
     check_duration(float(plan.waypoints.times[-1]), max_duration, _SHORTEST)
     return plan

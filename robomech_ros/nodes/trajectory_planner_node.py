@@ -27,12 +27,13 @@ from robomech_ros.nodes.plan_messages import (
     encode_plan,
     plan_options,
     tip_path,
+    via_points,
     wanted_period,
 )
 from robomech_ros.nodes.planning import plan_that_fits
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
-from robomech_ros.trajectory import PROFILES, SampledPlan, sampled_point_to_point
+from robomech_ros.trajectory import PROFILES, SampledPlan, sampled_through_points
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -82,7 +83,7 @@ class PlannerSettings(StateSettings):
 
 
 class TrajectoryPlannerNode(Node):
-    """Plans motions from point to point within the limits of every joint."""
+    """Plans motions, through via points where wanted, within the limits of every joint."""
 
     SETTINGS = PlannerSettings
 
@@ -115,8 +116,8 @@ class TrajectoryPlannerNode(Node):
         here = self._chain.midrange()
         for profile in PROFILES:
             with suppress(RobomechError):  # limits that are missing are told to who asks
-                plan = sampled_point_to_point(
-                    here, here, limits=self._chain, profile=profile, period=0.1, max_points=10
+                plan = sampled_through_points(
+                    [here, here], limits=self._chain, profile=profile, period=0.1, max_points=10
                 )
                 tip_path(self._chain, plan.waypoints.positions)
 
@@ -129,7 +130,7 @@ class TrajectoryPlannerNode(Node):
         try:
             plan = plan_that_fits(
                 self._chain,
-                (start, goal),
+                np.vstack([start, *via_points(request, self._chain), goal]),
                 wanted_period=wanted_period(request),
                 usual_period=settings.sample_period,
                 max_points=settings.max_points,

@@ -11,15 +11,17 @@ Automatic Control 28, 1983 (optimal times).
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import minimize
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.time_scaling import stretch_needed
 
-__all__ = ["SPACINGS", "optimal_knots", "spaced_knots"]
+__all__ = ["SPACINGS", "knots_at", "optimal_knots", "spaced_knots"]
 
 # Power of the distance between two points that their distance in time is proportional to.
 _POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
@@ -60,6 +62,35 @@ def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1
     spans = distances ** _POWERS[spacing]
     spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
     knots: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    return knots
+
+
+def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
+    """Check which part of the duration is over at each via point; put the ends to them.
+
+    Parameters
+    ----------
+    at : array_like, shape (count - 2,)
+        Increasing numbers between 0 and 1.
+    count : int
+        Number of points.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        From 0 to 1.
+
+    Raises
+    ------
+    WrongSizeError, BadValueError
+        If they are none.
+    """
+    parts = real_array("at", at)
+    if parts.shape != (count - 2,):
+        raise WrongSizeError("at", parts.shape, (count - 2,))
+    knots = np.concatenate([[0.0], parts, [1.0]])
+    if not (np.diff(knots) > 0.0).all():
+        raise BadValueError("at", parts.tolist(), "increasing numbers between 0 and 1")
     return knots
 
 

@@ -173,14 +173,12 @@ class Limits:
                 what="start",
             )
 
-    def check_goal(self, position: FloatArray) -> None:
+    def check_goal(self, position: FloatArray, what: str = "goal position") -> None:
         """Raise `LimitExceededError` where a goal (n,) in rad or m is outside the limits."""
         k = self._outside(position)
         if k is not None:
             limit = self.lower[k] if position[k] < self.lower[k] else self.upper[k]
-            raise LimitExceededError(
-                "goal position", self.joint_names[k], float(position[k]), float(limit)
-            )
+            raise LimitExceededError(what, self.joint_names[k], float(position[k]), float(limit))
 
     def _outside(self, position: FloatArray) -> int | None:
         """Index of the joint that is farthest outside the position limits, if any."""

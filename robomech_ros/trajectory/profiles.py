@@ -13,6 +13,8 @@ from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
 from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.splines import CubicSplineMotion
+from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
@@ -21,10 +23,6 @@ __all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
 # duration are still far from overflow.
 SMALLEST_SCALE = 1e-6
-
-
-# Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
-LONGEST_DURATION = 1e9
 
 
 class Profile(Protocol):
@@ -61,6 +59,7 @@ PROFILES: dict[str, type[Profile]] = {
     "poly345": Polynomial345,
     "poly4567": Polynomial4567,
     "cycloidal": Cycloidal,
+    "cubic_spline": CubicSplineMotion,
     "trapezoidal": Trapezoidal,
     "double_s": DoubleS,
     "ruckig": JerkLimited,
@@ -106,8 +105,8 @@ def point_to_point(
         others but ``trapezoidal`` keep to those jerk limits that are there.
     profile : str
         A name in `PROFILES`, in capitals or not: ``poly345``, ``poly4567``, ``cycloidal`` (the
-        book's laws), ``trapezoidal``, ``double_s``, ``ruckig`` (the fastest; the only one that
-        may start moving).
+        book's laws), ``cubic_spline``, ``trapezoidal``, ``double_s``, ``ruckig`` (the fastest;
+        the only one that may start moving).
     duration : float, optional
         Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
         the least.
@@ -200,16 +199,3 @@ def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:
         if values.any():
             expected = f"zero, for {profile.lower()} starts from rest ({', '.join(able)} need not)"
             raise BadValueError(what, values.tolist(), expected)
-
-
-def checked_duration(duration: float | None) -> float | None:
-    """Check a wanted duration (s); None and 0 are the shortest possible, None."""
-    if duration is None:
-        return None
-    expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
-    seconds = real_number("duration", duration, expected)
-    if not math.isfinite(seconds):
-        raise NonFiniteError("duration", seconds)
-    if not 0.0 <= seconds <= LONGEST_DURATION:
-        raise BadValueError("duration", seconds, expected)
-    return seconds or None

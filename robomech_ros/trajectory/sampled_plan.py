@@ -1,5 +1,6 @@
 """Plans whose samples, too, are verified: what a controller makes of them keeps to the limits."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,16 +11,18 @@ from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.profiles import (
     PROFILES,
-    checked_duration,
     point_to_point,
     profile_named,
     scaled_limits,
 )
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.verification import Verification, verify
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints, discretise
 
-__all__ = ["SampledPlan", "sampled_point_to_point"]
+__all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
+
+Planner = Callable[[Limits], PiecewiseTrajectory]
 
 # Planned within the limits less these parts, samples stay within the limits despite the rounding
 # of numbers and of times to nanoseconds.
@@ -57,6 +60,68 @@ class SampledPlan:
     verification: Verification
 
 
+def sampled_motion(
+    planner: Planner,
+    start: npt.ArrayLike,
+    limits: Limits,
+    *,
+    period: float,
+    max_points: int,
+    free: bool = True,
+) -> SampledPlan:
+    """Plan, sample, and verify the samples.
+
+    Where the interpolation between samples would exceed a limit (two joints change their jerk
+    at almost the same instant), the motion is planned anew within slightly tighter limits.
+
+    Parameters
+    ----------
+    planner : callable
+        Plans a motion from `start` to rest within the limits it is given.
+    start : array_like, shape (n,)
+        Joint values, rad or m.
+    limits : Limits
+        Of n joints.
+    period : float
+        Largest time between two samples in s.
+    max_points : int
+        The most samples there may be.
+    free : bool
+        Whether the planner may take more time; else only rounding is forgiven.
+
+    Returns
+    -------
+    SampledPlan
+        First sample the start at t = 0, last the goal at rest.
+
+    Raises
+    ------
+    RobomechError
+        As the planner, `discretise` and `verify` do.
+    """
+    factors = np.ones((3, len(limits.joint_names)))
+    if free:
+        factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
+    jerk_error = min(float(limits.jerk.min(initial=np.inf)), _JERK_ERROR)
+    plan: SampledPlan | None = None
+    for attempt in range(_ROUNDS):
+        try:
+            trajectory = planner(_tightened(limits, factors))
+        except DurationTooShortError:
+            if plan is None or not plan.verification.ok:
+                raise
+            return plan  # over the limits by rounding only, and there is no time to spare
+        waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
+        plan = SampledPlan(trajectory, waypoints, verify(waypoints, limits, start=start))
+        ratios = _ratios(plan.verification)
+        if (ratios <= 1.0).all():
+            break
+        _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
+    assert plan is not None
+    plan.verification.require_ok()
+    return plan
+
+
 def sampled_point_to_point(
     q0: npt.ArrayLike,
     q1: npt.ArrayLike,
@@ -73,18 +138,13 @@ def sampled_point_to_point(
 ) -> SampledPlan:
     """Plan from point to point, sample, and verify the samples against the scaled limits.
 
-    Where the interpolation between samples would exceed a limit (two joints change their jerk
-    at almost the same instant), the motion is planned anew within slightly tighter limits.
-
     Parameters
     ----------
     q0, q1, limits, profile, duration, velocity_scale, acceleration_scale, jerk_scale, \
     start_velocity
-        As for `point_to_point`.
-    period : float
-        Largest time between two samples in s.
-    max_points : int
-        The most samples there may be.
+        As for `point_to_point`, but for profiles whose acceleration steps.
+    period, max_points
+        As for `sampled_motion`.
 
     Returns
     -------
@@ -96,42 +156,34 @@ def sampled_point_to_point(
     RobomechError
         As `point_to_point`, `discretise` and `verify` do.
     """
-    scales = (velocity_scale, acceleration_scale, jerk_scale)
     method = profile_named(profile)
-    if method.ACCELERATION_STEPS:
+    check_can_be_sampled(profile)
+    allowed = scaled_limits(
+        Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
+    )
+    seconds = checked_duration(duration)
+
+    def planner(tightened: Limits) -> PiecewiseTrajectory:
+        return point_to_point(
+            q0,
+            q1,
+            limits=tightened,
+            profile=profile,
+            duration=seconds,
+            start_velocity=start_velocity,
+        )
+
+    return sampled_motion(
+        planner, q0, allowed, period=period, max_points=max_points, free=seconds is None
+    )
+
+
+def check_can_be_sampled(profile: str) -> None:
+    """Raise BadValueError for a profile whose acceleration steps: samples do not tell when."""
+    if profile_named(profile).ACCELERATION_STEPS:
         able = sorted(name for name, one in PROFILES.items() if not one.ACCELERATION_STEPS)
         expected = f"one with continuous acceleration, as samples need it: {', '.join(able)}"
         raise BadValueError("profile", profile, expected)
-    allowed = scaled_limits(Limits.of(limits), method, *scales)
-    factors = np.ones((3, len(allowed.joint_names)))
-    duration = checked_duration(duration)
-    if duration is None:
-        factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
-    jerk_error = min(float(allowed.jerk.min(initial=np.inf)), _JERK_ERROR)
-    plan: SampledPlan | None = None
-    for attempt in range(_ROUNDS):
-        try:
-            trajectory = point_to_point(
-                q0,
-                q1,
-                limits=_tightened(allowed, factors),
-                profile=profile,
-                duration=duration,
-                start_velocity=start_velocity,
-            )
-        except DurationTooShortError:
-            if plan is None or not plan.verification.ok:
-                raise
-            return plan  # over the limits by rounding only, and there is no time to spare
-        waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
-        plan = SampledPlan(trajectory, waypoints, verify(waypoints, allowed, start=q0))
-        ratios = _ratios(plan.verification)
-        if (ratios <= 1.0).all():
-            break
-        _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
-    assert plan is not None
-    plan.verification.require_ok()
-    return plan
 
 
 def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:

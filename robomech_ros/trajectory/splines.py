@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +11,14 @@ from scipy.interpolate import make_interp_spline
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.cubic_spline import End, cubic_spline, periodic_cubic_spline
-from robomech_ros.trajectory.knots import SPACINGS, optimal_knots, spaced_knots
-from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.motion_to_rest import check_positions, settled
+from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
+from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
+from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.profiles import checked_duration
 from robomech_ros.trajectory.sample import FloatArray, Sample
-from robomech_ros.trajectory.time_scaling import fitted
+from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 
-__all__ = ["Spline", "spline_through"]
+__all__ = ["CubicSplineMotion", "Spline", "spline_through"]
 
 Ends = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
 _QUINTIC_ENDS = ("natural", "clamped", "rest")
@@ -73,11 +72,51 @@ class Spline:
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
 
 
+class CubicSplineMotion(MotionToRest):
+    """From rest to rest by the cubic spline through both points: four segments."""
+
+    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
+    STARTS_MOVING: ClassVar[bool] = False
+    ACCELERATION_STEPS: ClassVar[bool] = False
+
+    @classmethod
+    def plan(
+        cls,
+        start: FloatArray,
+        goal: FloatArray,
+        limits: Limits,
+        duration: float | None = None,
+        start_velocity: FloatArray | None = None,
+        start_acceleration: FloatArray | None = None,
+    ) -> "CubicSplineMotion":
+        """Plan as `spline_through` does for two points.
+
+        Parameters
+        ----------
+        start, goal : ndarray, shape (n,)
+            Joint values in rad or m.
+        limits : Limits
+            Velocity and acceleration limits count, and those jerk limits that are finite.
+        duration : float, optional
+            Wanted duration in s; None for the shortest.
+        start_velocity, start_acceleration : None
+            The motion starts from rest.
+
+        Raises
+        ------
+        DurationTooShortError
+            If the wanted duration would break a limit.
+        """
+        spline = spline_through(np.stack([start, goal]), limits=limits, duration=duration)
+        return cls(goal, spline.pieces)
+
+
 def spline_through(
     points: npt.ArrayLike,
     *,
     times: npt.ArrayLike | None = None,
     limits: JointLimits | Any = None,
+    at: npt.ArrayLike | None = None,
     spacing: str = "centripetal",
     ends: Ends = "rest",
     degree: Literal[3, 5] = 3,
@@ -97,6 +136,9 @@ def spline_through(
         A chain model, `Limits`, or anything with the same attributes; needed without `times`:
         velocity and acceleration limits of every joint, and those jerk limits that are there.
         With `times` they are left to :func:`verify`.
+    at : array_like, shape (m - 2,), optional
+        Which part of the duration is over at each inner point, strictly between 0 and 1 and
+        increasing, in place of `spacing`.
     spacing : str
         ``"uniform"``, ``"chord"`` (times proportional to distances), ``"centripetal"`` (to their
         roots) or ``"optimal"`` (the shortest motion within the limits; cubic only).
@@ -136,8 +178,9 @@ def spline_through(
     _check_options(places, ends, degree, spacing)
     rates = _slopes(slopes, ends, places.shape[1], times is not None)
     if times is not None:
-        if duration is not None:
-            raise BadValueError("duration", duration, "none, where times are given")
+        for what, given in (("duration", duration), ("at", at)):
+            if given is not None:
+                raise BadValueError(what, given, "none, where times are given")
         return _spline(places, _knots(times, len(places)), ends, degree, rates)
     if limits is None:
         raise BadValueError("limits", None, "limits of the joints, where no times are given")
@@ -146,7 +189,9 @@ def spline_through(
         raise WrongSizeError("joints of points", places.shape[1], len(allowed.joint_names))
     allowed.require("velocity", "acceleration")
     allowed.check_start(places[0])
-    if spacing == "optimal":
+    if at is not None:
+        knots = knots_at(at, len(places))
+    elif spacing == "optimal":
         start = spaced_knots(places, "centripetal", allowed.velocity)
         knots = optimal_knots(
             start, lambda times: _spline(places, times, ends, degree, rates).pieces, allowed

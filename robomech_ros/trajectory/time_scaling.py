@@ -1,14 +1,20 @@
 """Curves made slower or faster as a whole, until they fill the limits or last as long as wanted."""
 
+import math
+
 import numpy as np
 
 from robomech_ros._kernels import tolerances
-from robomech_ros.errors import DurationTooShortError
+from robomech_ros.errors import BadValueError, DurationTooShortError, NonFiniteError
+from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 
-__all__ = ["fitted", "stretch_needed"]
+__all__ = ["checked_duration", "fitted", "stretch_needed"]
+
+# Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
+LONGEST_DURATION = 1e9
 
 
 def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, int, Rate]:
@@ -60,4 +66,19 @@ def fitted(
         if duration < shortest - tolerances.DURATION_ROUNDING * (1.0 + shortest):
             raise DurationTooShortError(duration, shortest, limits.joint_names[joint], rate)
         shortest = max(shortest, duration)
+    if factor == 0.0:
+        return PiecewisePolynomial(np.array([0.0, shortest]), curve.coefficients[:1, :1].copy())
     return curve.stretched(shortest / curve.duration)
+
+
+def checked_duration(duration: float | None) -> float | None:
+    """Check a wanted duration (s); None and 0 are the shortest possible, None."""
+    if duration is None:
+        return None
+    expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
+    seconds = real_number("duration", duration, expected)
+    if not math.isfinite(seconds):
+        raise NonFiniteError("duration", seconds)
+    if not 0.0 <= seconds <= LONGEST_DURATION:
+        raise BadValueError("duration", seconds, expected)
+    return seconds or None

@@ -14,20 +14,19 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.knots import spaced_knots
+from robomech_ros.trajectory.knots import knots_at, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.profiles import checked_duration
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.time_scaling import fitted
+from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 
-__all__ = ["ViaPolynomial", "via_polynomial"]
+__all__ = ["MOST_VIAS", "ViaPolynomial", "via_polynomial"]
 
 # Derivatives that vanish at both ends.
 _RESTING = {"poly345": 2, "poly4567": 3}
 # Through more points polynomials swing too far out.
-_MOST = 2
+MOST_VIAS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +98,7 @@ def via_polynomial(
     if at is None:
         knots = spaced_knots(places, "centripetal", allowed.velocity)
     else:
-        knots = _parts(at, len(places) - 2)
+        knots = knots_at(at, len(places))
     unit = _through(places, knots, _RESTING[profile])
     pieces = fitted(unit, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
@@ -108,23 +107,13 @@ def via_polynomial(
 
 def _points(points: npt.ArrayLike, joints: int) -> FloatArray:
     places = real_array("points", points)
-    most = _MOST + 2
+    most = MOST_VIAS + 2
     if places.ndim != 2 or places.shape[1] != joints or not 2 <= len(places) <= most:
         raise WrongSizeError("points", places.shape, f"(m, {joints}) with m from 2 to {most}")
     bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
     if len(bad):
         raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
     return places
-
-
-def _parts(at: npt.ArrayLike, count: int) -> FloatArray:
-    parts = real_array("at", at)
-    if parts.shape != (count,):
-        raise WrongSizeError("at", parts.shape, (count,))
-    knots = np.concatenate([[0.0], parts, [1.0]])
-    if not (np.diff(knots) > 0.0).all():
-        raise BadValueError("at", parts.tolist(), "increasing numbers between 0 and 1")
-    return knots
 
 
 def _through(places: FloatArray, knots: FloatArray, resting: int) -> PiecewisePolynomial:

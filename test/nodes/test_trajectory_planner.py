@@ -6,10 +6,11 @@ from pathlib import Path
 import nav_msgs.msg
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from trajectory_msgs.msg import JointTrajectory
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanJoint
@@ -27,7 +28,10 @@ from robomech_ros.trajectory import Waypoints, point_to_point, verify
 PUMA = load_robot("puma560")
 START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 GOAL = np.array([-1.2, 0.8, -1.5, 1.5, -0.4, 2.7])
-PROFILES = {"poly345": PlanJoint.Request.POLY345, "ruckig": PlanJoint.Request.RUCKIG}
+PROFILES = {
+    name: getattr(PlanJoint.Request, name.upper())
+    for name in ("poly345", "poly4567", "cycloidal", "cubic_spline", "ruckig")
+}
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -105,6 +109,31 @@ def test_a_wanted_duration_and_a_wanted_period(puma, profile):
     assert points.times[-1] == 7.25
     steps = np.diff(points.times)
     assert 0.1 < steps.max() <= 0.125 + 1e-9
+
+
+VIA = np.array([[0.2, 0.1, -0.3, 0.9, 0.4, 0.2], [-0.6, 0.5, -1.2, 1.1, 0.3, 1.9]])
+
+
+@pytest.mark.parametrize("name", ["poly345", "poly4567", "cubic_spline"])
+def test_via_points_are_passed(puma, name):
+    via = [JointTrajectoryPoint(positions=point.tolist()) for point in VIA]
+    points = check(plan(puma, profile=PROFILES[name], via=via))
+    dense = points.curve.sample(np.linspace(0.0, points.times[-1], 20_000)).position
+    for passed in VIA:
+        assert np.abs(dense - passed).max(axis=1).min() < 2e-3
+
+
+def test_via_points_are_passed_when_they_say(puma):
+    via = [
+        JointTrajectoryPoint(positions=point.tolist(), time_from_start=Duration(sec=second))
+        for point, second in zip(VIA, (4, 9), strict=True)
+    ]
+    response = plan(
+        puma, profile=PROFILES["cubic_spline"], via=via, duration=duration_from_seconds(12.0)
+    )
+    points = check(response)
+    assert points.times[-1] == 12.0
+    np.testing.assert_allclose(points.curve.sample([4.0, 9.0]).position, VIA, atol=1e-8)
 
 
 def test_scales_are_parts_of_the_limits(puma, profile):

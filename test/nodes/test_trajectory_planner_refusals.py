@@ -120,10 +120,40 @@ CASES = {
         ErrorCode.LIMIT,
         ["goal position of joint 'elbow' is 1,", "limit 0.785398163", "by 0.215"],
     ),
-    "via points": (
-        {"via": [JointTrajectoryPoint(positions=[0.0] * 6)]},
+    "via points of a profile that takes none": (
+        {"via": [JointTrajectoryPoint(positions=[0.0] * 6)], "profile": 4},
         ErrorCode.BAD_VALUE,
-        ["via is '1 points'", "POLY345"],
+        ["via is '1 points'", "none for RUCKIG; POLY345, POLY4567, CUBIC_SPLINE"],
+    ),
+    "too many via points": (
+        {"via": [JointTrajectoryPoint(positions=[0.1] * 6)] * 3},
+        ErrorCode.BAD_VALUE,
+        ["number of via points is 3", "at most 2 for poly345"],
+    ),
+    "via point of another size": (
+        {"via": [JointTrajectoryPoint(positions=[0.0] * 5)]},
+        ErrorCode.WRONG_SIZE,
+        ["via[0].positions", "5", "6"],
+    ),
+    "via point that is no number": (
+        {"via": [JointTrajectoryPoint(positions=[math.nan] * 6)]},
+        ErrorCode.NON_FINITE,
+        ["via[0].positions"],
+    ),
+    "via point outside the limits": (
+        {"via": [JointTrajectoryPoint(positions=[0.0, 0.0, 9.0, 0.0, 0.0, 0.0])]},
+        ErrorCode.LIMIT,
+        ["via[0].positions", "elbow", "9"],
+    ),
+    "via point with velocities": (
+        {"via": [JointTrajectoryPoint(positions=[0.0] * 6, velocities=[0.0] * 6)]},
+        ErrorCode.BAD_VALUE,
+        ["via[0].velocities", "none"],
+    ),
+    "instant of a via point without a duration": (
+        {"via": [JointTrajectoryPoint(positions=[0.0] * 6, time_from_start=Duration(sec=1))]},
+        ErrorCode.BAD_VALUE,
+        ["via[0].time_from_start", "duration"],
     ),
     "negative duration": (
         {"duration": Duration(sec=-1)},
@@ -186,9 +216,9 @@ CASES = {
     f"profile {number}": (
         {"profile": number},
         ErrorCode.BAD_VALUE,
-        [f"{number}", "one of POLY345 (0), POLY4567 (1), CYCLOIDAL (2), RUCKIG (4)"],
+        [f"{number}", "one of POLY345 (0), POLY4567 (1), CYCLOIDAL (2), CUBIC_SPLINE (3)"],
     )
-    for number in (3, 5, 6, 255)
+    for number in (5, 6, 255)
 }
 
 

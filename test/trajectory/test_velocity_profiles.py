@@ -111,7 +111,9 @@ def test_what_cannot_be_planned_or_sampled_is_told():
     free = Limits(JOINTS, velocity=1.0, acceleration=1.0)
     with pytest.raises(MissingLimitsError, match="no jerk limit for joints base, shoulder, elbow"):
         point_to_point(np.zeros(3), np.ones(3), limits=free, profile="double_s")
-    with pytest.raises(BadValueError, match="continuous acceleration, .*: cycloidal, double_s, "):
+    with pytest.raises(
+        BadValueError, match="continuous acceleration, .*: cubic_spline, cycloidal, double_s, "
+    ):
         sampled_point_to_point(
             np.zeros(3), np.ones(3), limits=free, profile="trapezoidal", period=0.01, max_points=999
         )
