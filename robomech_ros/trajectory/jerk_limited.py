@@ -16,7 +16,7 @@ from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import Phases, jerk_phases
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["JerkLimited"]
+__all__ = ["JerkLimited", "curve_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +74,12 @@ class JerkLimited(MotionToRest):
         if moving and duration is not None:
             least = max(least, duration)
         phases = jerk_phases(goal - start, velocity, acceleration, limits, least)
-        planned = cls(goal, _curve(start, goal, phases))
+        planned = cls(goal, curve_of(phases, start, goal, rest))
         if duration is not None:
             planned._check_duration(duration, phases.alone, limits)
             if not moving and duration > planned.duration:
                 slow = phases.slowed(duration / planned.duration)
-                planned = cls(goal, _curve(start, goal, slow))
+                planned = cls(goal, curve_of(slow, start, goal, rest))
         check_positions(planned.pieces, start, limits)
         return planned
 
@@ -110,8 +110,10 @@ def _check_moving_start(limits: Limits, velocity: FloatArray, acceleration: Floa
             )
 
 
-def _curve(start: FloatArray, goal: FloatArray, phases: Phases) -> PiecewisePolynomial:
-    """Let the phases begin at the start and end at rest exactly at the goal.
+def curve_of(
+    phases: Phases, start: FloatArray, goal: FloatArray, final_velocity: FloatArray
+) -> PiecewisePolynomial:
+    """Let the phases begin at the start and end at the goal exactly.
 
     Ruckig misses it by a part in 1e8 of the way at most.  What is missing is made up by a quintic
     over the whole duration, where it is nothing; in the last step alone it would be a jump of
@@ -119,9 +121,12 @@ def _curve(start: FloatArray, goal: FloatArray, phases: Phases) -> PiecewisePoly
     """
     breaks = phases.breaks
     end = PiecewisePolynomial(breaks, phases.coefficients).sample(breaks[-1])
-    missing = np.stack([np.zeros_like(goal), goal - start - end.position])
-    rest = np.zeros_like(missing)
-    quintic = interpolant(breaks[[0, -1]], missing, rest, rest).coefficients[:, 0]
+    none = np.zeros_like(goal)
+    missing = np.stack([none, goal - start - end.position])
+    # At rest the next piece does not go on with what rounding has left of the velocity.
+    faster = np.stack([none, final_velocity - end.velocity if final_velocity.any() else none])
+    unchanged = np.zeros_like(missing)
+    quintic = interpolant(breaks[[0, -1]], missing, faster, unchanged).coefficients[:, 0]
     coefficients = np.zeros((6, *phases.coefficients.shape[1:]))
     coefficients[:4] = phases.coefficients
     coefficients[0] += start

@@ -65,6 +65,7 @@ def jerk_phases(
     acceleration: FloatArray,
     limits: Limits,
     shortest: float,
+    final_velocity: FloatArray | None = None,
 ) -> Phases:
     """Compute the fastest motion that takes at least a given time.
 
@@ -73,11 +74,13 @@ def jerk_phases(
     rise : ndarray, shape (n,)
         Displacements, rad or m.
     velocity, acceleration : ndarray, shape (n,)
-        Rates at the start; those at the end are zero.
+        Rates at the start.
     limits : Limits
         Velocity, acceleration and jerk limits, all finite.
     shortest : float
         Least duration in s.
+    final_velocity : ndarray, shape (n,), optional
+        Velocity at the end, where the acceleration is zero; rest where not given.
 
     Returns
     -------
@@ -89,12 +92,14 @@ def jerk_phases(
     BadValueError
         If Ruckig fails; the message names the joint.
     """
-    way = np.abs(rise) + np.abs(velocity) * _starting_time(limits)
+    final = np.zeros_like(rise) if final_velocity is None else final_velocity
+    way = np.abs(rise) + (np.abs(velocity) + np.abs(final)) * _starting_time(limits)
     least = max(shortest, _rough_duration(way, limits))
     rough: Phases | None = None
     reason = ""
     for time, length in _units(way, least, limits):
         request = _request(rise, velocity, acceleration, limits, time, length)
+        request.target_velocity = (final * (time / length)).tolist()
         request.minimum_duration = shortest / time
         motion = ruckig.Trajectory(len(rise))
         failure = _failure(request, motion)
@@ -186,7 +191,8 @@ def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
 def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
     alone = np.array(motion.independent_min_durations)
     joints = [_phases(profile) for profile in motion.profiles[0]]
-    if not any(request.current_velocity) and not any(request.current_acceleration):
+    rates = request.current_velocity, request.current_acceleration, request.target_velocity
+    if not any(map(any, rates)):
         joints = _on_one_course(joints, int(np.argmax(alone)), request)
     breaks, coefficients = _common_phases(joints, motion.duration)
     return Phases(breaks, coefficients * length, alone)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.jerk_limited_through import jerk_limited_through
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.profiles import point_to_point, profile_named, scaled_limits
 from robomech_ros.trajectory.sample import FloatArray
@@ -48,11 +49,20 @@ def _spline(
     return spline_through(points, limits=limits, at=at, spacing=spacing, duration=duration)
 
 
+def _ruckig(
+    points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+) -> PiecewiseTrajectory:
+    if at is not None:
+        raise BadValueError("at", at.tolist(), "none for ruckig, which finds the instants itself")
+    return jerk_limited_through(points, limits, duration)
+
+
 # Profiles that can pass via points on their way.
 VIA_PROFILES: dict[str, Through] = {
     "poly345": _polynomial("poly345"),
     "poly4567": _polynomial("poly4567"),
     "cubic_spline": _spline,
+    "ruckig": _ruckig,
 }
 
 
@@ -76,8 +86,8 @@ def through_points(
     limits : JointLimits
         As for `point_to_point`.
     profile : str
-        With via points ``"cubic_spline"``, or ``"poly345"`` and ``"poly4567"`` for at most two
-        of them; without any of `PROFILES`.
+        With via points ``"cubic_spline"``, ``"ruckig"``, or ``"poly345"`` and ``"poly4567"`` for
+        at most two of them; without any of `PROFILES`.
     at : array_like, shape (m - 2,), optional
         Which part of the duration is over at each via point, strictly between 0 and 1 and
         increasing; default the best that is known.

@@ -114,7 +114,7 @@ def test_a_wanted_duration_and_a_wanted_period(puma, profile):
 VIA = np.array([[0.2, 0.1, -0.3, 0.9, 0.4, 0.2], [-0.6, 0.5, -1.2, 1.1, 0.3, 1.9]])
 
 
-@pytest.mark.parametrize("name", ["poly345", "poly4567", "cubic_spline"])
+@pytest.mark.parametrize("name", ["poly345", "poly4567", "cubic_spline", "ruckig"])
 def test_via_points_are_passed(puma, name):
     via = [JointTrajectoryPoint(positions=point.tolist()) for point in VIA]
     points = check(plan(puma, profile=PROFILES[name], via=via))

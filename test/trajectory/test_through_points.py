@@ -1,5 +1,7 @@
 """Motions through via points: passed without a stop, within the limits, sampled as promised."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from robomech_ros.trajectory import (
     point_to_point,
     sampled_through_points,
     through_points,
+    verify,
 )
 
 JOINTS = tuple(f"joint_{k}" for k in range(6))
@@ -39,13 +42,14 @@ def test_samples_pass_the_points_and_keep_to_the_limits(profile, count, seed):
     knots = plan.trajectory.knots
     np.testing.assert_allclose(plan.trajectory.sample(knots).position, points, atol=1e-9)
     np.testing.assert_allclose(plan.waypoints.curve.sample(knots).position, points, atol=1e-7)
-    inner = plan.trajectory.sample(knots[1:-1]).velocity
-    assert (np.abs(inner).max(axis=1) > 0.0).all()  # not one of them is stopped at
+    if profile != "ruckig":  # which stops where that is faster
+        inner = plan.trajectory.sample(knots[1:-1]).velocity
+        assert (np.abs(inner).max(axis=1) > 0.0).all()
     np.testing.assert_array_equal(plan.waypoints.velocities[-1], 0.0)
     np.testing.assert_array_equal(plan.waypoints.accelerations[-1], 0.0)
     rates = ("velocity", "acceleration", "jerk")
     peaks = [getattr(plan.verification, f"peak_{rate}_ratio").max() for rate in rates]
-    assert 0.999 < max(peaks) <= 1.0
+    assert 0.995 < max(peaks) <= 1.0
 
 
 @pytest.mark.parametrize("profile", sorted(PROFILES))
@@ -55,7 +59,7 @@ def test_two_points_are_a_motion_from_point_to_point(profile):
     assert motion.duration == point_to_point(*points, limits=limits, profile=profile).duration
 
 
-@pytest.mark.parametrize("profile", sorted(VIA_PROFILES))
+@pytest.mark.parametrize("profile", sorted(set(VIA_PROFILES) - {"ruckig"}))
 def test_instants_of_choice(profile):
     points, limits = random_case(2, 4)
     motion = through_points(points, limits=limits, profile=profile, at=[0.3, 0.7], duration=90.0)
@@ -64,10 +68,42 @@ def test_instants_of_choice(profile):
         through_points(points, limits=limits, profile=profile, at=[0.3, 0.7], duration=0.5)
 
 
-def test_many_points_take_no_search():
-    points, limits = random_case(3, 40)
-    motion = through_points(points, limits=limits, profile="cubic_spline")
+@pytest.mark.parametrize("profile", ["cubic_spline", "ruckig"])
+def test_many_points_take_bounded_time(profile):
+    points, limits = random_case(3, 120)
+    motion = through_points(points, limits=limits, profile=profile)
     np.testing.assert_allclose(motion.sample(motion.knots).position, points, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_ruckig_is_never_slower_than_stopping_at_every_point(seed):
+    """Random points leave little to gain; those of a smooth path are passed in half of the time."""
+    rng = np.random.default_rng(seed)
+    limits = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0)
+    phases, turns = rng.uniform(0.0, 6.0, 6), rng.uniform(1.0, 4.0, 6)
+    smooth = 2.0 * np.sin(turns * np.linspace(0.0, 1.0, 8)[:, None] + phases)
+    for points, most in ((rng.uniform(-2.0, 2.0, (5, 6)), 1.0), (smooth, 0.7)):
+        motion = through_points(points, limits=limits, profile="ruckig")
+        assert verify(motion, limits, start=points[0]).ok
+        stopping = sum(
+            point_to_point(*pair, limits=limits, profile="ruckig").duration
+            for pair in itertools.pairwise(points)
+        )
+        assert motion.duration <= most * stopping * (1.0 + 1e-9)
+        slow = through_points(points, limits=limits, profile="ruckig", duration=60.0)
+        assert slow.duration == pytest.approx(60.0)
+        assert verify(slow, limits, start=points[0]).ok
+
+
+def test_a_motion_that_would_swing_out_of_the_limits_is_slower_instead():
+    points = np.array([[0.0], [0.5], [1.0], [0.2], [0.0]])
+    free = Limits(["slide"], velocity=2.0, acceleration=3.0, jerk=30.0)
+    held = Limits(["slide"], velocity=2.0, acceleration=3.0, jerk=30.0, lower=0.0, upper=1.0)
+    motion = through_points(points, limits=held, profile="ruckig")
+    assert verify(motion, held, start=points[0]).ok
+    assert motion.duration >= through_points(points, limits=free, profile="ruckig").duration
+    twice = through_points(points[[0, 1, 1, 2]], limits=held, profile="ruckig")
+    np.testing.assert_allclose(twice.sample(twice.knots).position, points[[0, 1, 1, 2]], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +121,8 @@ def test_many_points_take_no_search():
             BadValueError,
             "none for cycloidal; poly345, poly4567",
         ),
-        (3, {"profile": "ruckig"}, BadValueError, "none for ruckig"),
+        (3, {"profile": "ruckig", "at": [0.5]}, BadValueError, "at is .*none for ruckig"),
+        (3, {"profile": "double_s"}, BadValueError, "none for double_s"),
         (3, {"at": [1.5]}, BadValueError, "between 0 and 1"),
         (3, {"at": [0.2, 0.5]}, WrongSizeError, "at"),
         (1, {}, WrongSizeError, "at least two points"),
