@@ -14,7 +14,7 @@ from robomech_ros.trajectory.paths.curve import (
     PolynomialCurve,
     as_points,
     as_positive,
-    joined,
+    join_curves,
 )
 from robomech_ros.trajectory.paths.tolerances import COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
@@ -87,7 +87,7 @@ def blended_polyline(
         begin = leave
     if np.linalg.norm(places[-1] - begin) > COLLINEAR * lengths[-1]:
         curves.append(line(begin, places[-1]))
-    return joined(curves)
+    return join_curves(curves)
 
 
 def _turn(k: int, before: FloatArray, after: FloatArray) -> float:

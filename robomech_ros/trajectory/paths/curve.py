@@ -28,7 +28,7 @@ __all__ = [
     "as_points",
     "as_positive",
     "evaluated",
-    "joined",
+    "join_curves",
 ]
 
 # Position and four derivatives: the fourth gives the rate of the torsion.
@@ -177,7 +177,7 @@ class JoinedCurve:
         return rows
 
 
-def joined(curves: Sequence[Curve]) -> JoinedCurve:
+def join_curves(curves: Sequence[Curve]) -> JoinedCurve:
     """Join curves end to end.
 
     Parameters

@@ -16,7 +16,7 @@ from robomech_ros.trajectory.paths.curve import (
     FunctionCurve,
     PolynomialCurve,
     as_positive,
-    joined,
+    join_curves,
 )
 from robomech_ros.trajectory.paths.orientation import (
     PiecewiseRotation,
@@ -132,7 +132,7 @@ def arc_path(
     if len(poses) < 3:
         raise BadValueError("pairs", [], expected)
     arcs = [_arc(k, poses[2 * k : 2 * k + 3]) for k in range(len(poses) // 2)]
-    curve = joined([arc for arc, _ in arcs])
+    curve = join_curves([arc for arc, _ in arcs])
     turning = _joined_rotations([rotation for _, rotation in arcs], curve.starts)
     return pose_path(curve, turning, radius=weight)
 

@@ -4,11 +4,14 @@ __all__ = [
     "ARC_LENGTH",
     "ARC_LENGTH_HALVINGS",
     "AT_REST",
+    "AT_START",
+    "CLOSED",
     "COINCIDENT",
     "COLLINEAR",
     "CORRECTED",
     "CORRECTIONS",
     "INVERSE_STEPS",
+    "LEAST_TOLERANCE",
     "NEARLY_HALF_TURN",
     "ON_PATH",
     "PARAMETER_SLACK",
@@ -27,6 +30,9 @@ COINCIDENT = 1e-9
 # Sine of the angle at one of three points below which they lie on a line: the radius through them
 # would be a hundred million times their distance.
 COLLINEAR = 1e-8
+# Joint values (rad, m) that differ by less where a path closes are the same: what correcting each
+# leaves open near a singularity.
+CLOSED = 1e-6
 # Curvature times length below which a curve is straight there: nine digits of its second
 # derivative are gone, and no normal is left in the others.
 STRAIGHT = 1e-9
@@ -57,6 +63,11 @@ CORRECTED = 1e-11
 ON_PATH = 1e-9
 # Newton steps for a posture from a predicted one; those that go well need two or three.
 CORRECTIONS = 10
+# Deviation (rad, m) of the given joint values from the start of a path that a correction may take
+# away; from farther off inverse kinematics is asked.
+AT_START = 1e-3
+# Least tolerance (rad, m) of a joint path between its postures: rounding, with room.
+LEAST_TOLERANCE = 1e-10
 # Least step along a path, as part of its length: a path that needs shorter ones is singular there.
 SHORTEST_STEP = 1e-7
 # Speed of a time law, over its mean, that is rest where the path has a corner.

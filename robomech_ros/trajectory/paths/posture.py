@@ -1,0 +1,162 @@
+"""Postures at the poses of a path: correction by Newton steps, and rates along the path."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.cross_product import axial_vector
+from robomech_ros.trajectory.paths.pose_path import PoseSample
+from robomech_ros.trajectory.paths.tolerances import CORRECTED, CORRECTIONS, ON_PATH
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Arm", "Posture", "as_arm", "as_near", "corrected", "pose_deviation", "posture"]
+
+_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate_times")
+
+
+class Arm(Protocol):
+    """What tracking needs to know of an arm with n joints, at most six.
+
+    All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
+    """
+
+    def forward(self, q: FloatArray) -> npt.ArrayLike:
+        """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
+
+    def inverse(self, T: FloatArray, near: FloatArray) -> npt.ArrayLike | None:
+        """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
+
+    def jacobian(self, q: FloatArray) -> npt.ArrayLike:
+        """Matrix (6, n) from joint rates to the twist."""
+
+    def jacobian_rate_times(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
+        """Rate of the Jacobian at joint rates qd, times qd (6,): the twist's own rate."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Joint values at a place of a path, and their derivatives along it.
+
+    Attributes
+    ----------
+    q, first, second : ndarray, shape (n,)
+        Joint values (rad or m) and derivatives with respect to the path coordinate.
+    condition : float
+        Condition number of the Jacobian, infinite where it is singular.
+    """
+
+    q: FloatArray
+    first: FloatArray
+    second: FloatArray
+    condition: float
+
+
+def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
+    """Find the derivatives of joint values that are on a path.
+
+    q' = J^-1 t' and q'' = J^-1 (t'' - (dJ/ds) q'), in the sense of least squares for an arm of
+    fewer than six joints on a path that it can follow.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : ndarray, shape (n,)
+        Joint values at the pose.
+    place : PoseSample
+        Of one coordinate.
+
+    Returns
+    -------
+    Posture
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    """
+    J = as_finite("jacobian", arm.jacobian(q), (6, len(q)))
+    singular = np.linalg.svd(J, compute_uv=False)
+    first = _solved(J, place.twist)
+    bias = as_finite("jacobian_rate_times", arm.jacobian_rate_times(q, first), (6,))
+    second = _solved(J, place.twist_rate - bias)
+    condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
+    return Posture(q, first, second, condition)
+
+
+def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
+    """Correct joint values to a pose by Newton steps.
+
+    The error of the orientation is the axial vector of the rotation that is left, e sin(phi).
+
+    Parameters
+    ----------
+    arm : Arm
+    q : ndarray, shape (n,)
+        Near a posture for the pose (rad or m).
+    pose : ndarray, shape (4, 4)
+        ``T_base_tool`` (m).
+
+    Returns
+    -------
+    ndarray, shape (n,), or None
+        None where the steps do not converge, or do not end at the pose.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    """
+    last = np.inf
+    for _ in range(CORRECTIONS):
+        error = pose_deviation(arm, q, pose)
+        J = as_finite("jacobian", arm.jacobian(q), (6, len(q)))
+        step = _solved(J, error)
+        size = float(np.abs(step).max())
+        if not np.isfinite(size) or size > max(2.0 * last, 1.0):
+            return None
+        q, last = q + step, size
+        if size <= CORRECTED * max(1.0, float(np.abs(q).max())):
+            left = np.abs(pose_deviation(arm, q, pose)).max()
+            return q if left <= ON_PATH * max(1.0, float(np.abs(pose[:3, 3]).max())) else None
+    return None
+
+
+def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
+    """Rotation left to a pose as e sin(phi), beyond a right angle as e, and distance, (6,).
+
+    In rad and m, in the base frame.
+    """
+    actual = as_finite("pose of the arm", arm.forward(q), (4, 4))
+    left = pose[:3, :3] @ actual[:3, :3].T
+    vector = axial_vector(left)
+    if np.trace(left) < 1.0:
+        # Beyond a right angle the sine falls again: keep the direction, and the length 1.
+        length = np.linalg.norm(vector)
+        vector = vector / length if length > 0.0 else np.ones(3)
+    return np.concatenate([vector, pose[:3, 3] - actual[:3, 3]])
+
+
+def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
+    """Joint rates (n,) for a twist (6,), in the sense of least squares."""
+    return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)
+
+
+def as_arm(value: object) -> Arm:
+    """Check that a value has the methods of an arm, or raise BadValueError."""
+    missing = [name for name in _METHODS if not callable(getattr(value, name, None))]
+    if missing:
+        raise BadValueError("arm", value, "an arm with " + ", ".join(_METHODS))
+    return value  # type: ignore[return-value]
+
+
+def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
+    """Check joint values (n,) of the arm, at most six."""
+    q = as_finite("near", value, ())
+    if q.ndim != 1 or not 1 <= len(q) <= 6:
+        raise WrongSizeError("near", q.shape, "(n,) with n from 1 to 6: the path gives six rates")
+    J = as_finite("jacobian", arm.jacobian(q), ())
+    if J.shape != (6, len(q)):
+        raise WrongSizeError("jacobian", J.shape, (6, len(q)))
+    return q.copy()

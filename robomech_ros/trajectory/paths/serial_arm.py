@@ -1,0 +1,76 @@
+"""Serial arms, as tracking needs them, from three functions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["SerialArm"]
+
+
+@dataclass(frozen=True, eq=False)
+class SerialArm:
+    """An `Arm` of n revolute and prismatic joints in series.
+
+    The rate of its Jacobian follows from the Jacobian itself.
+
+    Attributes
+    ----------
+    forward : callable
+        Pose ``T_base_tool`` (4, 4) at joint values (n,).
+    inverse : callable
+        Joint values (n,) for a pose (4, 4), nearest to given ones (n,), the second argument; None
+        if there are none.
+    jacobian : callable
+        Matrix (6, n) at joint values (n,): the columns [e; e x (p - o)] or [0; e], in the axes of
+        the base, at the tool's origin p.
+
+    Raises
+    ------
+    BadValueError
+        One of the three is not callable.
+    """
+
+    forward: Callable[[FloatArray], npt.ArrayLike]
+    inverse: Callable[[FloatArray, FloatArray], npt.ArrayLike | None]
+    jacobian: Callable[[FloatArray], npt.ArrayLike]
+
+    def __post_init__(self) -> None:
+        for name in ("forward", "inverse", "jacobian"):
+            if not callable(getattr(self, name)):
+                raise BadValueError(name, getattr(self, name), "a callable")
+
+    def jacobian_rate_times(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> FloatArray:
+        """Rate of the Jacobian at joint rates qd, times qd.
+
+        With omega_i the angular velocity of link i and [e_i; v_i] column i, it is the sum over
+        the joints of ``[omega_(i-1) x e_i; (omega_(i-1) + omega_i) x v_i] qd_i``.
+
+        Parameters
+        ----------
+        q, qd : array_like, shape (n,)
+            Joint values (rad or m) and rates.
+
+        Returns
+        -------
+        ndarray, shape (6,)
+            The twist's rate without joint accelerations.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not n finite numbers each.
+        """
+        values = as_finite("joint values", q, ())
+        rates = as_finite("joint rates", qd, values.shape)
+        columns = as_finite("jacobian", self.jacobian(values), (6, len(values))).T * rates[:, None]
+        angular, linear = columns[:, :3], columns[:, 3:]
+        after = np.cumsum(angular, axis=0)
+        before = after - angular
+        parts = [np.cross(before, angular), np.cross(before + after, linear)]
+        return np.concatenate([part.sum(axis=0) for part in parts])
