@@ -27,6 +27,9 @@ _ANGLES = (np.arange(_TERMS) + 0.5) * np.pi / _TERMS
 _NODES = -np.cos(_ANGLES)
 _TO_COEFFICIENTS = np.cos(np.outer(np.arange(_TERMS), np.arccos(_NODES))) * (2.0 / _TERMS)
 _TO_COEFFICIENTS[0] *= 0.5
+# Where the speed is looked at: at the ends, and in between.
+_PROBED = np.linspace(-1.0, 1.0, 17)
+_PROBES = np.cos(np.outer(np.arange(_TERMS), np.arccos(_PROBED)))
 # The last coefficients, which tell how well the polynomial fits.
 _TAIL = 3
 _DEGREES = np.arange(_TERMS + 1)
@@ -106,7 +109,7 @@ class ArcLength:
         values = np.cos(np.arccos(x)[:, None] * _DEGREES)
         length: FloatArray = np.sum(self._integrals[k] * values, axis=1)
         speed: FloatArray = np.sum(self.speeds[k] * values[:, :_TERMS], axis=1)
-        return length, speed
+        return np.maximum(length, 0.0), speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,26 +196,27 @@ def measured(speed: Speed, breaks: FloatArray, expected: str = _EXPECTED) -> Arc
         If the speed vanishes somewhere.
     """
     low, high = breaks[:-1], breaks[1:]
-    fitted, values = _fitted(speed, low, high)
+    fitted = _fitted(speed, low, high)
     total = float((_means(fitted) * (high - low)).sum())
     done: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     for _ in range(ARC_LENGTH_HALVINGS):
         tails = np.abs(fitted[:, -_TAIL:]).max(axis=1, initial=0.0) * (high - low)
         good = tails <= ARC_LENGTH * total
-        done.append((low[good], fitted[good], values[good]))
+        done.append((low[good], high[good], fitted[good]))
         low, high = low[~good], high[~good]
         if not len(low):
             break
         middle = 0.5 * (low + high)
         low, high = np.append(low, middle), np.append(middle, high)
-        fitted, values = _fitted(speed, low, high)
-    done.append((low, fitted[: len(low)], values[: len(low)]))
-    starts, coefficients, sampled = (np.concatenate(column) for column in zip(*done, strict=True))
+        fitted = _fitted(speed, low, high)
+    done.append((low, high, fitted[: len(low)]))
+    starts, ends, coefficients = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.argsort(starts)
-    _check_moves(starts, sampled, expected)
-    parameters = np.append(starts[order], breaks[-1])
-    parts = _means(coefficients[order]) * np.diff(parameters)
-    return ArcLength(parameters, np.concatenate([[0.0], np.cumsum(parts)]), coefficients[order])
+    starts, ends, coefficients = starts[order], ends[order], coefficients[order]
+    _check_moves(starts, ends, coefficients, expected)
+    parts = _means(coefficients) * (ends - starts)
+    lengths = np.concatenate([[0.0], np.cumsum(parts)])
+    return ArcLength(np.append(starts, ends[-1:]), lengths, coefficients)
 
 
 def by_unit_speed(r: FloatArray) -> FloatArray:
@@ -263,11 +267,11 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     return product
 
 
-def _fitted(speed: Speed, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Chebyshev coefficients, and values at the nodes, of a speed in intervals; both (k, 16)."""
+def _fitted(speed: Speed, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Chebyshev coefficients (k, 16) of a speed in intervals."""
     nodes = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * _NODES
-    values = speed(nodes.ravel()).reshape(nodes.shape)
-    return values @ _TO_COEFFICIENTS.T, values
+    coefficients: FloatArray = speed(nodes.ravel()).reshape(nodes.shape) @ _TO_COEFFICIENTS.T
+    return coefficients
 
 
 def _means(coefficients: FloatArray) -> FloatArray:
@@ -282,10 +286,13 @@ def _interval(edges: FloatArray, values: FloatArray) -> npt.NDArray[np.intp]:
     return np.clip(found, 0, len(edges) - 2)
 
 
-def _check_moves(starts: FloatArray, speeds: FloatArray, expected: str) -> None:
+def _check_moves(
+    starts: FloatArray, ends: FloatArray, coefficients: FloatArray, expected: str
+) -> None:
     """Refuse a curve that stops: where it does the halved intervals crowd together."""
-    slowest = speeds.min(axis=1)
-    k = int(np.argmin(slowest))
-    if not slowest[k] > VANISHING_SPEED * speeds.max():
-        what = f"speed of the curve at parameter {starts[k]:.9g}"
-        raise BadValueError(what, float(slowest[k]), expected)
+    speeds = coefficients @ _PROBES
+    k, i = np.unravel_index(int(np.argmin(speeds)), speeds.shape)
+    slowest = max(float(speeds[k, i]), 0.0)
+    if not slowest > VANISHING_SPEED * speeds.max():
+        place = 0.5 * (starts[k] + ends[k]) + 0.5 * (ends[k] - starts[k]) * _PROBED[i]
+        raise BadValueError(f"speed of the curve at parameter {place:.9g}", slowest, expected)
