@@ -134,10 +134,15 @@ def track_path(
 
 
 class _Nodes(NamedTuple):
-    """Postures at coordinates of a smooth part of a path, the rates at its ends from within."""
+    """Postures at coordinates of a smooth part of a path, the rates at its ends from within.
+
+    `beyond` is the condition number of the first posture past them that was too close to a
+    singularity, 0 if there was none.
+    """
 
     at: list[float]
     postures: list[Posture]
+    beyond: float
 
 
 def _followed(
@@ -151,20 +156,24 @@ def _followed(
     """Follow the part of a path between two breaks as far as it goes."""
     low, high = part
     at, here = low, posture(arm, q, path.sample(low))
-    nodes = _Nodes([at], [here])
+    places, postures = [at], [here]
     h = _FIRST * (high - low)
-    while at < high and here.condition <= limit and h > SHORTEST_STEP * path.length:
+    beyond = here.condition if here.condition > limit else 0.0
+    while at < high and h > SHORTEST_STEP * path.length and here.condition <= limit:
         last = high - at <= h * _NEARLY_ALL
         h = high - at if last else h
         # The limit from the left, where the next part begins with other rates.
         end = float(np.nextafter(high, low)) if last else at + h
         there, error = _stepped(path, arm, here, (at, end))
+        if there is not None and error <= tolerance and there.condition > limit:
+            beyond, h = there.condition, 0.5 * h
+            continue
         if there is not None and error <= tolerance:
             at, here = (high if last else end), there
-            nodes.at.append(at)
-            nodes.postures.append(here)
+            places.append(at)
+            postures.append(here)
         h *= _change(error / tolerance)
-    return nodes
+    return _Nodes(places, postures, beyond if at < high else 0.0)
 
 
 def _stepped(
@@ -214,8 +223,10 @@ def _assembled(path: PosePath, parts: list[_Nodes]) -> JointPath | None:
 def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> PathTracking:
     """Tell why a path is not followed to its end."""
     reached, here = parts[-1].at[-1], parts[-1].postures[-1]
-    status, reason = PathTrackingStatus.SINGULAR, f"condition number {here.condition:.3g}"
-    if here.condition <= limit:
+    status = PathTrackingStatus.SINGULAR
+    if parts[-1].beyond > limit:
+        reason = f"the condition number rises to {parts[-1].beyond:.3g}, over {limit:.3g}"
+    else:
         beyond = min(reached + _BEYOND * path.length, path.length)
         found = arm.inverse(path.sample(beyond).pose, here.q)
         if found is None:
@@ -223,7 +234,7 @@ def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> P
             reason = f"the arm has no posture for the pose at s = {beyond:.6g} m"
         else:
             move = np.abs(as_finite("joint values of inverse", found, here.q.shape) - here.q)
-            reason += ", and joint values that change too fast"
+            reason = f"joint values change too fast, condition number {here.condition:.3g}"
             if move.max() > TRACK_JUMP:
                 status = PathTrackingStatus.JUMP
                 k = int(np.argmax(move))
