@@ -1,7 +1,7 @@
 """Polylines with blended corners."""
 
 import math
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ from robomech_ros.trajectory.paths.curve import (
     as_positive,
     join_curves,
 )
-from robomech_ros.trajectory.paths.tolerances import COLLINEAR, NEARLY_HALF_TURN
+from robomech_ros.trajectory.paths.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -62,8 +62,8 @@ def blended_polyline(
         Not points, neighbours that coincide, a corner at which the way goes straight back, or
         not exactly one of radius and deviation, above 0.
     """
-    if blend not in ("circular", "parabolic", "quintic"):
-        raise BadValueError("blend", blend, "one of circular, parabolic, quintic")
+    if not isinstance(blend, str) or blend not in get_args(Blend):
+        raise BadValueError("blend", blend, "one of " + ", ".join(get_args(Blend)))
     if (radius is None) == (deviation is None):
         raise BadValueError("radius, deviation", (radius, deviation), "exactly one of the two")
     size = as_positive("radius", radius) if deviation is None else None
@@ -80,6 +80,9 @@ def blended_polyline(
             continue
         cut = _cut(blend, 0.5 * turn, size, apart)
         cut = min(cut, 0.5 * lengths[k - 1], 0.5 * lengths[k])
+        if cut <= COINCIDENT * max(lengths[k - 1], lengths[k]):
+            what = f"length (m) of the blend at points[{k}]"
+            raise BadValueError(what, float(cut), "more than a billionth of its legs")
         enter, leave = places[k] - cut * directions[k - 1], places[k] + cut * directions[k]
         if np.linalg.norm(enter - begin) > COLLINEAR * lengths[k - 1]:
             curves.append(line(begin, enter))

@@ -5,9 +5,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.paths.curve import FunctionCurve, as_number, as_points, as_positive
+from robomech_ros.trajectory.paths.curve import (
+    FunctionCurve,
+    as_number,
+    as_points,
+    as_positive,
+    as_vector,
+)
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT, COLLINEAR
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -38,7 +44,9 @@ def line(start: npt.ArrayLike, end: npt.ArrayLike) -> FunctionCurve:
     BadValueError, WrongSizeError, NonFiniteError
         Not two points apart from each other.
     """
-    first, last = as_points("points of the line", [_point("start", start), _point("end", end)], 2)
+    first, last = as_points(
+        "points of the line", [as_vector("start", start), as_vector("end", end)], 2
+    )
     length = float(np.linalg.norm(last - first))
     direction = (last - first) / length
 
@@ -67,7 +75,7 @@ def arc_through(start: npt.ArrayLike, through: npt.ArrayLike, end: npt.ArrayLike
     BadValueError, WrongSizeError, NonFiniteError
         Not three points, two of them coincide, or all lie on a line.
     """
-    given = [_point("start", start), _point("through", through), _point("end", end)]
+    given = [as_vector("start", start), as_vector("through", through), as_vector("end", end)]
     points = as_points("points of the arc", [*given, given[0]], 4)
     a, b = points[1] - points[0], points[2] - points[0]
     normal = np.cross(a, b)
@@ -106,12 +114,14 @@ def arc_about(
     BadValueError, WrongSizeError, NonFiniteError
         Not points, a vector and an angle other than zero, or a start on the axis.
     """
-    origin, first = _point("center", center), _point("start", start)
-    direction, turn = _point("axis", axis), as_number("angle", angle)
-    length = float(np.linalg.norm(direction))
-    if not length > 0.0:
+    origin, first = as_vector("center", center), as_vector("start", start)
+    direction, turn = as_vector("axis", axis), as_number("angle", angle)
+    largest = float(np.abs(direction).max())
+    if not largest > 0.0:
         raise BadValueError("axis", direction.tolist(), "a vector that is not zero")
-    unit = direction / length * math.copysign(1.0, turn)
+    # First by the largest entry, so that no square underflows.
+    scaled = direction / largest
+    unit = scaled / np.linalg.norm(scaled) * math.copysign(1.0, turn)
     foot = origin + unit * (unit @ (first - origin))
     arm = first - foot
     if np.linalg.norm(arm) <= COINCIDENT * max(1.0, float(np.abs(first).max())):
@@ -318,12 +328,3 @@ def _frame(origin: FloatArray, z: FloatArray, x: FloatArray) -> FloatArray:
 
 def _placement(pose: npt.ArrayLike | None) -> FloatArray:
     return np.eye(4) if pose is None else real_array("pose", pose)
-
-
-def _point(what: str, value: npt.ArrayLike) -> FloatArray:
-    point = real_array(what, value)
-    if point.shape != (3,):
-        raise WrongSizeError(what, point.shape, (3,))
-    if not np.isfinite(point).all():
-        raise NonFiniteError(what, point)
-    return point

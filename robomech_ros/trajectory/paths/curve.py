@@ -27,6 +27,7 @@ __all__ = [
     "as_parameters",
     "as_points",
     "as_positive",
+    "as_vector",
     "evaluated",
     "join_curves",
 ]
@@ -271,17 +272,31 @@ def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> 
     return np.clip(numbers, start, end)
 
 
-def as_number(what: str, value: object) -> float:
-    """Check a finite number."""
+def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> FloatArray:
+    """Check finite numbers of exactly one shape, none above 1e6."""
+    numbers = real_array(what, value)
+    if numbers.shape != shape:
+        raise WrongSizeError(what, numbers.shape, shape)
+    if not np.isfinite(numbers).all():
+        raise NonFiniteError(what, numbers)
+    if np.abs(numbers).max(initial=0.0) > LARGEST_LENGTH:
+        raise BadValueError(what, numbers.tolist(), f"numbers of at most {LARGEST_LENGTH:g}")
+    return numbers
+
+
+def as_number(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
+    """Check a finite number, of either sign, up to the largest."""
     number = real_number(what, value, "a finite number")
     if not math.isfinite(number):
         raise NonFiniteError(what, number)
+    if abs(number) > largest:
+        raise BadValueError(what, number, f"at most {largest:g}")
     return number
 
 
-def as_positive(what: str, value: object) -> float:
-    """Check a finite number above 0."""
-    number = as_number(what, value)
+def as_positive(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
+    """Check a finite number above 0, up to the largest."""
+    number = as_number(what, value, largest)
     if not number > 0.0:
         raise BadValueError(what, number, "a number above 0")
     return number

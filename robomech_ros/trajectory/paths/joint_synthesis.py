@@ -6,12 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import real_number
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory.paths.curve import as_parameters
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
-from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, posture
+from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
 from robomech_ros.trajectory.paths.spline_rates import Ends, cubic_spline
 from robomech_ros.trajectory.paths.splines import as_ends
 from robomech_ros.trajectory.paths.tolerances import CLOSED
@@ -101,8 +101,10 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
     as_arm(arm)
     inside = as_parameters("s", s, 0.0, min(path.length, joints.length))
     rows = joints.derivatives(np.atleast_1d(inside))[0]
-    actual = [as_finite("pose of the arm", arm.forward(q), (4, 4)) for q in rows]
-    errors = pose_error(path.sample(np.atleast_1d(inside)).pose, np.stack(actual))
+    actual = np.empty((len(rows), 4, 4))
+    for k, q in enumerate(rows):
+        actual[k] = given("pose of the arm", arm.forward(q), (4, 4))
+    errors = pose_error(path.sample(np.atleast_1d(inside)).pose, actual)
     return errors if inside.ndim else errors[0]
 
 

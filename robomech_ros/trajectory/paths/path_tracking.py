@@ -1,5 +1,6 @@
 """Joint paths that follow pose paths, by the differential geometry of the path."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -9,7 +10,6 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import TRACK_JUMP
 from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.paths.curve import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
@@ -20,6 +20,7 @@ from robomech_ros.trajectory.paths.posture import (
     as_arm,
     as_near,
     corrected,
+    given,
     pose_deviation,
     posture,
 )
@@ -118,7 +119,7 @@ def track_path(
     allowed = as_positive("tolerance", tolerance)
     if allowed < LEAST_TOLERANCE:
         raise BadValueError("tolerance", allowed, f"at least {LEAST_TOLERANCE:g}")
-    limit = as_positive("condition_limit", condition_limit)
+    limit = as_positive("condition_limit", condition_limit, math.inf)
     begin = _start(path, arm, q)
     if begin is None:
         reason = "the arm has no posture for the pose at the start of the path"
@@ -233,7 +234,7 @@ def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> P
             status = PathTrackingStatus.LOST
             reason = f"the arm has no posture for the pose at s = {beyond:.6g} m"
         else:
-            move = np.abs(as_finite("joint values of inverse", found, here.q.shape) - here.q)
+            move = np.abs(given("joint values of inverse", found, here.q.shape) - here.q)
             reason = f"joint values change too fast, condition number {here.condition:.3g}"
             if move.max() > TRACK_JUMP:
                 status = PathTrackingStatus.JUMP
@@ -251,5 +252,5 @@ def _start(path: PosePath, arm: Arm, near: FloatArray) -> FloatArray | None:
         found = arm.inverse(pose, near)
         if found is None:
             return None
-        near = as_finite("joint values of inverse", found, (len(near),))
+        near = given("joint values of inverse", found, near.shape)
     return corrected(arm, near, pose)

@@ -13,7 +13,7 @@ from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.paths.tolerances import CORRECTED, CORRECTIONS, ON_PATH
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Arm", "Posture", "as_arm", "as_near", "corrected", "pose_deviation", "posture"]
+__all__ = ["Arm", "Posture", "as_arm", "as_near", "corrected", "given", "pose_deviation", "posture"]
 
 _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate_times")
 
@@ -77,10 +77,10 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
     """
-    J = as_finite("jacobian", arm.jacobian(q), (6, len(q)))
+    J = given("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
     first = _solved(J, place.twist)
-    bias = as_finite("jacobian_rate_times", arm.jacobian_rate_times(q, first), (6,))
+    bias = given("jacobian_rate_times", arm.jacobian_rate_times(q, first), (6,))
     second = _solved(J, place.twist_rate - bias)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
     return Posture(q, first, second, condition)
@@ -111,7 +111,7 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     last = np.inf
     for _ in range(CORRECTIONS):
         error = pose_deviation(arm, q, pose)
-        J = as_finite("jacobian", arm.jacobian(q), (6, len(q)))
+        J = given("jacobian", arm.jacobian(q), (6, len(q)))
         step = _solved(J, error)
         size = float(np.abs(step).max())
         if not np.isfinite(size) or size > max(2.0 * last, 1.0):
@@ -128,7 +128,7 @@ def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
 
     In rad and m, in the base frame.
     """
-    actual = as_finite("pose of the arm", arm.forward(q), (4, 4))
+    actual = given("pose of the arm", arm.forward(q), (4, 4))
     left = pose[:3, :3] @ actual[:3, :3].T
     vector = axial_vector(left)
     if np.trace(left) < 1.0:
@@ -141,6 +141,14 @@ def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
 def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
     """Joint rates (n,) for a twist (6,), in the sense of least squares."""
     return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)
+
+
+def given(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Check what an arm returned: finite numbers of exactly one shape."""
+    array = as_finite(what, value, ())
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    return array
 
 
 def as_arm(value: object) -> Arm:
@@ -156,7 +164,5 @@ def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
     q = as_finite("near", value, ())
     if q.ndim != 1 or not 1 <= len(q) <= 6:
         raise WrongSizeError("near", q.shape, "(n,) with n from 1 to 6: the path gives six rates")
-    J = as_finite("jacobian", arm.jacobian(q), ())
-    if J.shape != (6, len(q)):
-        raise WrongSizeError("jacobian", J.shape, (6, len(q)))
+    given("jacobian", arm.jacobian(q), (6, len(q)))
     return q.copy()

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.trajectory.paths.posture import given
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["SerialArm"]
@@ -67,8 +68,10 @@ class SerialArm:
             Not n finite numbers each.
         """
         values = as_finite("joint values", q, ())
-        rates = as_finite("joint rates", qd, values.shape)
-        columns = as_finite("jacobian", self.jacobian(values), (6, len(values))).T * rates[:, None]
+        if values.ndim != 1:
+            raise WrongSizeError("joint values", values.shape, "(n,)")
+        rates = given("joint rates", qd, values.shape)
+        columns = given("jacobian", self.jacobian(values), (6, len(values))).T * rates[:, None]
         angular, linear = columns[:, :3], columns[:, 3:]
         after = np.cumsum(angular, axis=0)
         before = after - angular

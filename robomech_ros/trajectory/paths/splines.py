@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.paths.curve import PolynomialCurve, as_breaks, as_points
 from robomech_ros.trajectory.paths.spline_rates import Ends, cubic_spline, quintic_spline
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT
@@ -70,14 +70,15 @@ def spline_curve(
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 6.6 and 11.
     """
     kind = as_ends(ends)
-    if isinstance(degree, bool) or degree not in (3, 5):
+    order = real_number("degree", degree, "3 or 5")
+    if order not in (3.0, 5.0):
         raise BadValueError("degree", degree, "3 or 5")
-    places = as_points("points", points, _FEWEST[int(degree), kind]).copy()
+    places = as_points("points", points, _FEWEST[int(order), kind]).copy()
     if kind == "periodic":
         close(places)
     parameters = _knots(knots, places)
-    rates = _end_rates(end_rates, kind, (2, 3) if degree == 3 else (2, 2, 3))
-    method = cubic_spline if degree == 3 else quintic_spline
+    rates = _end_rates(end_rates, kind, (2, 3) if order == 3.0 else (2, 2, 3))
+    method = cubic_spline if order == 3.0 else quintic_spline
     return PolynomialCurve(method(parameters, places, kind, rates))
 
 
