@@ -21,6 +21,7 @@ from robomech_ros.trajectory.paths.posture import (
     as_near,
     corrected,
     given,
+    is_redundant,
     pose_deviation,
     posture,
 )
@@ -91,7 +92,7 @@ def track_path(
     ----------
     path : PosePath
     arm : Arm
-        Of at most six joints.
+        Of any number of joints; a redundant one moves with the least joint rates.
     near : array_like, shape (n,)
         Joint values (rad or m) that choose the branch at the start of the path.
     tolerance : float, optional
@@ -185,16 +186,29 @@ def _stepped(
     places = path.sample(np.array([0.5 * (step[0] + step[1]), step[1]]))
     middle, end = (PoseSample(*(value[k] for value in places)) for k in range(2))
     guess = here.q + h * (here.first + 0.5 * h * here.second)
-    found = corrected(arm, guess, end.pose) if np.isfinite(guess).all() else None
-    if found is None:
+    there = _reached(arm, guess, end)
+    if there is not None and is_redundant(guess):
+        # The pose leaves the spare joints where they are predicted: once more, by both ends.
+        guess = (
+            here.q
+            + 0.5 * h * (here.first + there.first)
+            + h**2 / 12.0 * (here.second - there.second)
+        )
+        there = _reached(arm, guess, end)
+    if there is None:
         return None, np.inf
-    there = posture(arm, found, end)
     between = (
         0.5 * (here.q + there.q)
         + 5.0 / 32.0 * h * (here.first - there.first)
         + h**2 / 64.0 * (here.second + there.second)
     )
     return there, float(np.abs(pose_deviation(arm, between, middle.pose)).max())
+
+
+def _reached(arm: Arm, guess: FloatArray, place: PoseSample) -> Posture | None:
+    """Posture at a place of the path from predicted joint values; None where there is none."""
+    q = corrected(arm, guess, place.pose) if np.isfinite(guess).all() else None
+    return None if q is None else posture(arm, q, place)
 
 
 def _change(ratio: float) -> float:

@@ -13,13 +13,23 @@ from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.paths.tolerances import CORRECTED, CORRECTIONS, ON_PATH
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Arm", "Posture", "as_arm", "as_near", "corrected", "given", "pose_deviation", "posture"]
+__all__ = [
+    "Arm",
+    "Posture",
+    "as_arm",
+    "as_near",
+    "corrected",
+    "given",
+    "is_redundant",
+    "pose_deviation",
+    "posture",
+]
 
-_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate_times")
+_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
 
 class Arm(Protocol):
-    """What tracking needs to know of an arm with n joints, at most six.
+    """What tracking needs to know of an arm with n joints.
 
     All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
     """
@@ -33,8 +43,8 @@ class Arm(Protocol):
     def jacobian(self, q: FloatArray) -> npt.ArrayLike:
         """Matrix (6, n) from joint rates to the twist."""
 
-    def jacobian_rate_times(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
-        """Rate of the Jacobian at joint rates qd, times qd (6,): the twist's own rate."""
+    def jacobian_rate(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
+        """Rate (6, n) of the Jacobian at joint rates qd."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +68,10 @@ class Posture:
 def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
     """Find the derivatives of joint values that are on a path.
 
-    q' = J^-1 t' and q'' = J^-1 (t'' - (dJ/ds) q'), in the sense of least squares for an arm of
-    fewer than six joints on a path that it can follow.
+    q' = J^-1 t' and q'' = J^-1 (t'' - J' q').  For an arm of fewer than six joints, on a path that
+    it can follow, they are meant in the sense of least squares.  A redundant arm moves with the
+    least joint rates, q' = J^T x with J J^T x = t'; the derivative of that adds the part of J'^T x
+    that moves no tool to q''.
 
     Parameters
     ----------
@@ -80,10 +92,18 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
     J = given("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
     first = _solved(J, place.twist)
-    bias = given("jacobian_rate_times", arm.jacobian_rate_times(q, first), (6,))
-    second = _solved(J, place.twist_rate - bias)
+    rate = given("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
+    second = _solved(J, place.twist_rate - rate @ first)
+    if is_redundant(q):
+        spare = rate.T @ _solved(J.T, first)
+        second += spare - _solved(J, J @ spare)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
     return Posture(q, first, second, condition)
+
+
+def is_redundant(q: FloatArray) -> bool:
+    """Whether there are more joints than a pose has freedoms."""
+    return len(q) > 6
 
 
 def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
@@ -139,7 +159,7 @@ def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
 
 
 def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
-    """Joint rates (n,) for a twist (6,), in the sense of least squares."""
+    """Solve for the least vector with the least error."""
     return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)
 
 
@@ -160,9 +180,9 @@ def as_arm(value: object) -> Arm:
 
 
 def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
-    """Check joint values (n,) of the arm, at most six."""
+    """Check joint values (n,) of the arm."""
     q = as_finite("near", value, ())
-    if q.ndim != 1 or not 1 <= len(q) <= 6:
-        raise WrongSizeError("near", q.shape, "(n,) with n from 1 to 6: the path gives six rates")
+    if q.ndim != 1 or not len(q):
+        raise WrongSizeError("near", q.shape, "(n,) with at least one joint")
     given("jacobian", arm.jacobian(q), (6, len(q)))
     return q.copy()

@@ -46,11 +46,12 @@ class SerialArm:
             if not callable(getattr(self, name)):
                 raise BadValueError(name, getattr(self, name), "a callable")
 
-    def jacobian_rate_times(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> FloatArray:
-        """Rate of the Jacobian at joint rates qd, times qd.
+    def jacobian_rate(self, q: npt.ArrayLike, qd: npt.ArrayLike) -> FloatArray:
+        """Rate of the Jacobian at joint rates qd.
 
-        With omega_i the angular velocity of link i and [e_i; v_i] column i, it is the sum over
-        the joints of ``[omega_(i-1) x e_i; (omega_(i-1) + omega_i) x v_i] qd_i``.
+        Column [e_i; v_i] changes by ``[omega_(i-1) x e_i; omega_i x v_i + e_i x u_i]``, with the
+        angular velocity omega_i of link i and the velocity u_i that the joints after i give the
+        tool's origin.
 
         Parameters
         ----------
@@ -59,8 +60,7 @@ class SerialArm:
 
         Returns
         -------
-        ndarray, shape (6,)
-            The twist's rate without joint accelerations.
+        ndarray, shape (6, n)
 
         Raises
         ------
@@ -70,10 +70,11 @@ class SerialArm:
         values = as_finite("joint values", q, ())
         if values.ndim != 1:
             raise WrongSizeError("joint values", values.shape, "(n,)")
-        rates = given("joint rates", qd, values.shape)
-        columns = given("jacobian", self.jacobian(values), (6, len(values))).T * rates[:, None]
-        angular, linear = columns[:, :3], columns[:, 3:]
-        after = np.cumsum(angular, axis=0)
-        before = after - angular
-        parts = [np.cross(before, angular), np.cross(before + after, linear)]
-        return np.concatenate([part.sum(axis=0) for part in parts])
+        rates = given("joint rates", qd, values.shape)[:, None]
+        columns = given("jacobian", self.jacobian(values), (6, len(values))).T
+        axes, arms = columns[:, :3], columns[:, 3:]
+        after = np.cumsum(axes * rates, axis=0)
+        moved = np.cumsum(arms * rates, axis=0)
+        angular = np.cross(after - axes * rates, axes)
+        linear = np.cross(after, arms) + np.cross(axes, moved[-1] - moved)
+        return np.concatenate([angular, linear], axis=1).T

@@ -157,7 +157,7 @@ def calls():
         )
         for name in ("forward", "inverse", "jacobian")
     }
-    found["rates"] = lambda value: arm.jacobian_rate_times(q, value)
+    found["rates"] = lambda value: arm.jacobian_rate(q, value)
     return found
 
 
