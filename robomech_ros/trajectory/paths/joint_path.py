@@ -141,6 +141,8 @@ def _check_law(path: JointPath, law: Trajectory) -> None:
     for what, value in zip(("start", "end"), ends[:, 0], strict=True):
         if not -slack <= value <= path.length + slack:
             raise BadValueError(f"{what} of the law", float(value), f"from 0 to {path.length:.9g}")
+    if ends[1, 0] < ends[0, 0]:
+        raise BadValueError("end of the law", float(ends[1, 0]), f"at least {ends[0, 0]:.9g}")
     inside = path.stops[(path.stops > ends[0, 0] + slack) & (path.stops < ends[1, 0] - slack)]
     speeds = _speeds_at(law, inside)
     moving = np.abs(speeds) * law.duration > AT_REST * path.length

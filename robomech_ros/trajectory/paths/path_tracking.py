@@ -25,7 +25,12 @@ from robomech_ros.trajectory.paths.posture import (
     pose_deviation,
     posture,
 )
-from robomech_ros.trajectory.paths.tolerances import AT_START, LEAST_TOLERANCE, SHORTEST_STEP
+from robomech_ros.trajectory.paths.tolerances import (
+    AT_START,
+    LEAST_TOLERANCE,
+    MOST_STEPS,
+    SHORTEST_STEP,
+)
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -34,6 +39,8 @@ __all__ = ["PathTracking", "PathTrackingStatus", "track_path"]
 # First step, as part of the path between two breaks, and bounds of the change from step to step.
 _FIRST = 0.125
 _SHRINK, _GROW = 0.3, 3.0
+# Least step as part of the coordinate: a few units of its last digit.
+_ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 # A rest of the part not much longer than a step is taken in one.
 _NEARLY_ALL = 1.05
 # How far beyond its last posture the arm is asked for another, as part of the path.
@@ -161,7 +168,8 @@ def _followed(
     places, postures = [at], [here]
     h = _FIRST * (high - low)
     beyond = here.condition if here.condition > limit else 0.0
-    while at < high and h > SHORTEST_STEP * path.length and here.condition <= limit:
+    shortest = max(SHORTEST_STEP * (high - low), _ROUNDING * high)
+    while at < high and h > shortest and here.condition <= limit and len(places) < MOST_STEPS:
         last = high - at <= h * _NEARLY_ALL
         h = high - at if last else h
         # The limit from the left, where the next part begins with other rates.
@@ -261,10 +269,11 @@ def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> P
 def _start(path: PosePath, arm: Arm, near: FloatArray) -> FloatArray | None:
     """Joint values at the start of the path: near themselves if they are there."""
     pose = path.sample(0.0).pose
-    there = np.abs(pose_deviation(arm, near, pose)).max() < AT_START
-    if not there:
-        found = arm.inverse(pose, near)
-        if found is None:
-            return None
-        near = given("joint values of inverse", found, near.shape)
-    return corrected(arm, near, pose)
+    if np.abs(pose_deviation(arm, near, pose)).max() < AT_START:
+        q = corrected(arm, near, pose)
+        if q is not None:
+            return q
+    found = arm.inverse(pose, near)
+    if found is None:
+        return None
+    return corrected(arm, given("joint values of inverse", found, near.shape), pose)

@@ -128,14 +128,14 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
     """
-    last = np.inf
+    last = 0.0
     for _ in range(CORRECTIONS):
         error = pose_deviation(arm, q, pose)
         J = given("jacobian", arm.jacobian(q), (6, len(q)))
         step = _solved(J, error)
         size = float(np.abs(step).max())
         if not np.isfinite(size) or size > max(2.0 * last, 1.0):
-            return None
+            return None  # the next step would be longer still, or leads to another branch
         q, last = q + step, size
         if size <= CORRECTED * max(1.0, float(np.abs(q).max())):
             left = np.abs(pose_deviation(arm, q, pose)).max()

@@ -12,6 +12,7 @@ __all__ = [
     "CORRECTIONS",
     "INVERSE_STEPS",
     "LEAST_TOLERANCE",
+    "MOST_STEPS",
     "NEARLY_HALF_TURN",
     "ON_PATH",
     "PARAMETER_SLACK",
@@ -68,7 +69,10 @@ CORRECTIONS = 10
 AT_START = 1e-3
 # Least tolerance (rad, m) of a joint path between its postures: rounding, with room.
 LEAST_TOLERANCE = 1e-10
-# Least step along a path, as part of its length: a path that needs shorter ones is singular there.
+# Least step along a path, as part of the distance of two breaks: a path that needs shorter ones is
+# singular there.
 SHORTEST_STEP = 1e-7
+# Steps between two breaks at most; with the least tolerance a loop of a metre takes a few hundred.
+MOST_STEPS = 10_000
 # Speed of a time law, over its mean, that is rest where the path has a corner.
 AT_REST = 1e-6

@@ -88,6 +88,17 @@ def test_the_joints_follow_the_path_within_the_tolerance(name, make):
     np.testing.assert_allclose(found.path.derivatives(0.0)[0], START[name], atol=1e-9)
 
 
+def test_short_legs_beside_long_ones_are_followed():
+    arm = arm_of("puma560")
+    pose = arm.forward(START["puma560"])
+    poses = [pose.copy() for _ in range(4)]
+    for k, x in enumerate((0.0, 1e-6, 0.1, 0.1 + 3e-8)):
+        poses[k][:3, 3] += [x, 0.5 * x * x, 0.0]
+    path = straight_path(poses)
+    found = track_path(path, arm, START["puma560"])
+    assert found.status is PathTrackingStatus.COMPLETE, found.reason
+
+
 @pytest.mark.parametrize("name", FULL)
 def test_the_joint_path_is_c2_but_for_the_stops(name):
     arm = arm_of(name)
@@ -344,6 +355,7 @@ def bad_calls():
     law = point_to_point([0, 0], [1, 1], limits=limits)
     one = Limits(["s"], velocity=1.0, acceleration=1.0)
     far = point_to_point([0], [9], limits=one)
+    back = point_to_point([joints.length], [0], limits=one)
     nan = BrokenArm(arm, jacobian=lambda q: np.full((6, 6), np.nan))
     thin = BrokenArm(arm, jacobian=lambda q: np.zeros((6, 5)))
     return {
@@ -376,6 +388,7 @@ def bad_calls():
         "law": (lambda: joints.along(3), BadValueError, "law is 3"),
         "two": (lambda: joints.along(law), BadValueError, "of one joint"),
         "far": (lambda: joints.along(far), BadValueError, "end of the law is 9.0, expected from 0"),
+        "back": (lambda: joints.along(back), BadValueError, "end of the law is 0.0, expected at"),
         "off": (lambda: joints.derivatives(-1.0), BadValueError, "s is -1.0"),
     }
 
