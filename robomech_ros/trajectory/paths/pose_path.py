@@ -177,6 +177,8 @@ def _common_breaks(curve: FloatArray, orientation: FloatArray) -> FloatArray:
     if first > start + slack or last < end - slack or not math.isfinite(first + last):
         expected = f"from {start:.9g} to {end:.9g}, the range of the curve"
         raise BadValueError("range of the orientation", (first, last), expected)
-    apart = np.abs(orientation[:, None] - curve).min(axis=1) > slack
+    after = np.clip(np.searchsorted(curve, orientation), 1, len(curve) - 1)
+    nearest = np.minimum(np.abs(orientation - curve[after - 1]), np.abs(orientation - curve[after]))
+    apart = nearest > slack
     inner = orientation[apart & (orientation > start) & (orientation < end)]
     return np.sort(np.concatenate([curve, inner]))
