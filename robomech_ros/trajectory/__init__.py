@@ -1,51 +1,205 @@
-"""Trajectories: profiles from point to point, curves through waypoints, and their verification."""
+"""Trajectories: profiles, curves through points, paths, and the verification of all of them.
 
-from robomech_ros.trajectory.interpolation import interpolant
-from robomech_ros.trajectory.jerk_limited import JerkLimited
-from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.profiles import PROFILES, point_to_point
-from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
-from robomech_ros.trajectory.sample import Sample, Trajectory
-from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
-from robomech_ros.trajectory.splines import Spline, spline_through
-from robomech_ros.trajectory.through_points import (
-    VIA_PROFILES,
-    sampled_through_points,
-    through_points,
-)
-from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
-from robomech_ros.trajectory.verification import Verification, Violation, verify
-from robomech_ros.trajectory.via_polynomial import ViaPolynomial, via_polynomial
-from robomech_ros.trajectory.waypoints import Waypoints, discretise
+Each part is loaded when first asked for: who samples and verifies, such as a controller, does
+without what plans.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robomech_ros.trajectory.interpolation import interpolant
+    from robomech_ros.trajectory.jerk_limited import JerkLimited
+    from robomech_ros.trajectory.limits import JointLimits, Limits
+    from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
+    from robomech_ros.trajectory.paths.blends import blended_polyline
+    from robomech_ros.trajectory.paths.closed_form import (
+        arc_about,
+        arc_through,
+        cylinder_intersection,
+        helix,
+        line,
+        viviani,
+    )
+    from robomech_ros.trajectory.paths.curve import Curve, FunctionCurve, join_curves
+    from robomech_ros.trajectory.paths.frenet import FrenetSerret, frenet_serret
+    from robomech_ros.trajectory.paths.joint_path import JointMotion, JointPath
+    from robomech_ros.trajectory.paths.joint_synthesis import joint_spline, tracking_error
+    from robomech_ros.trajectory.paths.orientation import (
+        Orientation,
+        Turning,
+        constant_orientation,
+        frenet_orientation,
+        geodesic_orientation,
+    )
+    from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
+    from robomech_ros.trajectory.paths.path_tracking import (
+        PathTracking,
+        PathTrackingStatus,
+        track_path,
+    )
+    from robomech_ros.trajectory.paths.pose_lists import arc_path, spline_path, straight_path
+    from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample, pose_path
+    from robomech_ros.trajectory.paths.posture import Arm
+    from robomech_ros.trajectory.paths.serial_arm import SerialArm
+    from robomech_ros.trajectory.paths.splines import spline_curve
+    from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+    from robomech_ros.trajectory.profiles import PROFILES, point_to_point
+    from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
+    from robomech_ros.trajectory.sample import Sample, Trajectory
+    from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
+    from robomech_ros.trajectory.splines import Spline, spline_through
+    from robomech_ros.trajectory.through_points import (
+        VIA_PROFILES,
+        sampled_through_points,
+        through_points,
+    )
+    from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
+    from robomech_ros.trajectory.verification import Verification, Violation, verify
+    from robomech_ros.trajectory.via_polynomial import ViaPolynomial, via_polynomial
+    from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
     "PROFILES",
     "VIA_PROFILES",
+    "ArcLength",
+    "Arm",
+    "ByArcLength",
+    "Curve",
     "Cycloidal",
     "DoubleS",
+    "FrenetSerret",
+    "FunctionCurve",
     "JerkLimited",
     "JointLimits",
+    "JointMotion",
+    "JointPath",
     "Limits",
+    "Orientation",
+    "PathTracking",
+    "PathTrackingStatus",
     "PiecewisePolynomial",
     "Polynomial345",
     "Polynomial4567",
+    "PosePath",
+    "PoseSample",
     "Sample",
     "SampledPlan",
+    "SerialArm",
     "Spline",
     "Trajectory",
     "Trapezoidal",
+    "Turning",
     "Verification",
     "ViaPolynomial",
     "Violation",
     "Waypoints",
+    "arc_about",
+    "arc_length",
+    "arc_path",
+    "arc_through",
+    "blended_polyline",
+    "constant_orientation",
+    "cylinder_intersection",
     "discretise",
+    "frenet_orientation",
+    "frenet_serret",
+    "geodesic_orientation",
+    "helix",
     "interpolant",
+    "join_curves",
+    "joint_spline",
+    "line",
+    "orientation_spline",
     "point_to_point",
+    "pose_path",
     "sampled_point_to_point",
     "sampled_through_points",
+    "spline_curve",
+    "spline_path",
     "spline_through",
+    "straight_path",
     "through_points",
+    "track_path",
+    "tracking_error",
     "verify",
     "via_polynomial",
+    "viviani",
 ]
+
+_MODULES = {
+    "PROFILES": "profiles",
+    "VIA_PROFILES": "through_points",
+    "ArcLength": "paths.arc_length",
+    "Arm": "paths.posture",
+    "ByArcLength": "paths.arc_length",
+    "Curve": "paths.curve",
+    "Cycloidal": "rest_to_rest",
+    "DoubleS": "velocity_profiles",
+    "FrenetSerret": "paths.frenet",
+    "FunctionCurve": "paths.curve",
+    "JerkLimited": "jerk_limited",
+    "JointLimits": "limits",
+    "JointMotion": "paths.joint_path",
+    "JointPath": "paths.joint_path",
+    "Limits": "limits",
+    "Orientation": "paths.orientation",
+    "PathTracking": "paths.path_tracking",
+    "PathTrackingStatus": "paths.path_tracking",
+    "PiecewisePolynomial": "piecewise",
+    "Polynomial345": "rest_to_rest",
+    "Polynomial4567": "rest_to_rest",
+    "PosePath": "paths.pose_path",
+    "PoseSample": "paths.pose_path",
+    "Sample": "sample",
+    "SampledPlan": "sampled_plan",
+    "SerialArm": "paths.serial_arm",
+    "Spline": "splines",
+    "Trajectory": "sample",
+    "Trapezoidal": "velocity_profiles",
+    "Turning": "paths.orientation",
+    "Verification": "verification",
+    "ViaPolynomial": "via_polynomial",
+    "Violation": "verification",
+    "Waypoints": "waypoints",
+    "arc_about": "paths.closed_form",
+    "arc_length": "paths.arc_length",
+    "arc_path": "paths.pose_lists",
+    "arc_through": "paths.closed_form",
+    "blended_polyline": "paths.blends",
+    "constant_orientation": "paths.orientation",
+    "cylinder_intersection": "paths.closed_form",
+    "discretise": "waypoints",
+    "frenet_orientation": "paths.orientation",
+    "frenet_serret": "paths.frenet",
+    "geodesic_orientation": "paths.orientation",
+    "helix": "paths.closed_form",
+    "interpolant": "interpolation",
+    "join_curves": "paths.curve",
+    "joint_spline": "paths.joint_synthesis",
+    "line": "paths.closed_form",
+    "orientation_spline": "paths.orientation_spline",
+    "point_to_point": "profiles",
+    "pose_path": "paths.pose_path",
+    "sampled_point_to_point": "sampled_plan",
+    "sampled_through_points": "through_points",
+    "spline_curve": "paths.splines",
+    "spline_path": "paths.pose_lists",
+    "spline_through": "splines",
+    "straight_path": "paths.pose_lists",
+    "through_points": "through_points",
+    "track_path": "paths.path_tracking",
+    "tracking_error": "paths.joint_synthesis",
+    "verify": "verification",
+    "via_polynomial": "via_polynomial",
+    "viviani": "paths.closed_form",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value

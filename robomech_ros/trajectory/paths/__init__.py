@@ -1,0 +1,1 @@
+"""Paths: curves in space, poses along them, and joint paths that follow them."""

@@ -1,0 +1,311 @@
+"""Parametric curves in space: what a curve is, and curves from functions and from others."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import listed, real_array, real_number
+from robomech_ros.spatial.poses import as_pose
+from robomech_ros.trajectory.paths.tolerances import COINCIDENT, PARAMETER_SLACK
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = [
+    "Curve",
+    "FunctionCurve",
+    "JoinedCurve",
+    "PolynomialCurve",
+    "as_breaks",
+    "as_curve",
+    "as_number",
+    "as_parameters",
+    "as_points",
+    "as_positive",
+    "as_vector",
+    "evaluated",
+    "join_curves",
+]
+
+# Position and four derivatives: the fourth gives the rate of the torsion.
+ORDERS = 5
+
+
+class Curve(Protocol):
+    """A curve in space over a parameter u, of any unit, from ``breaks[0]`` to ``breaks[-1]``."""
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Parameters of the ends and of all places where a derivative steps, shape (k + 1,)."""
+
+    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+        """Position (m) and its first four derivatives with respect to u.
+
+        Parameters
+        ----------
+        u : array_like, shape () or (m,)
+            At an inner break the part after it counts.
+
+        Returns
+        -------
+        ndarray, shape (5, 3) or (5, m, 3)
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionCurve:
+    """A curve whose derivatives are given by a function.
+
+    Attributes
+    ----------
+    function : callable
+        From parameters, shape (m,), to position (m) and its first four derivatives, each (m, 3),
+        in a frame of the curve's own.
+    breaks : ndarray, shape (k + 1,)
+        Ends, and places between them where a derivative steps; strictly increasing.
+    pose : array_like, shape (4, 4), optional
+        ``T_base_curve``, where that frame is (m).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Breaks or a pose that are none, or a function that is not callable.  What the function
+        returns is checked whenever it is called.
+    """
+
+    function: Callable[[FloatArray], Sequence[npt.ArrayLike] | FloatArray]
+    breaks: FloatArray
+    pose: FloatArray = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if not callable(self.function):
+            raise BadValueError("function", self.function, "a callable")
+        object.__setattr__(self, "breaks", as_breaks("breaks", self.breaks))
+        pose = np.eye(4) if self.pose is None else as_pose(self.pose)
+        if pose.shape != (4, 4):
+            raise WrongSizeError("pose", pose.shape, (4, 4))
+        object.__setattr__(self, "pose", pose)
+
+    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+        """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
+        return evaluated(self.breaks, u, self._rows)
+
+    def _rows(self, u: FloatArray) -> FloatArray:
+        what = "derivatives of the curve"
+        expected = "position and four derivatives, arrays of shape (m, 3)"
+        given = listed(what, self.function(u), expected)
+        if len(given) != ORDERS:
+            raise WrongSizeError(what, len(given), ORDERS)
+        rows = np.empty((ORDERS, len(u), 3))
+        for k, row in enumerate(given):
+            array = real_array(f"{what}, order {k}", row)
+            if array.shape != (len(u), 3):
+                raise WrongSizeError(f"{what}, order {k}", array.shape, (len(u), 3))
+            rows[k] = array
+        if not np.isfinite(rows).all():
+            raise NonFiniteError(what, rows)
+        placed: FloatArray = rows @ self.pose[:3, :3].T
+        placed[0] += self.pose[:3, 3]
+        return placed
+
+
+@dataclass(frozen=True, eq=False)
+class PolynomialCurve:
+    """A curve that is a piecewise polynomial of its parameter.
+
+    Attributes
+    ----------
+    pieces : PiecewisePolynomial
+        Of the three coordinates (m) over the parameter.
+    """
+
+    pieces: PiecewisePolynomial
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Parameters of the ends and of the knots, shape (k + 1,)."""
+        return self.pieces.breaks
+
+    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+        """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
+        return evaluated(self.breaks, u, self._rows)
+
+    def _rows(self, u: FloatArray) -> FloatArray:
+        rate = PiecewisePolynomial(self.pieces.breaks, self.pieces.derivative(1))
+        return np.stack([*self.pieces.sample(u), rate.sample(u).jerk])
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedCurve:
+    """Curves one after another; the parameter runs on from each to the next.
+
+    Attributes
+    ----------
+    curves : tuple of Curve
+    starts : ndarray, shape (k + 1,)
+        Parameter where each begins, and where the last one ends.
+    """
+
+    curves: tuple[Curve, ...]
+    starts: FloatArray
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Parameters of all breaks of the curves and of the joints between them."""
+        inner = [
+            start + curve.breaks[:-1] - curve.breaks[0]
+            for curve, start in zip(self.curves, self.starts, strict=False)
+        ]
+        return np.concatenate([*inner, self.starts[-1:]])
+
+    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+        """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
+        return evaluated(self.starts, u, self._rows)
+
+    def _rows(self, u: FloatArray) -> FloatArray:
+        last = len(self.curves) - 1
+        owner = np.minimum(np.searchsorted(self.starts, u, side="right") - 1, last)
+        rows = np.empty((ORDERS, len(u), 3))
+        for k in np.unique(owner):
+            curve, mine = self.curves[k], owner == k
+            local = np.minimum(u[mine] - self.starts[k] + curve.breaks[0], curve.breaks[-1])
+            rows[:, mine] = curve.derivatives(local)
+        return rows
+
+
+def join_curves(curves: Sequence[Curve]) -> JoinedCurve:
+    """Join curves end to end.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        Each begins where the one before it ends; directions may differ there.
+
+    Returns
+    -------
+    JoinedCurve
+
+    Raises
+    ------
+    BadValueError
+        No curves, or a gap between two; the message names it.
+    """
+    expected = "a list of at least one curve"
+    parts = tuple(
+        as_curve(f"curves[{k}]", c) for k, c in enumerate(listed("curves", curves, expected))
+    )
+    if not parts:
+        raise BadValueError("curves", curves, expected)
+    ends = [part.derivatives(part.breaks[[0, -1]])[0] for part in parts]
+    size = max(float(np.abs(end).max()) for end in ends)
+    for k in range(1, len(parts)):
+        gap = float(np.linalg.norm(ends[k][0] - ends[k - 1][1]))
+        if gap > COINCIDENT * max(size, 1.0):
+            raise BadValueError(
+                f"gap between the curves {k - 1} and {k}", gap, "a start at the end of the other"
+            )
+    spans = [float(part.breaks[-1] - part.breaks[0]) for part in parts]
+    return JoinedCurve(parts, np.concatenate([[0.0], np.cumsum(spans)]))
+
+
+def as_curve(what: str, value: object) -> Curve:
+    """Check that a value is a curve, or raise BadValueError."""
+    if not (hasattr(value, "breaks") and callable(getattr(value, "derivatives", None))):
+        raise BadValueError(what, value, "a curve, with breaks and derivatives(u)")
+    return value  # type: ignore[return-value]
+
+
+def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
+    """Check numbers that increase strictly, at least two; give a copy."""
+    breaks: FloatArray = real_array(what, value).copy()
+    if breaks.ndim != 1 or len(breaks) < 2:
+        raise WrongSizeError(what, breaks.shape, "(k,) with at least two numbers")
+    if not np.isfinite(breaks).all():
+        raise NonFiniteError(what, breaks)
+    late = np.flatnonzero(np.diff(breaks) <= 0.0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise BadValueError(f"{what}[{k}]", float(breaks[k]), f"more than {breaks[k - 1]:.9g}")
+    return breaks
+
+
+def as_points(what: str, value: npt.ArrayLike, least: int) -> FloatArray:
+    """Check points (m), shape (k, 3), at least so many, neighbours apart from each other."""
+    points = real_array(what, value)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
+        raise WrongSizeError(what, points.shape, f"(k, 3) with k at least {least}")
+    if not np.isfinite(points).all():
+        raise NonFiniteError(what, points)
+    if np.abs(points).max() > LARGEST_LENGTH:
+        worst = np.unravel_index(int(np.abs(points).argmax()), points.shape)
+        where = ", ".join(str(int(i)) for i in worst)
+        expected = f"at most {LARGEST_LENGTH:g} m"
+        raise BadValueError(f"{what}[{where}]", float(points[worst]), expected)
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    size = float(np.ptp(points, axis=0).max())
+    close = np.flatnonzero(apart <= COINCIDENT * max(size, COINCIDENT * np.abs(points).max()))
+    if len(close):
+        k = int(close[0])
+        raise BadValueError(f"{what}[{k + 1}]", points[k + 1].tolist(), f"apart from {what}[{k}]")
+    return points
+
+
+def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> FloatArray:
+    """Check parameters within a range, shape () or (m,); those off by rounding are put on it."""
+    numbers = real_array(what, value)
+    if numbers.ndim > 1:
+        raise WrongSizeError(what, numbers.shape, "() or (m,)")
+    if not np.isfinite(numbers).all():
+        raise NonFiniteError(what, numbers if numbers.ndim else float(numbers))
+    slack = PARAMETER_SLACK * (end - start)
+    outside = np.atleast_1d((numbers < start - slack) | (numbers > end + slack))
+    if outside.any():
+        k = int(np.argmax(outside))
+        name = f"{what}[{k}]" if numbers.ndim else what
+        value = float(np.atleast_1d(numbers)[k])
+        raise BadValueError(name, value, f"from {start:.9g} to {end:.9g}")
+    return np.clip(numbers, start, end)
+
+
+def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> FloatArray:
+    """Check finite numbers of exactly one shape, none above 1e6."""
+    numbers = real_array(what, value)
+    if numbers.shape != shape:
+        raise WrongSizeError(what, numbers.shape, shape)
+    if not np.isfinite(numbers).all():
+        raise NonFiniteError(what, numbers)
+    if np.abs(numbers).max(initial=0.0) > LARGEST_LENGTH:
+        raise BadValueError(what, numbers.tolist(), f"numbers of at most {LARGEST_LENGTH:g}")
+    return numbers
+
+
+def as_number(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
+    """Check a finite number, of either sign, up to the largest."""
+    number = real_number(what, value, "a finite number")
+    if not math.isfinite(number):
+        raise NonFiniteError(what, number)
+    if abs(number) > largest:
+        raise BadValueError(what, number, f"at most {largest:g}")
+    return number
+
+
+def as_positive(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
+    """Check a finite number above 0, up to the largest."""
+    number = as_number(what, value, largest)
+    if not number > 0.0:
+        raise BadValueError(what, number, "a number above 0")
+    return number
+
+
+def evaluated(
+    breaks: FloatArray, u: npt.ArrayLike, rows: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Check parameters and evaluate rows (k, m, 3) for them; (k, 3) for a single parameter."""
+    inside = as_parameters("parameter", u, float(breaks[0]), float(breaks[-1]))
+    values = rows(np.atleast_1d(inside))
+    return values if inside.ndim else values[:, 0]

@@ -1,0 +1,179 @@
+"""The Frenet-Serret frame of a curve, its curvature and torsion, and how they change."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
+from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters
+from robomech_ros.trajectory.paths.tolerances import STRAIGHT
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["FrenetSerret", "frenet_serret"]
+
+# Where a curved neighbour of a straight place is looked for: so many places in each part between
+# breaks, and so many halvings to the last one that is curved.
+_PLACES = 64
+_HALVINGS = 50
+
+
+@dataclass(frozen=True, eq=False)
+class FrenetSerret:
+    """Moving frame of a curve at m parameters; the derivatives are with respect to arc length.
+
+    Attributes
+    ----------
+    frame : ndarray, shape (m, 3, 3)
+        Columns e_t, e_n, e_b: tangent, normal and binormal in the frame of the curve's points; a
+        rotation matrix.
+    speed : ndarray, shape (m,)
+        ds/du (m per unit of the parameter).
+    curvature, torsion : ndarray, shape (m,)
+        kappa >= 0 and tau (1/m); both 0 where the curve is straight.
+    curvature_rate, torsion_rate : ndarray, shape (m,)
+        Their derivatives (1/m^2); 0 where the curve is straight.
+    """
+
+    frame: FloatArray
+    speed: FloatArray
+    curvature: FloatArray
+    torsion: FloatArray
+    curvature_rate: FloatArray
+    torsion_rate: FloatArray
+
+    @property
+    def darboux(self) -> FloatArray:
+        """Darboux vector tau e_t + kappa e_b (rad/m), shape (m, 3): the frame's turn per length."""
+        return self._along(self.torsion, self.curvature)
+
+    @property
+    def darboux_rate(self) -> FloatArray:
+        """Its derivative tau' e_t + kappa' e_b (rad/m^2), shape (m, 3)."""
+        return self._along(self.torsion_rate, self.curvature_rate)
+
+    def _along(self, tangent: FloatArray, binormal: FloatArray) -> FloatArray:
+        return (
+            tangent[..., None] * self.frame[..., :, 0] + binormal[..., None] * self.frame[..., :, 2]
+        )
+
+
+def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
+    """Find the Frenet-Serret frame of a curve, its curvature and its torsion.
+
+    Where the curve is straight there is no normal, and the frame goes on without turning about
+    the tangent (rotation-minimising): the normal is that of the nearest curved place before, or
+    after if there is none before, carried over by the least rotation between the two tangents.
+    On a curve that is straight all over it is the coordinate axis most across it, made normal.
+    At an isolated inflection the frame is therefore that from before; where the curve bends to
+    the other side after it, the frame steps there by a turn of pi about the tangent, as it does
+    by definition.
+
+    Parameters
+    ----------
+    curve : Curve
+        Over any parameter.
+    u : array_like, shape () or (m,)
+        Parameters; at an inner break the part after it counts.
+
+    Returns
+    -------
+    FrenetSerret
+        Without the axis m for a single parameter.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        No curve, or parameters that are not on it.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    """
+    curve = as_curve("curve", curve)
+    inside = as_parameters("parameter", u, float(curve.breaks[0]), float(curve.breaks[-1]))
+    found = _frames(curve, np.atleast_1d(inside))
+    if inside.ndim:
+        return found
+    return FrenetSerret(*(getattr(found, name)[0] for name in FrenetSerret.__dataclass_fields__))
+
+
+def _frames(curve: Curve, u: FloatArray) -> FrenetSerret:
+    rows = curve.derivatives(u)
+    p = by_unit_speed(rows)
+    curved = _is_curved(curve, rows, p)
+    kappa = np.linalg.norm(p[2], axis=-1)
+    divisor = np.where(curved, kappa, 1.0)
+    tangent = p[1]
+    normal = p[2] / divisor[:, None]
+    if not curved.all():
+        normal[~curved] = _carried_normals(curve, u[~curved], tangent[~curved])
+    binormal = np.cross(tangent, normal)
+    # p'' = kappa e_n;  p''' . e_n = kappa';  p''' . e_b = kappa tau;
+    # p'''' . e_b = 2 kappa' tau + kappa tau'.
+    kappa_rate = dot(p[3], normal)
+    tau = dot(p[3], binormal) / divisor
+    tau_rate = (dot(p[4], binormal) - 2.0 * kappa_rate * tau) / divisor
+    return FrenetSerret(
+        np.stack([tangent, normal, binormal], axis=-1),
+        np.linalg.norm(rows[1], axis=-1),
+        *(np.where(curved, value, 0.0) for value in (kappa, tau, kappa_rate, tau_rate)),
+    )
+
+
+def _is_curved(curve: Curve, rows: FloatArray, p: FloatArray) -> npt.NDArray[np.bool_]:
+    """Where the curvature (1/m) is more than rounding, seen over the length of the curve."""
+    length = np.linalg.norm(rows[1], axis=-1) * (curve.breaks[-1] - curve.breaks[0])
+    curved: npt.NDArray[np.bool_] = np.linalg.norm(p[2], axis=-1) * length > STRAIGHT
+    return curved
+
+
+def _carried_normals(curve: Curve, u: FloatArray, tangents: FloatArray) -> FloatArray:
+    """Find normals at straight places, carried over from curved ones."""
+    table = _places(curve)
+    _, _, curved = _normals(curve, table)
+    known = table[curved]
+    if not len(known):
+        axes = np.eye(3)[np.argmin(np.abs(tangents), axis=-1)]
+        return _carried(axes, tangents, tangents)
+    before = np.searchsorted(known, u) - 1
+    source = _edge(curve, known[np.maximum(before, 0)], u)
+    from_tangents, normals, _ = _normals(curve, source)
+    return _carried(normals, from_tangents, tangents)
+
+
+def _edge(curve: Curve, curved: FloatArray, straight: FloatArray) -> FloatArray:
+    """Halve towards the straight places; give the nearest curved ones."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (curved + straight)
+        bends = _normals(curve, middle)[2]
+        curved = np.where(bends, middle, curved)
+        straight = np.where(bends, straight, middle)
+    return curved
+
+
+def _normals(curve: Curve, u: FloatArray) -> tuple[FloatArray, FloatArray, npt.NDArray[np.bool_]]:
+    """Tangents, normals (of any length where straight), and whether the curve is curved."""
+    rows = curve.derivatives(u)
+    p = by_unit_speed(rows)
+    length = np.linalg.norm(p[2], axis=-1, keepdims=True)
+    return p[1], p[2] / np.where(length > 0.0, length, 1.0), _is_curved(curve, rows, p)
+
+
+def _places(curve: Curve) -> FloatArray:
+    """Places inside every part between two breaks, and both its ends from within."""
+    breaks = curve.breaks
+    inner = (np.arange(_PLACES) + 0.5) / _PLACES
+    spread = breaks[:-1, None] + np.diff(breaks)[:, None] * inner
+    ends = np.nextafter(breaks[1:], breaks[:-1])[:, None]
+    return np.concatenate([breaks[:-1, None], spread, ends], axis=1).ravel()
+
+
+def _carried(vectors: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
+    """Turn vectors by the least rotation from one direction to another; make them normal to it."""
+    between = before + after
+    scale = np.maximum(1.0 + dot(before, after), np.finfo(np.float64).tiny)
+    turned = vectors - between * (dot(vectors, after) / scale)[:, None]
+    turned -= after * dot(turned, after)[:, None]
+    normal: FloatArray = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    return normal

@@ -1,0 +1,157 @@
+"""Synthesis of joint paths by cubic splines through a number of postures."""
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import real_number
+from robomech_ros.spatial.poses import pose_error
+from robomech_ros.trajectory.paths.curve import as_parameters
+from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
+from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
+from robomech_ros.trajectory.paths.spline_rates import Ends, cubic_spline
+from robomech_ros.trajectory.paths.splines import as_ends
+from robomech_ros.trajectory.paths.tolerances import CLOSED
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["joint_spline", "tracking_error"]
+
+_MOST_POSES = 100_000
+
+
+def joint_spline(
+    path: PosePath, arm: Arm, joints: JointPath, poses: int, *, ends: Ends = "clamped"
+) -> JointPath:
+    """Put cubic splines through the joint values at a number of poses of a path.
+
+    The poses are spread evenly over each part of the path between two stops.  Between them the
+    joints follow the splines and the pose is off the path; the error falls with the fourth power
+    of the number of poses (with natural ends, near the ends, with the second).
+
+    Parameters
+    ----------
+    path : PosePath
+    arm : Arm
+    joints : JointPath
+        That follows the path on the branch wanted, as `track_path` gives it.
+    poses : int
+        How many in all; at least two, and three more between any two stops.
+    ends : str, optional
+        Of every part.  ``clamped``: with the exact first derivatives q' = J^-1 t';
+        ``periodic``: for a closed path without stops; ``natural``: second derivatives 0.
+
+    Returns
+    -------
+    JointPath
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a path, an arm, a joint path that follows it or a number, or periodic ends of a path
+        that does not close in the joints.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    """
+    kind = as_ends(ends)
+    _check(path, joints)
+    as_arm(arm)
+    count = _count(poses, kind, len(joints.stops))
+    if kind == "periodic" and len(joints.stops):
+        raise BadValueError("ends", ends, "clamped or natural, for the path has stops")
+    edges = np.concatenate([[0.0], joints.stops, [joints.length]])
+    parts = []
+    for low, high in pairwise(edges):
+        number = max(round(count * (high - low) / joints.length), 5 if len(edges) > 2 else 2)
+        knots = np.linspace(low, high, number)
+        parts.append(_part(path, arm, joints, knots, kind))
+    breaks = np.concatenate([*(part.breaks[:-1] for part in parts), edges[-1:]])
+    coefficients = np.concatenate([part.coefficients for part in parts], axis=1)
+    return JointPath(PiecewisePolynomial(breaks, coefficients), joints.stops)
+
+
+def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike) -> FloatArray:
+    """Measure how far the poses of a joint path are off a pose path.
+
+    Parameters
+    ----------
+    path : PosePath
+    arm : Arm
+    joints : JointPath
+    s : array_like, shape () or (m,)
+        Path coordinates (m).
+
+    Returns
+    -------
+    ndarray, shape (6,) or (m, 6)
+        Rotation vector (rad) and displacement (m) from the actual pose to the one of the path, in
+        the base frame.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not paths, an arm, or coordinates that are on both.
+    """
+    _check(path, joints)
+    as_arm(arm)
+    inside = as_parameters("s", s, 0.0, min(path.length, joints.length))
+    rows = joints.derivatives(np.atleast_1d(inside))[0]
+    actual = np.empty((len(rows), 4, 4))
+    for k, q in enumerate(rows):
+        actual[k] = given("pose of the arm", arm.forward(q), (4, 4))
+    errors = pose_error(path.sample(np.atleast_1d(inside)).pose, actual)
+    return errors if inside.ndim else errors[0]
+
+
+def _part(
+    path: PosePath, arm: Arm, joints: JointPath, knots: FloatArray, ends: Ends
+) -> PiecewisePolynomial:
+    """Spline between two stops; the rates at its ends are those from within."""
+    at = knots.copy()
+    at[-1] = np.nextafter(knots[-1], knots[0])
+    places, guesses = path.sample(at), joints.derivatives(at)[0]
+    rows = []
+    for k, guess in enumerate(guesses):
+        q = corrected(arm, guess, places.pose[k])
+        if q is None:
+            raise BadValueError(
+                f"joint values at s = {knots[k]:.6g} m", guess.tolist(), "values on the path"
+            )
+        rows.append(q)
+    values, rates = np.stack(rows), None
+    if ends == "periodic":
+        gap = np.abs(values[-1] - values[0])
+        if gap.max() > CLOSED:
+            k = int(np.argmax(gap))
+            what = f"joint {k} at the end of the path"
+            raise BadValueError(what, float(values[-1, k]), f"{values[0, k]:.9g}, as at its start")
+        values[-1] = values[0]
+    elif ends == "clamped":
+        firsts = [
+            posture(arm, values[k], PoseSample(*(row[k] for row in places))).first for k in (0, -1)
+        ]
+        rates = np.stack(firsts)
+    return cubic_spline(knots, values, ends, rates)
+
+
+def _check(path: PosePath, joints: JointPath) -> None:
+    if not isinstance(path, PosePath):
+        raise BadValueError("path", path, "a PosePath")
+    if not isinstance(joints, JointPath):
+        raise BadValueError("joints", joints, "a JointPath")
+    if joints.length > path.length:
+        raise BadValueError("length of the joint path", joints.length, f"at most {path.length:.9g}")
+
+
+def _count(poses: object, ends: Ends, stops: int) -> int:
+    least = (4 if ends == "periodic" else 2) + 3 * stops
+    expected = f"a whole number from {least} to {_MOST_POSES}"
+    number = real_number("poses", poses, expected)
+    if not least <= number <= _MOST_POSES or number != int(number):
+        raise BadValueError("poses", poses, expected)
+    return int(number)

@@ -1,0 +1,182 @@
+"""A C2 spline through orientations."""
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
+from robomech_ros.trajectory.paths.orientation import (
+    PiecewiseRotation,
+    as_rotations,
+    turns_between,
+)
+from robomech_ros.trajectory.paths.rotation_vectors import (
+    applied,
+    body_rate_matrix,
+    turning_acceleration,
+)
+from robomech_ros.trajectory.paths.spline_rates import Ends, Side, matched
+from robomech_ros.trajectory.paths.splines import as_ends
+from robomech_ros.trajectory.paths.tolerances import COINCIDENT, SPLINE_STEPS
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["orientation_spline"]
+
+
+def orientation_spline(
+    rotations: npt.ArrayLike,
+    knots: npt.ArrayLike,
+    *,
+    ends: Ends = "natural",
+    end_rates: npt.ArrayLike | None = None,
+) -> PiecewiseRotation:
+    """Turn smoothly through orientations: angular velocity and acceleration are continuous.
+
+    In each segment the rotation vector from the orientation at its beginning is a cubic; the
+    angular velocities at the knots follow from the continuity of the angular acceleration.  That
+    system is the one of a cubic spline, to which it reduces about a fixed axis, with a quadratic
+    term, and is solved by Newton's method.  The curve passes through the orientations by
+    construction, and depends neither on the choice of the base frame nor on that of the tool's.
+
+    Parameters
+    ----------
+    rotations : array_like, shape (n, 3, 3)
+        ``R_base_tool``; of a closed motion the last equals the first.
+    knots : array_like, shape (n,)
+        Parameters at which they are reached.
+    ends : str, optional
+        ``natural``: no angular acceleration at the ends; ``clamped``: `end_rates`; ``periodic``:
+        as smooth where the motion closes as elsewhere.
+    end_rates : array_like, shape (2, 3), optional
+        Of clamped ends: angular velocities in the base frame (rad per unit of the parameter).
+
+    Returns
+    -------
+    PiecewiseRotation
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not rotations, knots or rates, neighbours opposite to each other, a motion that should
+        close and does not, or orientations so far apart that no smooth motion was found.
+
+    References
+    ----------
+    I. G. Kang and F. C. Park, Cubic spline algorithms for orientation interpolation, Int. J.
+    Numerical Methods in Engineering 46 (1999) 45-64.
+    """
+    kind = as_ends(ends)
+    given, parameters = as_rotations("rotations", rotations, knots)
+    if kind == "periodic":
+        given = _closed(given)
+    turns = turns_between("rotations", given)
+    system = _System(np.diff(parameters), turns, kind, _end_rates(end_rates, kind, given))
+    rates = system.solution()
+    h = system.h[:, None]
+    end = applied(system.to_vector, rates[1:])
+    start, mean = rates[:-1], turns / h
+    cubic = [np.zeros_like(turns), start, (3.0 * mean - 2.0 * start - end) / h]
+    cubic.append((start + end - 2.0 * mean) / h**2)
+    return PiecewiseRotation(given, PiecewisePolynomial(parameters, np.stack(cubic)))
+
+
+class _System:
+    """Equations for the angular velocities w (n, 3) at the knots, each in the axes of its knot.
+
+    The cubic of segment k has the slopes w[k] and A w[k + 1], A the inverse of the matrix J that
+    gives the moving frame's velocity.  Its angular acceleration is, at its beginning,
+    ``6 turn / h^2 - 4 w[k] / h - 2 A w[k + 1] / h`` and at its end, in the axes of knot k + 1,
+    ``-6 turn / h^2 + 2 J w[k] / h + 4 w[k + 1] / h + N(A w[k + 1])`` with a quadratic N.
+    """
+
+    def __init__(
+        self, h: FloatArray, turns: FloatArray, ends: Ends, rates: FloatArray | None
+    ) -> None:
+        self.h, self.turns, self.ends, self.rates = h, turns, ends, rates
+        self.to_body = body_rate_matrix(turns)
+        self.to_vector = np.linalg.inv(self.to_body).astype(np.float64, copy=False)
+        self.back: FloatArray = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
+
+    def solution(self) -> FloatArray:
+        """Solve by Newton's method; the first step is the spline without the quadratic term."""
+        segments = len(self.h)
+        w = np.zeros((segments + 1, 3))
+        scale = float((np.linalg.norm(self.turns, axis=1) / self.h).max())
+        if self.rates is not None:
+            scale = max(scale, float(np.abs(self.rates).max()))
+        for _ in range(SPLINE_STEPS):
+            step = self._step(w)
+            w += step
+            if not np.isfinite(w).all():
+                break
+            if np.abs(step).max() <= 1e-13 * scale:
+                return w
+        raise BadValueError(
+            "angles (rad) between the rotations",
+            np.linalg.norm(self.turns, axis=1).tolist(),
+            "smaller turns between neighbours: no smooth motion through all was found",
+        )
+
+    def _step(self, w: FloatArray) -> FloatArray:
+        begin, end = self._accelerations(w)
+        h = self.h[:, None, None]
+        here = 4.0 / h * np.eye(3)
+        start = Side(-here, -2.0 / h * self.to_vector, begin[:, :, None])
+        stop = Side(2.0 / h * self.to_body, here + self._slopes(w), end[:, :, None])
+        missing = None if self.rates is None else (self.rates - w[[0, -1]])[:, :, None]
+        return matched(start, stop, self.ends, missing)[:, :, 0]
+
+    def _accelerations(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angular accelerations (n - 1, 3) at the beginning and at the end of the segments."""
+        h = self.h[:, None]
+        last = applied(self.to_vector, w[1:])
+        mean = 6.0 * self.turns / h**2
+        begin = mean - 4.0 / h * w[:-1] - 2.0 / h * last
+        linear = 2.0 / h * applied(self.to_body, w[:-1]) + 4.0 / h * w[1:] - mean
+        return begin, linear + self._quadratic(last)
+
+    def _quadratic(self, vector: FloatArray) -> FloatArray:
+        return applied(self.back, turning_acceleration(self.turns, vector))
+
+    def _slopes(self, w: FloatArray) -> FloatArray:
+        """Differentiate the quadratic term, (n - 1, 3, 3); its differences are exact."""
+        last = applied(self.to_vector, w[1:])
+        # Differences as large as the vector itself keep its digits.
+        size = np.maximum(np.linalg.norm(last, axis=1), np.linalg.norm(self.turns, axis=1) / self.h)
+        size = np.where(size > 0.0, size, 1.0)[:, None]
+        columns = [
+            (self._quadratic(last + size * axis) - self._quadratic(last - size * axis))
+            / (2.0 * size)
+            for axis in np.eye(3)
+        ]
+        return np.stack(columns, axis=-1) @ self.to_vector
+
+
+def _closed(rotations: FloatArray) -> FloatArray:
+    """Put the last orientation on the first, where it is up to rounding."""
+    if len(rotations) < 4:
+        raise WrongSizeError("rotations", rotations.shape, "(n, 3, 3) with n at least 4, if closed")
+    between = rotations[-1].T @ rotations[0]
+    angle = float(np.linalg.norm(rotation_vector_from_matrix(between)))
+    if angle > COINCIDENT:
+        what = f"angle (rad) from rotations[0] to rotations[{len(rotations) - 1}]"
+        raise BadValueError(what, angle, "0, for a motion that closes")
+    return np.concatenate([rotations[:-1], rotations[:1]])
+
+
+def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: FloatArray) -> FloatArray | None:
+    """Check angular velocities at the ends; give them in the axes of their knots."""
+    if ends != "clamped":
+        if given is not None:
+            raise BadValueError("end_rates", given, f"none, for the ends are {ends}")
+        return None
+    if given is None:
+        raise BadValueError("end_rates", None, "angular velocities, for the ends are clamped")
+    rates = real_array("end_rates", given)
+    if rates.shape != (2, 3):
+        raise WrongSizeError("end_rates", rates.shape, (2, 3))
+    if not np.isfinite(rates).all():
+        raise NonFiniteError("end_rates", rates)
+    return applied(np.swapaxes(rotations[[0, -1]], -1, -2), rates)

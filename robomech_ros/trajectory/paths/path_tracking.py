@@ -1,0 +1,279 @@
+"""Joint paths that follow pose paths, by the differential geometry of the path."""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.tolerances import TRACK_JUMP
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.paths.curve import as_positive
+from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
+from robomech_ros.trajectory.paths.posture import (
+    Arm,
+    Posture,
+    as_arm,
+    as_near,
+    corrected,
+    given,
+    is_redundant,
+    pose_deviation,
+    posture,
+)
+from robomech_ros.trajectory.paths.tolerances import (
+    AT_START,
+    LEAST_TOLERANCE,
+    MOST_STEPS,
+    SHORTEST_STEP,
+)
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["PathTracking", "PathTrackingStatus", "track_path"]
+
+# First step, as part of the path between two breaks, and bounds of the change from step to step.
+_FIRST = 0.125
+_SHRINK, _GROW = 0.3, 3.0
+# Least step as part of the coordinate: a few units of its last digit.
+_ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
+# A rest of the part not much longer than a step is taken in one.
+_NEARLY_ALL = 1.05
+# How far beyond its last posture the arm is asked for another, as part of the path.
+_BEYOND = 1e-3
+_DERIVATIVES = ("q", "first", "second")
+
+
+class PathTrackingStatus(Enum):
+    """How far a joint path follows a pose path, and why not farther."""
+
+    COMPLETE = "complete"
+    NO_START = "no posture at the start"
+    LOST = "no posture"
+    JUMP = "only by a jump"
+    SINGULAR = "singular"
+
+
+@dataclass(frozen=True, eq=False)
+class PathTracking:
+    """A joint path along a pose path.
+
+    Attributes
+    ----------
+    path : JointPath or None
+        As far as it goes; None if it does not even begin.
+    reached : float
+        Last path coordinate that is followed (m).
+    status : PathTrackingStatus
+    reason : str
+        In words; empty if the path is complete.
+    """
+
+    path: JointPath | None
+    reached: float
+    status: PathTrackingStatus
+    reason: str
+
+
+def track_path(
+    path: PosePath,
+    arm: Arm,
+    near: npt.ArrayLike,
+    *,
+    tolerance: float = 1e-7,
+    condition_limit: float = 1e6,
+) -> PathTracking:
+    """Follow a pose path with the joints, on one branch.
+
+    From a posture on the path the next one is predicted by the derivatives of the joint values
+    and corrected by Newton steps; between both every joint follows the quintic through values and
+    two derivatives, all exact.  The step is chosen so that the pose in its middle, where the
+    quintic is farthest off, is on the path within the tolerance: the error falls with its sixth
+    power.
+
+    Parameters
+    ----------
+    path : PosePath
+    arm : Arm
+        Of any number of joints; a redundant one moves with the least joint rates.
+    near : array_like, shape (n,)
+        Joint values (rad or m) that choose the branch at the start of the path.
+    tolerance : float, optional
+        Largest deviation of a pose from the path (rad, and m).
+    condition_limit : float, optional
+        Largest condition number of the Jacobian; above it the path ends as singular.
+
+    Returns
+    -------
+    PathTracking
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a path, an arm, joint values or positive numbers, or what the arm returns is no finite
+        array of its shape.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    """
+    if not isinstance(path, PosePath):
+        raise BadValueError("path", path, "a PosePath")
+    q = as_near(as_arm(arm), near)
+    allowed = as_positive("tolerance", tolerance)
+    if allowed < LEAST_TOLERANCE:
+        raise BadValueError("tolerance", allowed, f"at least {LEAST_TOLERANCE:g}")
+    limit = as_positive("condition_limit", condition_limit, math.inf)
+    begin = _start(path, arm, q)
+    if begin is None:
+        reason = "the arm has no posture for the pose at the start of the path"
+        return PathTracking(None, 0.0, PathTrackingStatus.NO_START, reason)
+    parts: list[_Nodes] = []
+    for low, high in zip(path.breaks[:-1], path.breaks[1:], strict=True):
+        part = _followed(path, arm, begin, (float(low), float(high)), allowed, limit)
+        parts.append(part)
+        begin = part.postures[-1].q
+        if part.at[-1] < high:
+            return _cut_short(path, arm, parts, limit)
+    return PathTracking(_assembled(path, parts), path.length, PathTrackingStatus.COMPLETE, "")
+
+
+class _Nodes(NamedTuple):
+    """Postures at coordinates of a smooth part of a path, the rates at its ends from within.
+
+    `beyond` is the condition number of the first posture past them that was too close to a
+    singularity, 0 if there was none.
+    """
+
+    at: list[float]
+    postures: list[Posture]
+    beyond: float
+
+
+def _followed(
+    path: PosePath,
+    arm: Arm,
+    q: FloatArray,
+    part: tuple[float, float],
+    tolerance: float,
+    limit: float,
+) -> _Nodes:
+    """Follow the part of a path between two breaks as far as it goes."""
+    low, high = part
+    at, here = low, posture(arm, q, path.sample(low))
+    places, postures = [at], [here]
+    h = _FIRST * (high - low)
+    beyond = here.condition if here.condition > limit else 0.0
+    shortest = max(SHORTEST_STEP * (high - low), _ROUNDING * high)
+    while at < high and h > shortest and here.condition <= limit and len(places) < MOST_STEPS:
+        last = high - at <= h * _NEARLY_ALL
+        h = high - at if last else h
+        # The limit from the left, where the next part begins with other rates.
+        end = float(np.nextafter(high, low)) if last else at + h
+        there, error = _stepped(path, arm, here, (at, end))
+        if there is not None and error <= tolerance and there.condition > limit:
+            beyond, h = there.condition, 0.5 * h
+            continue
+        if there is not None and error <= tolerance:
+            at, here = (high if last else end), there
+            places.append(at)
+            postures.append(here)
+        h *= _change(error / tolerance)
+    return _Nodes(places, postures, beyond if at < high else 0.0)
+
+
+def _stepped(
+    path: PosePath, arm: Arm, here: Posture, step: tuple[float, float]
+) -> tuple[Posture | None, float]:
+    """Posture at the end of a step, and the error of the pose in the middle (rad, m)."""
+    h = step[1] - step[0]
+    places = path.sample(np.array([0.5 * (step[0] + step[1]), step[1]]))
+    middle, end = (PoseSample(*(value[k] for value in places)) for k in range(2))
+    guess = here.q + h * (here.first + 0.5 * h * here.second)
+    there = _reached(arm, guess, end)
+    if there is not None and is_redundant(guess):
+        # The pose leaves the spare joints where they are predicted: once more, by both ends.
+        guess = (
+            here.q
+            + 0.5 * h * (here.first + there.first)
+            + h**2 / 12.0 * (here.second - there.second)
+        )
+        there = _reached(arm, guess, end)
+    if there is None:
+        return None, np.inf
+    between = (
+        0.5 * (here.q + there.q)
+        + 5.0 / 32.0 * h * (here.first - there.first)
+        + h**2 / 64.0 * (here.second + there.second)
+    )
+    return there, float(np.abs(pose_deviation(arm, between, middle.pose)).max())
+
+
+def _reached(arm: Arm, guess: FloatArray, place: PoseSample) -> Posture | None:
+    """Posture at a place of the path from predicted joint values; None where there is none."""
+    q = corrected(arm, guess, place.pose) if np.isfinite(guess).all() else None
+    return None if q is None else posture(arm, q, place)
+
+
+def _change(ratio: float) -> float:
+    """By how much the next step may be longer; the error grows with its sixth power."""
+    if not ratio > 0.0:
+        return _GROW
+    return min(max(float(0.9 * ratio ** (-1.0 / 6.0)), _SHRINK), _GROW)
+
+
+def _assembled(path: PosePath, parts: list[_Nodes]) -> JointPath | None:
+    """Join the quintics through all postures; None without any."""
+    curves = [
+        interpolant(
+            part.at, *([getattr(one, name) for one in part.postures] for name in _DERIVATIVES)
+        )
+        for part in parts
+        if len(part.at) > 1
+    ]
+    if not curves:
+        return None
+    breaks = np.concatenate([*(c.breaks[:-1] for c in curves), curves[-1].breaks[-1:]])
+    coefficients = np.concatenate([c.coefficients for c in curves], axis=1)
+    stops = path.stops[path.stops < breaks[-1]]
+    return JointPath(PiecewisePolynomial(breaks, coefficients), stops)
+
+
+def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> PathTracking:
+    """Tell why a path is not followed to its end."""
+    reached, here = parts[-1].at[-1], parts[-1].postures[-1]
+    status = PathTrackingStatus.SINGULAR
+    if parts[-1].beyond > limit:
+        reason = f"the condition number rises to {parts[-1].beyond:.3g}, over {limit:.3g}"
+    else:
+        beyond = min(reached + _BEYOND * path.length, path.length)
+        found = arm.inverse(path.sample(beyond).pose, here.q)
+        if found is None:
+            status = PathTrackingStatus.LOST
+            reason = f"the arm has no posture for the pose at s = {beyond:.6g} m"
+        else:
+            move = np.abs(given("joint values of inverse", found, here.q.shape) - here.q)
+            reason = f"joint values change too fast, condition number {here.condition:.3g}"
+            if move.max() > TRACK_JUMP:
+                status = PathTrackingStatus.JUMP
+                k = int(np.argmax(move))
+                reason = f"joint {k} would have to jump by {move[k]:.3g} (rad or m)"
+    reason = f"at s = {reached:.6g} of {path.length:.6g} m: {reason}"
+    return PathTracking(_assembled(path, parts), reached, status, reason)
+
+
+def _start(path: PosePath, arm: Arm, near: FloatArray) -> FloatArray | None:
+    """Joint values at the start of the path: near themselves if they are there."""
+    pose = path.sample(0.0).pose
+    if np.abs(pose_deviation(arm, near, pose)).max() < AT_START:
+        q = corrected(arm, near, pose)
+        if q is not None:
+            return q
+    found = arm.inverse(pose, near)
+    if found is None:
+        return None
+    return corrected(arm, given("joint values of inverse", found, near.shape), pose)

@@ -1,0 +1,192 @@
+"""Paths through lists of poses: straight, along arcs, and smooth."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import listed
+from robomech_ros.spatial.poses import as_pose
+from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.paths.closed_form import arc_through
+from robomech_ros.trajectory.paths.curve import (
+    FunctionCurve,
+    PolynomialCurve,
+    as_positive,
+    join_curves,
+)
+from robomech_ros.trajectory.paths.orientation import (
+    PiecewiseRotation,
+    geodesic_orientation,
+    turns_between,
+)
+from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
+from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
+from robomech_ros.trajectory.paths.spline_rates import cubic_spline
+from robomech_ros.trajectory.paths.tolerances import COINCIDENT
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["TURN_RADIUS", "arc_path", "spline_path", "straight_path"]
+
+# What a turn counts in the coordinate of a path through poses (m/rad): about the distance at which
+# a tool of the usual size touches its work.
+TURN_RADIUS = 0.1
+
+
+def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
+    """Go from pose to pose on straight lines, turning about a fixed axis on each.
+
+    Parameters
+    ----------
+    poses : array_like, shape (n, 4, 4)
+        ``T_base_tool``, at least two (m).  Neighbours may share the position or the orientation.
+    radius : float, optional
+        What a turn counts in the path coordinate (m/rad), above 0.
+
+    Returns
+    -------
+    PosePath
+        Its twist is constant on every leg; it steps at the poses between, which are its `stops`,
+        unless a leg goes on as the one before.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses, fewer than two, equal neighbours, or neighbours of opposite orientations.
+    """
+    given, knots, weight = _checked(poses, radius)
+    curve = PolynomialCurve(interpolant(knots, given[:, :3, 3]))
+    return pose_path(curve, geodesic_orientation(given[:, :3, :3], knots), radius=weight)
+
+
+def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePath:
+    """Go smoothly through poses: twist and derivative of the twist are continuous.
+
+    The position is a natural cubic spline, the orientation the natural spline of
+    `orientation_spline`, over the same knots, which are as far apart as the poses.
+
+    Parameters
+    ----------
+    poses : array_like, shape (n, 4, 4)
+        ``T_base_tool``, at least two (m).
+    radius : float, optional
+        What a turn counts in the path coordinate and in the distance of poses (m/rad), above 0.
+
+    Returns
+    -------
+    PosePath
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for `straight_path`.
+    """
+    given, knots, weight = _checked(poses, radius)
+    curve = PolynomialCurve(cubic_spline(knots, given[:, :3, 3], "natural"))
+    return pose_path(curve, orientation_spline(given[:, :3, :3], knots), radius=weight)
+
+
+def arc_path(
+    start: npt.ArrayLike,
+    pairs: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]] | npt.ArrayLike,
+    *,
+    radius: float = TURN_RADIUS,
+) -> PosePath:
+    """Go along circular arcs, each through one pose to another.
+
+    On every arc the orientation is the natural spline through its three, over the angle of the
+    arc, so that the pose in the middle is passed as it is given.
+
+    Parameters
+    ----------
+    start : array_like, shape (4, 4)
+        ``T_base_tool`` where the first arc begins (m).
+    pairs : sequence of (through, to), array_like, shape (k, 2, 4, 4)
+        For each arc a pose on it and its last one (m).
+    radius : float, optional
+        What a turn counts in the path coordinate (m/rad), above 0.
+
+    Returns
+    -------
+    PosePath
+        Its `stops` are the joints of arcs that do not go on smoothly into each other.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses or pairs, positions that coincide or lie on a line, or neighbours of opposite
+        orientations.
+    """
+    weight = as_positive("radius", radius)
+    poses = [_one_pose("start", start)]
+    expected = "a list of at least one pair of poses (through, to)"
+    for k, pair in enumerate(listed("pairs", pairs, expected)):
+        both = listed(f"pairs[{k}]", pair, "two poses (through, to)")
+        if len(both) != 2:
+            raise WrongSizeError(f"pairs[{k}]", len(both), 2)
+        poses += [_one_pose(f"pairs[{k}][{i}]", one) for i, one in enumerate(both)]
+    if len(poses) < 3:
+        raise BadValueError("pairs", [], expected)
+    arcs = [_arc(k, poses[2 * k : 2 * k + 3]) for k in range(len(poses) // 2)]
+    curve = join_curves([arc for arc, _ in arcs])
+    turning = _joined_rotations([rotation for _, rotation in arcs], curve.starts)
+    return pose_path(curve, turning, radius=weight)
+
+
+def _arc(k: int, poses: list[FloatArray]) -> tuple[FunctionCurve, PiecewiseRotation]:
+    """Arc number k through three poses, and the orientation along it."""
+    first, middle, last = (pose[:3, 3] for pose in poses)
+    try:
+        curve = arc_through(first, middle, last)
+    except BadValueError as error:
+        raise BadValueError(f"arc {k}: {error.what}", error.value, error.expected) from None
+    x, y, _ = (middle - curve.pose[:3, 3]) @ curve.pose[:3, :3]
+    angle = math.atan2(float(y), float(x)) % math.tau
+    rotations = np.stack([pose[:3, :3] for pose in poses])
+    return curve, orientation_spline(rotations, [0.0, angle, float(curve.breaks[-1])])
+
+
+def _joined_rotations(parts: list[PiecewiseRotation], starts: FloatArray) -> PiecewiseRotation:
+    """Put orientations one after another, each from its start on."""
+    knots = [part.breaks[:-1] + begin for part, begin in zip(parts, starts, strict=False)]
+    rotations = [part.rotations[:-1] for part in parts] + [parts[-1].rotations[-1:]]
+    coefficients = np.concatenate([part.vectors.coefficients for part in parts], axis=1)
+    breaks = np.concatenate([*knots, starts[-1:]])
+    return PiecewiseRotation(np.concatenate(rotations), PiecewisePolynomial(breaks, coefficients))
+
+
+def _one_pose(what: str, value: npt.ArrayLike) -> FloatArray:
+    pose = as_pose(value, what=what)
+    if pose.shape != (4, 4):
+        raise WrongSizeError(what, pose.shape, (4, 4))
+    _check_size(what, pose[None])
+    return pose
+
+
+def _checked(poses: npt.ArrayLike, radius: float) -> tuple[FloatArray, FloatArray, float]:
+    """Check poses; give them, knots as far apart as they are, and the radius."""
+    weight = as_positive("radius", radius)
+    given = as_pose(poses, what="poses")
+    if given.ndim != 3 or len(given) < 2:
+        raise WrongSizeError("poses", given.shape, "(n, 4, 4) with n at least 2")
+    _check_size("poses", given)
+    angles = np.linalg.norm(turns_between("poses", given[:, :3, :3]), axis=1)
+    apart = np.hypot(np.linalg.norm(np.diff(given[:, :3, 3], axis=0), axis=1), weight * angles)
+    size = max(float(np.ptp(given[:, :3, 3], axis=0).max()), weight)
+    close = np.flatnonzero(apart <= COINCIDENT * size)
+    if len(close):
+        k = int(close[0])
+        expected = f"a pose other than poses[{k}]"
+        raise BadValueError(f"poses[{k + 1}]", given[k + 1].tolist(), expected)
+    return given, np.concatenate([[0.0], np.cumsum(apart)]), weight
+
+
+def _check_size(what: str, poses: FloatArray) -> None:
+    places = np.abs(poses[:, :3, 3])
+    if places.max() > LARGEST_LENGTH:
+        expected = f"coordinates of at most {LARGEST_LENGTH:g} m"
+        raise BadValueError(f"position of {what}", float(places.max()), expected)

@@ -1,0 +1,188 @@
+"""Postures at the poses of a path: correction by Newton steps, and rates along the path."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.cross_product import axial_vector
+from robomech_ros.trajectory.paths.pose_path import PoseSample
+from robomech_ros.trajectory.paths.tolerances import CORRECTED, CORRECTIONS, ON_PATH
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = [
+    "Arm",
+    "Posture",
+    "as_arm",
+    "as_near",
+    "corrected",
+    "given",
+    "is_redundant",
+    "pose_deviation",
+    "posture",
+]
+
+_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
+
+
+class Arm(Protocol):
+    """What tracking needs to know of an arm with n joints.
+
+    All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
+    """
+
+    def forward(self, q: FloatArray) -> npt.ArrayLike:
+        """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
+
+    def inverse(self, T: FloatArray, near: FloatArray) -> npt.ArrayLike | None:
+        """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
+
+    def jacobian(self, q: FloatArray) -> npt.ArrayLike:
+        """Matrix (6, n) from joint rates to the twist."""
+
+    def jacobian_rate(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
+        """Rate (6, n) of the Jacobian at joint rates qd."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Joint values at a place of a path, and their derivatives along it.
+
+    Attributes
+    ----------
+    q, first, second : ndarray, shape (n,)
+        Joint values (rad or m) and derivatives with respect to the path coordinate.
+    condition : float
+        Condition number of the Jacobian, infinite where it is singular.
+    """
+
+    q: FloatArray
+    first: FloatArray
+    second: FloatArray
+    condition: float
+
+
+def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
+    """Find the derivatives of joint values that are on a path.
+
+    q' = J^-1 t' and q'' = J^-1 (t'' - J' q').  For an arm of fewer than six joints, on a path that
+    it can follow, they are meant in the sense of least squares.  A redundant arm moves with the
+    least joint rates, q' = J^T x with J J^T x = t'; the derivative of that adds the part of J'^T x
+    that moves no tool to q''.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : ndarray, shape (n,)
+        Joint values at the pose.
+    place : PoseSample
+        Of one coordinate.
+
+    Returns
+    -------
+    Posture
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    """
+    J = given("jacobian", arm.jacobian(q), (6, len(q)))
+    singular = np.linalg.svd(J, compute_uv=False)
+    first = _solved(J, place.twist)
+    rate = given("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
+    second = _solved(J, place.twist_rate - rate @ first)
+    if is_redundant(q):
+        spare = rate.T @ _solved(J.T, first)
+        second += spare - _solved(J, J @ spare)
+    condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
+    return Posture(q, first, second, condition)
+
+
+def is_redundant(q: FloatArray) -> bool:
+    """Whether there are more joints than a pose has freedoms."""
+    return len(q) > 6
+
+
+def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
+    """Correct joint values to a pose by Newton steps.
+
+    The error of the orientation is the axial vector of the rotation that is left, e sin(phi).
+
+    Parameters
+    ----------
+    arm : Arm
+    q : ndarray, shape (n,)
+        Near a posture for the pose (rad or m).
+    pose : ndarray, shape (4, 4)
+        ``T_base_tool`` (m).
+
+    Returns
+    -------
+    ndarray, shape (n,), or None
+        None where the steps do not converge, or do not end at the pose.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    """
+    last = 0.0
+    for _ in range(CORRECTIONS):
+        error = pose_deviation(arm, q, pose)
+        J = given("jacobian", arm.jacobian(q), (6, len(q)))
+        step = _solved(J, error)
+        size = float(np.abs(step).max())
+        if not np.isfinite(size) or size > max(2.0 * last, 1.0):
+            return None  # the next step would be longer still, or leads to another branch
+        q, last = q + step, size
+        if size <= CORRECTED * max(1.0, float(np.abs(q).max())):
+            left = np.abs(pose_deviation(arm, q, pose)).max()
+            return q if left <= ON_PATH * max(1.0, float(np.abs(pose[:3, 3]).max())) else None
+    return None
+
+
+def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
+    """Rotation left to a pose as e sin(phi), beyond a right angle as e, and distance, (6,).
+
+    In rad and m, in the base frame.
+    """
+    actual = given("pose of the arm", arm.forward(q), (4, 4))
+    left = pose[:3, :3] @ actual[:3, :3].T
+    vector = axial_vector(left)
+    if np.trace(left) < 1.0:
+        # Beyond a right angle the sine falls again: keep the direction, and the length 1.
+        length = np.linalg.norm(vector)
+        vector = vector / length if length > 0.0 else np.ones(3)
+    return np.concatenate([vector, pose[:3, 3] - actual[:3, 3]])
+
+
+def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
+    """Solve for the least vector with the least error."""
+    return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)
+
+
+def given(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Check what an arm returned: finite numbers of exactly one shape."""
+    array = as_finite(what, value, ())
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    return array
+
+
+def as_arm(value: object) -> Arm:
+    """Check that a value has the methods of an arm, or raise BadValueError."""
+    missing = [name for name in _METHODS if not callable(getattr(value, name, None))]
+    if missing:
+        raise BadValueError("arm", value, "an arm with " + ", ".join(_METHODS))
+    return value  # type: ignore[return-value]
+
+
+def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
+    """Check joint values (n,) of the arm."""
+    q = as_finite("near", value, ())
+    if q.ndim != 1 or not len(q):
+        raise WrongSizeError("near", q.shape, "(n,) with at least one joint")
+    given("jacobian", arm.jacobian(q), (6, len(q)))
+    return q.copy()

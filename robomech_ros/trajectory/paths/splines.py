@@ -1,0 +1,128 @@
+"""Splines through points in space."""
+
+from typing import get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.trajectory.paths.curve import PolynomialCurve, as_breaks, as_points
+from robomech_ros.trajectory.paths.spline_rates import Ends, cubic_spline, quintic_spline
+from robomech_ros.trajectory.paths.tolerances import COINCIDENT
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["as_ends", "spline_curve"]
+
+# Fewest points by degree and ends; of a closed curve the first point counts twice.
+_FEWEST = {
+    (3, "natural"): 2,
+    (3, "clamped"): 2,
+    (3, "periodic"): 4,
+    (5, "natural"): 3,
+    (5, "clamped"): 2,
+    (5, "periodic"): 4,
+}
+# Power of the distance between neighbours that makes the distance of their knots.
+_KNOTS = {"chord": 1.0, "centripetal": 0.5}
+
+
+def spline_curve(
+    points: npt.ArrayLike,
+    *,
+    degree: int = 3,
+    ends: Ends = "natural",
+    knots: str | npt.ArrayLike = "chord",
+    end_rates: npt.ArrayLike | None = None,
+) -> PolynomialCurve:
+    """Put a smooth curve through points.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        In the order in which they are passed (m).  Of a closed curve the last equals the first.
+    degree : int, optional
+        3, with two continuous derivatives, or 5, with four.
+    ends : str, optional
+        ``natural``: of degree 3 no curvature at the ends (second derivative 0), of degree 5 third
+        and fourth derivatives 0; ``clamped``: `end_rates`; ``periodic``: closed, and as smooth
+        where it closes as elsewhere.
+    knots : str or array_like, shape (n,), optional
+        Parameters of the points, strictly increasing, or how to choose them: ``chord``, by the
+        distances of the points (m), or ``centripetal``, by their square roots, which cuts sharp
+        corners tighter.
+    end_rates : array_like, shape (2, 3) or (2, 2, 3), optional
+        Of clamped ends: first derivatives with respect to the parameter at the first and the last
+        point; of degree 5 first and second derivatives at the first and at the last point.
+
+    Returns
+    -------
+    PolynomialCurve
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Points, knots or rates that are none or too few, neighbours that coincide, a curve that
+        should close and does not, or an unknown degree or kind of ends.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 6.6 and 11.
+    """
+    kind = as_ends(ends)
+    order = real_number("degree", degree, "3 or 5")
+    if order not in (3.0, 5.0):
+        raise BadValueError("degree", degree, "3 or 5")
+    places = as_points("points", points, _FEWEST[int(order), kind]).copy()
+    if kind == "periodic":
+        close(places)
+    parameters = _knots(knots, places)
+    rates = _end_rates(end_rates, kind, (2, 3) if order == 3.0 else (2, 2, 3))
+    method = cubic_spline if order == 3.0 else quintic_spline
+    return PolynomialCurve(method(parameters, places, kind, rates))
+
+
+def as_ends(value: object) -> Ends:
+    """Check a kind of ends, or raise BadValueError with those there are."""
+    for kind in get_args(Ends):
+        if isinstance(value, str) and value == kind:
+            return kind  # type: ignore[no-any-return]
+    raise BadValueError("ends", value, "one of " + ", ".join(get_args(Ends)))
+
+
+def close(points: FloatArray) -> None:
+    """Put the last point on the first, where it is up to rounding, or raise BadValueError."""
+    gap = float(np.linalg.norm(points[-1] - points[0]))
+    if gap > COINCIDENT * max(1.0, float(np.abs(points).max())):
+        what = f"points[{len(points) - 1}]"
+        raise BadValueError(what, points[-1].tolist(), f"points[0], {points[0].tolist()}")
+    points[-1] = points[0]
+
+
+def _knots(given: str | npt.ArrayLike, points: FloatArray) -> FloatArray:
+    if isinstance(given, str):
+        if given not in _KNOTS:
+            raise BadValueError("knots", given, "numbers, or one of " + ", ".join(_KNOTS))
+        apart = np.linalg.norm(np.diff(points, axis=0), axis=1) ** _KNOTS[given]
+        return np.concatenate([[0.0], np.cumsum(apart)])
+    knots = as_breaks("knots", given)
+    if len(knots) != len(points):
+        raise WrongSizeError("knots", len(knots), len(points))
+    return knots
+
+
+def _end_rates(
+    given: npt.ArrayLike | None, ends: Ends, shape: tuple[int, ...]
+) -> FloatArray | None:
+    if given is None:
+        if ends == "clamped":
+            raise BadValueError("end_rates", None, "derivatives at the ends, for they are clamped")
+        return None
+    if ends != "clamped":
+        raise BadValueError("end_rates", given, f"none, for the ends are {ends}")
+    rates = real_array("end_rates", given)
+    if rates.shape != shape:
+        raise WrongSizeError("end_rates", rates.shape, shape)
+    if not np.isfinite(rates).all():
+        raise NonFiniteError("end_rates", rates)
+    return rates
