@@ -24,7 +24,10 @@ from robomech_ros.trajectory import (
     interpolant,
     point_to_point,
     sampled_point_to_point,
+    spline_through,
+    through_points,
     verify,
+    via_polynomial,
 )
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
@@ -117,6 +120,14 @@ def calls():
     planned = with_options(sampled_point_to_point, period=0.1, max_points=1000, **good)
     del planned["sampled_point_to_point.max_points"]  # a node's own parameter, checked there
     found |= planned | {"sample": MOTION.sample}
+    points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
+    for function in (spline_through, through_points, via_polynomial):
+        found |= with_options(function, points=points, limits=LIMITS)
+    for name in ("times", "ends", "degree", "slopes"):
+        good = {"times": [0.0, 1.0, 2.0], "ends": "clamped"}
+        found[f"spline.{name}"] = lambda value, name=name, good=good: spline_through(
+            points, **(good | {name: value})
+        )
     found["verify.trajectory"] = lambda value: verify(value, LIMITS)
     found["verify.limits"] = lambda value: verify(MOTION, value)
     found["discretise.period"] = lambda value: discretise(MOTION, value, 1000)

@@ -4,7 +4,9 @@ Each part is loaded when first asked for: compiled kernels take memory and time 
 needs poses only, such as a planner, does without most of them or all.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.kinematics.forward import forward_kinematics, link_poses
@@ -50,12 +52,4 @@ _MODULES = {
     "track": "tracking",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -1,6 +1,6 @@
 """Check arrays that come from a caller."""
 
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 
-__all__ = ["as_finite", "listed", "real_array", "real_number"]
+__all__ = ["as_choice", "as_finite", "listed", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
 
@@ -111,3 +111,11 @@ def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
     if not np.isfinite(array).all():
         raise NonFiniteError(what, array if array.ndim else float(array))
     return array
+
+
+def as_choice(what: str, value: object, known: Sequence[str]) -> str:
+    """Check that a value is one of the names that are known, or raise BadValueError with them."""
+    for name in known:
+        if isinstance(value, str) and value == name:
+            return name
+    raise BadValueError(what, value, "one of " + ", ".join(known))

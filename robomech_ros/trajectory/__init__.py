@@ -4,7 +4,9 @@ Each part is loaded when first asked for: who samples and verifies, such as a co
 without what plans.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.trajectory.interpolation import interpolant
@@ -48,14 +50,14 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.sample import Sample, Trajectory
     from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
     from robomech_ros.trajectory.splines import Spline, spline_through
-    from robomech_ros.trajectory.through_points import (
+    from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
+    from robomech_ros.trajectory.verification import Verification, Violation, verify
+    from robomech_ros.trajectory.via_motions import (
         VIA_PROFILES,
         sampled_through_points,
         through_points,
     )
-    from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
-    from robomech_ros.trajectory.verification import Verification, Violation, verify
-    from robomech_ros.trajectory.via_polynomial import ViaPolynomial, via_polynomial
+    from robomech_ros.trajectory.via_polynomials import ViaPolynomial, via_polynomial
     from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
@@ -128,7 +130,7 @@ __all__ = [
 
 _MODULES = {
     "PROFILES": "profiles",
-    "VIA_PROFILES": "through_points",
+    "VIA_PROFILES": "via_motions",
     "ArcLength": "paths.arc_length",
     "Arm": "paths.posture",
     "ByArcLength": "paths.arc_length",
@@ -158,7 +160,7 @@ _MODULES = {
     "Trapezoidal": "velocity_profiles",
     "Turning": "paths.orientation",
     "Verification": "verification",
-    "ViaPolynomial": "via_polynomial",
+    "ViaPolynomial": "via_polynomials",
     "Violation": "verification",
     "Waypoints": "waypoints",
     "arc_about": "paths.closed_form",
@@ -181,25 +183,17 @@ _MODULES = {
     "point_to_point": "profiles",
     "pose_path": "paths.pose_path",
     "sampled_point_to_point": "sampled_plan",
-    "sampled_through_points": "through_points",
+    "sampled_through_points": "via_motions",
     "spline_curve": "paths.splines",
     "spline_path": "paths.pose_lists",
     "spline_through": "splines",
     "straight_path": "paths.pose_lists",
-    "through_points": "through_points",
+    "through_points": "via_motions",
     "track_path": "paths.path_tracking",
     "tracking_error": "paths.joint_synthesis",
     "verify": "verification",
-    "via_polynomial": "via_polynomial",
+    "via_polynomial": "via_polynomials",
     "viviani": "paths.closed_form",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -10,33 +10,32 @@ and Robots*, Springer 2008, section 4.4.4.
 from typing import Literal
 
 import numpy as np
-from scipy.linalg.lapack import dgtsv
 
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["End", "cubic_spline", "periodic_cubic_spline"]
+__all__ = ["CubicEnds", "cubic_spline"]
 
-End = Literal["natural", "clamped", "parabolic", "rest"]
+CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
 
 
 def cubic_spline(
-    x: FloatArray, s: FloatArray, ends: tuple[End, End], slopes: tuple[FloatArray, FloatArray]
+    x: FloatArray, s: FloatArray, ends: CubicEnds, slopes: FloatArray | None = None
 ) -> PiecewisePolynomial:
     """Interpolate with continuous second derivatives.
 
     Parameters
     ----------
     x : ndarray, shape (m,)
-        Knots, strictly increasing, m >= 2; m >= 3 for an end at rest or parabolic ends.
+        Knots, strictly increasing, m >= 2; m >= 3 for parabolic and periodic ends.
     s : ndarray, shape (m, n)
-        Values there.
-    ends : tuple of two str
-        Of the front and of the back: ``"natural"`` without second derivative, ``"clamped"`` with
-        the given slope, ``"parabolic"`` with a constant second derivative in the outermost
-        segment, ``"rest"`` without first and second derivative, for which the outermost segment
-        is divided into halves.
-    slopes : tuple of two ndarray, shape (n,)
+        Values there; for periodic ends the last are the first.
+    ends : str
+        ``"natural"``: no second derivative; ``"clamped"``: the given slopes; ``"parabolic"``:
+        a constant second derivative in the outermost segments; ``"rest"``: no first and second
+        derivative, for which the outermost segments are divided into halves; ``"periodic"``:
+        value, slope and second derivative are the same at both.
+    slopes : ndarray, shape (2, n), optional
         First derivatives at clamped ends.
 
     Returns
@@ -44,35 +43,26 @@ def cubic_spline(
     PiecewisePolynomial
         Of order 3.
     """
+    if ends == "periodic":
+        return _periodic(x, s)
+    if ends == "rest" and len(x) == 2:
+        # One segment has no room for two ends at rest: through the middle, at half of the time.
+        x, s = np.insert(x, 1, x.mean()), np.insert(s, 1, s.mean(axis=0), axis=0)
+    rates = np.zeros((2, s.shape[1])) if slopes is None else slopes
     lower, diagonal, upper, right = _interior(x, s)
-    _end_rows(ends[0], x[1] - x[0], s, slopes[0], (lower, diagonal, upper, right))
+    _end_rows(ends, x[1] - x[0], s, rates[0], (lower, diagonal, upper, right))
     # The back is the front of the mirrored spline.
     mirrored = upper[::-1], diagonal[::-1], lower[::-1], right[::-1]
-    _end_rows(ends[1], x[-1] - x[-2], s[::-1], -slopes[1], mirrored)
-    second = np.asarray(dgtsv(lower, diagonal, upper, right)[3])
-    if ends[0] == "rest":
+    _end_rows(ends, x[-1] - x[-2], s[::-1], -rates[1], mirrored)
+    second = _solved(lower, diagonal, upper, right)
+    if ends == "rest":
         x, s, second = _with_knot_from_rest(x, s, second)
-    if ends[1] == "rest":
         turned = _with_knot_from_rest(-x[::-1], s[::-1], second[::-1])
         x, s, second = -turned[0][::-1], turned[1][::-1], turned[2][::-1]
     return _pieces(x, s, second)
 
 
-def periodic_cubic_spline(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
-    """Interpolate so that value, slope and second derivative are the same at both ends.
-
-    Parameters
-    ----------
-    x : ndarray, shape (m,)
-        Knots, strictly increasing, m >= 3.
-    s : ndarray, shape (m, n)
-        Values there, the last as the first.
-
-    Returns
-    -------
-    PiecewisePolynomial
-        Of order 3.
-    """
+def _periodic(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
     spans = np.diff(x)
     slope = np.diff(s, axis=0) / spans[:, None]
     before = np.roll(spans, 1)
@@ -90,11 +80,20 @@ def periodic_cubic_spline(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
         vector = np.zeros((count, 1))
         vector[0], vector[-1] = gamma, corner
         both = np.concatenate([right, vector], axis=1)
-        solved = np.asarray(dgtsv(spans[:-1].copy(), diagonal, spans[:-1].copy(), both)[3])
+        solved = _solved(spans[:-1].copy(), diagonal, spans[:-1].copy(), both)
         y, z = solved[:, :-1], solved[:, -1:]
         factor = (y[0] + corner / gamma * y[-1]) / (1.0 + z[0] + corner / gamma * z[-1])
         second = y - z * factor
     return _pieces(x, s, np.concatenate([second, second[:1]]))
+
+
+def _solved(
+    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
+) -> FloatArray:
+    """Solve tridiagonal equations for all columns of the right side."""
+    from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
+
+    return np.asarray(dgtsv(lower, diagonal, upper, right)[3])
 
 
 def _interior(x: FloatArray, s: FloatArray) -> tuple[FloatArray, ...]:
@@ -108,7 +107,7 @@ def _interior(x: FloatArray, s: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _end_rows(
-    end: End,
+    end: CubicEnds,
     span: float,
     s: FloatArray,
     slope: FloatArray,

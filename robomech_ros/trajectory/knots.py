@@ -12,10 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import minimize
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import as_choice, real_array
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -56,10 +55,9 @@ def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1
     BadValueError
         If there is no such spacing.
     """
-    if spacing not in _POWERS:
-        raise BadValueError("spacing", spacing, "one of " + ", ".join(SPACINGS))
+    power = _POWERS[as_choice("spacing", spacing, tuple(_POWERS))]
     distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
-    spans = distances ** _POWERS[spacing]
+    spans = distances**power
     spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
     knots: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
     return knots
@@ -111,6 +109,8 @@ def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatA
     ndarray, shape (m,)
         Knots of a local minimum of the duration, never longer than from those given.
     """
+    from scipy.optimize import minimize  # a second and 40 MB that few need
+
     curve = through(knots)
     factor, _, _ = stretch_needed(curve, limits)
     if not factor > 0.0:

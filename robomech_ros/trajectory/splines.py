@@ -1,27 +1,25 @@
 """Splines through points in joint space."""
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import make_interp_spline
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.cubic_spline import End, cubic_spline, periodic_cubic_spline
+from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 
 __all__ = ["CubicSplineMotion", "Spline", "spline_through"]
 
-Ends = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
-_QUINTIC_ENDS = ("natural", "clamped", "rest")
+_QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,7 @@ class Spline:
 
     points: FloatArray
     knots: FloatArray
-    ends: Ends
+    ends: CubicEnds
     pieces: PiecewisePolynomial
 
     @property
@@ -118,7 +116,7 @@ def spline_through(
     limits: JointLimits | Any = None,
     at: npt.ArrayLike | None = None,
     spacing: str = "centripetal",
-    ends: Ends = "rest",
+    ends: CubicEnds = "rest",
     degree: Literal[3, 5] = 3,
     slopes: npt.ArrayLike | None = None,
     duration: float | None = None,
@@ -145,8 +143,8 @@ def spline_through(
     ends : str
         ``"rest"``: neither velocity nor acceleration, as a motion of a robot needs it;
         ``"clamped"``: velocities are `slopes`; ``"natural"``: no acceleration (of a quintic one
-        no third and fourth derivative); ``"parabolic"``: constant acceleration in the first and
-        in the last segment; ``"periodic"``: the motion goes on as it began.
+        no third and fourth derivative); ``"parabolic"`` (cubic only): constant acceleration in
+        the first and in the last segment; ``"periodic"``: the motion goes on as it began.
     degree : int
         3 for continuous acceleration, 5 for continuous jerk and its derivative.
     slopes : array_like, shape (2, n), optional
@@ -216,16 +214,13 @@ def _points(points: npt.ArrayLike) -> FloatArray:
 
 
 def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:
-    if degree not in (3, 5):
+    if real_number("degree", degree, "3 or 5") not in (3.0, 5.0):
         raise BadValueError("degree", degree, "3 or 5")
-    known = get_args(Ends) if degree == 3 else _QUINTIC_ENDS
-    if ends not in known:
-        raise BadValueError("ends", ends, f"one of {', '.join(known)} for degree {degree}")
-    if spacing not in SPACINGS:
-        raise BadValueError("spacing", spacing, "one of " + ", ".join(SPACINGS))
+    as_choice("ends", ends, get_args(CubicEnds) if degree == 3 else _QUINTIC_ENDS)
+    as_choice("spacing", spacing, SPACINGS)
     if spacing == "optimal" and degree != 3:
         raise BadValueError("spacing", spacing, "another one for degree 5")
-    least = 3 if ends in ("parabolic", "periodic") else 2
+    least = (4 if degree == 5 else 3) if ends in ("parabolic", "periodic") else 2
     if len(places) < least:
         raise WrongSizeError("points", places.shape, f"at least {least} points for {ends} ends")
     if ends == "periodic" and not np.array_equal(places[0], places[-1]):
@@ -260,34 +255,12 @@ def _knots(times: npt.ArrayLike, count: int) -> FloatArray:
 
 
 def _spline(
-    places: FloatArray, knots: FloatArray, ends: Ends, degree: int, slopes: FloatArray
+    places: FloatArray, knots: FloatArray, ends: CubicEnds, degree: int, slopes: FloatArray
 ) -> Spline:
-    if degree == 5:
-        pieces = _quintic(places, knots, ends, slopes)
-    elif ends == "periodic":
-        pieces = periodic_cubic_spline(knots, places)
-    else:
-        pieces = _cubic(places, knots, ends, slopes)
-    return Spline(places, knots, ends, pieces)
-
-
-def _cubic(
-    places: FloatArray, knots: FloatArray, end: End, slopes: FloatArray
-) -> PiecewisePolynomial:
-    if end == "rest" and len(places) == 2:
-        # One segment has no room for two ends at rest: through the middle, at half of the time.
-        places = np.insert(places, 1, places.mean(axis=0), axis=0)
-        knots = np.insert(knots, 1, knots.mean())
-    return cubic_spline(knots, places, (end, end), (slopes[0], slopes[1]))
-
-
-def _quintic(
-    places: FloatArray, knots: FloatArray, ends: Ends, slopes: FloatArray
-) -> PiecewisePolynomial:
-    """Continuous up to the fourth derivative, by scipy's B-splines."""
-    orders = (3, 4) if ends == "natural" else (1, 2)
-    still = np.zeros(places.shape[1])
-    conditions = tuple([(orders[0], slope), (orders[1], still)] for slope in slopes)
-    shape = make_interp_spline(knots, places, 5, bc_type=conditions)
-    taylor = [shape(knots[:-1], order) / math.factorial(order) for order in range(6)]
-    return PiecewisePolynomial(knots, np.array(taylor))
+    if degree == 3:
+        return Spline(places, knots, ends, cubic_spline(knots, places, ends, slopes))
+    rates = np.stack([slopes, np.zeros_like(slopes)], axis=1)
+    kind: Ends = "natural" if ends == "natural" else "clamped"
+    if ends == "periodic":
+        kind = "periodic"
+    return Spline(places, knots, ends, quintic_spline(knots, places, kind, rates))

@@ -16,10 +16,10 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
     body_rate_matrix,
     turning_acceleration,
 )
-from robomech_ros.trajectory.paths.spline_rates import Ends, Side, matched
 from robomech_ros.trajectory.paths.splines import as_ends
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT, SPLINE_STEPS
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.quintic_spline import Ends, Side, matched
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["orientation_spline"]

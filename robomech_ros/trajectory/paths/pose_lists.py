@@ -10,6 +10,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import as_pose
+from robomech_ros.trajectory.cubic_spline import cubic_spline
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.paths.closed_form import arc_through
 from robomech_ros.trajectory.paths.curve import (
@@ -25,7 +26,6 @@ from robomech_ros.trajectory.paths.orientation import (
 )
 from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
 from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
-from robomech_ros.trajectory.paths.spline_rates import cubic_spline
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray

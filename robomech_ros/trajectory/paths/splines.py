@@ -1,15 +1,16 @@
 """Splines through points in space."""
 
-from typing import get_args
+from typing import cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.trajectory.cubic_spline import cubic_spline
 from robomech_ros.trajectory.paths.curve import PolynomialCurve, as_breaks, as_points
-from robomech_ros.trajectory.paths.spline_rates import Ends, cubic_spline, quintic_spline
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT
+from robomech_ros.trajectory.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["as_ends", "spline_curve"]
@@ -78,16 +79,14 @@ def spline_curve(
         close(places)
     parameters = _knots(knots, places)
     rates = _end_rates(end_rates, kind, (2, 3) if order == 3.0 else (2, 2, 3))
-    method = cubic_spline if order == 3.0 else quintic_spline
-    return PolynomialCurve(method(parameters, places, kind, rates))
+    if order == 3.0:
+        return PolynomialCurve(cubic_spline(parameters, places, kind, rates))
+    return PolynomialCurve(quintic_spline(parameters, places, kind, rates))
 
 
 def as_ends(value: object) -> Ends:
     """Check a kind of ends, or raise BadValueError with those there are."""
-    for kind in get_args(Ends):
-        if isinstance(value, str) and value == kind:
-            return kind  # type: ignore[no-any-return]
-    raise BadValueError("ends", value, "one of " + ", ".join(get_args(Ends)))
+    return cast("Ends", as_choice("ends", value, get_args(Ends)))
 
 
 def close(points: FloatArray) -> None:

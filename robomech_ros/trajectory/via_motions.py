@@ -19,7 +19,7 @@ from robomech_ros.trajectory.sampled_plan import (
 )
 from robomech_ros.trajectory.splines import spline_through
 from robomech_ros.trajectory.time_scaling import checked_duration
-from robomech_ros.trajectory.via_polynomial import MOST_VIAS, via_polynomial
+from robomech_ros.trajectory.via_polynomials import MOST_VIAS, via_polynomial
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
 __all__ = ["VIA_PROFILES", "sampled_through_points", "through_points"]

@@ -1,57 +1,23 @@
 """Derivatives at the knots that make a spline through given values smooth.
 
-With them a spline is the Hermite interpolant of its knots: cubic and C2 with the first, quintic
-and C4 with the first two derivatives.
+With the first two derivatives there a quintic C4 spline is the Hermite interpolant of its knots.
 """
 
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from robomech_ros.trajectory.interpolation import interpolant
-from robomech_ros.trajectory.paths.block_tridiagonal import (
+from robomech_ros.trajectory.block_tridiagonal import (
     solve_block_tridiagonal,
     solve_cyclic_block_tridiagonal,
 )
+from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Ends", "Side", "cubic_spline", "matched", "quintic_spline"]
+__all__ = ["Ends", "Side", "matched", "quintic_spline"]
 
 Ends = Literal["natural", "clamped", "periodic"]
-
-
-def cubic_spline(
-    knots: FloatArray, values: FloatArray, ends: Ends, rates: FloatArray | None = None
-) -> PiecewisePolynomial:
-    """Put a cubic C2 spline through values.
-
-    Parameters
-    ----------
-    knots : ndarray, shape (n,)
-        Strictly increasing.
-    values : ndarray, shape (n, d)
-        For periodic ends the last equals the first.
-    ends : str
-        ``natural``: second derivative 0; ``clamped``: first derivatives `rates`; ``periodic``.
-    rates : ndarray, shape (2, d), optional
-        First derivatives at both ends, where clamped.
-
-    Returns
-    -------
-    PiecewisePolynomial
-
-    References
-    ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 6.6.
-    """
-    h = np.diff(knots)[:, None, None]
-    rise = np.diff(values, axis=0)[:, None, :]
-    one = np.ones((1, 1))
-    start = Side(-4.0 / h * one, -2.0 / h * one, 6.0 * rise / h**2)
-    end = Side(2.0 / h * one, 4.0 / h * one, -6.0 * rise / h**2)
-    first = matched(start, end, ends, None if rates is None else rates[:, None, :])
-    return interpolant(knots, values, first[:, 0])
 
 
 def quintic_spline(

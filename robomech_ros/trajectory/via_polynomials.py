@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, real_array
 from robomech_ros.trajectory.knots import knots_at, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
@@ -89,8 +89,7 @@ def via_polynomial(
     ----------
     Angeles, 4th ed., section 6.5.
     """
-    if profile not in _RESTING:
-        raise BadValueError("profile", profile, "one of " + ", ".join(_RESTING))
+    resting = _RESTING[as_choice("profile", profile, tuple(_RESTING))]
     allowed = Limits.of(limits)
     places = _points(points, len(allowed.joint_names))
     allowed.require("velocity", "acceleration")
@@ -99,7 +98,7 @@ def via_polynomial(
         knots = spaced_knots(places, "centripetal", allowed.velocity)
     else:
         knots = knots_at(at, len(places))
-    unit = _through(places, knots, _RESTING[profile])
+    unit = _through(places, knots, resting)
     pieces = fitted(unit, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
     return ViaPolynomial(places[-1], pieces, knots * pieces.duration)

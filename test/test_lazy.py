@@ -1,0 +1,19 @@
+"""Packages whose parts are loaded when first asked for."""
+
+import pkgutil
+
+import pytest
+
+from robomech_ros import kinematics, trajectory
+
+
+@pytest.mark.parametrize("package", [kinematics, trajectory])
+def test_everything_exported_is_there_under_a_name_of_its_own(package):
+    """A module of the same name would take its place as soon as it is imported."""
+    modules = {found.name for found in pkgutil.iter_modules(package.__path__)}
+    assert not modules & set(package.__all__)
+    assert set(package.__all__) == set(package._MODULES)
+    for name in package.__all__:
+        assert getattr(package, name).__class__.__name__ != "module"
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        package.nothing  # noqa: B018
