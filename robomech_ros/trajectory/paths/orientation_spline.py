@@ -24,6 +24,11 @@ from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["orientation_spline"]
 
+# In how many parts the quadratic term is brought in: all at once serves nearly always.
+_PARTS = (1, 8, 64)
+# A Newton step longer than this, in terms of the largest mean velocity, leads nowhere.
+_LARGEST_STEP = 1e3
+
 
 def orientation_spline(
     rotations: npt.ArrayLike,
@@ -100,18 +105,12 @@ class _System:
         self.back: FloatArray = np.swapaxes(matrix_from_rotation_vector(turns), -1, -2)
 
     def solution(self) -> FloatArray:
-        """Solve by Newton's method; the first step is the spline without the quadratic term."""
-        segments = len(self.h)
-        w = np.zeros((segments + 1, 3))
-        scale = float((np.linalg.norm(self.turns, axis=1) / self.h).max())
-        if self.rates is not None:
-            scale = max(scale, float(np.abs(self.rates).max()))
-        for _ in range(SPLINE_STEPS):
-            step = self._step(w)
-            w += step
-            if not np.isfinite(w).all():
-                break
-            if np.abs(step).max() <= 1e-13 * scale:
+        """Solve by Newton's method, if need be with the quadratic term brought in by parts."""
+        for parts in _PARTS:
+            w: FloatArray | None = np.zeros((len(self.h) + 1, 3))
+            for part in range(1, parts + 1):
+                w = None if w is None else self._newton(w, part / parts)
+            if w is not None:
                 return w
         raise BadValueError(
             "angles (rad) between the rotations",
@@ -119,23 +118,38 @@ class _System:
             "smaller turns between neighbours: no smooth motion through all was found",
         )
 
-    def _step(self, w: FloatArray) -> FloatArray:
-        begin, end = self._accelerations(w)
+    def _newton(self, w: FloatArray, weight: float) -> FloatArray | None:
+        """Solve with the quadratic term times a weight; None where the steps do not converge."""
+        scale = float((np.linalg.norm(self.turns, axis=1) / self.h).max())
+        if self.rates is not None:
+            scale = max(scale, float(np.abs(self.rates).max()))
+        for _ in range(SPLINE_STEPS):
+            step = self._step(w, weight)
+            w = w + step
+            size = float(np.abs(step).max())
+            if size <= 1e-13 * scale:
+                return w
+            if not size <= _LARGEST_STEP * scale:
+                return None
+        return None
+
+    def _step(self, w: FloatArray, weight: float) -> FloatArray:
+        begin, end = self._accelerations(w, weight)
         h = self.h[:, None, None]
         here = 4.0 / h * np.eye(3)
         start = Side(-here, -2.0 / h * self.to_vector, begin[:, :, None])
-        stop = Side(2.0 / h * self.to_body, here + self._slopes(w), end[:, :, None])
+        stop = Side(2.0 / h * self.to_body, here + weight * self._slopes(w), end[:, :, None])
         missing = None if self.rates is None else (self.rates - w[[0, -1]])[:, :, None]
         return matched(start, stop, self.ends, missing)[:, :, 0]
 
-    def _accelerations(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _accelerations(self, w: FloatArray, weight: float) -> tuple[FloatArray, FloatArray]:
         """Angular accelerations (n - 1, 3) at the beginning and at the end of the segments."""
         h = self.h[:, None]
         last = applied(self.to_vector, w[1:])
         mean = 6.0 * self.turns / h**2
         begin = mean - 4.0 / h * w[:-1] - 2.0 / h * last
         linear = 2.0 / h * applied(self.to_body, w[:-1]) + 4.0 / h * w[1:] - mean
-        return begin, linear + self._quadratic(last)
+        return begin, linear + weight * self._quadratic(last)
 
     def _quadratic(self, vector: FloatArray) -> FloatArray:
         return applied(self.back, turning_acceleration(self.turns, vector))

@@ -84,6 +84,24 @@ def test_the_spline_passes_its_knots_and_is_c2(count, largest):
     assert_rates(spline, tolerance=3e-6)
 
 
+def test_turns_of_nearly_pi_at_uneven_knots_have_a_spline_as_well():
+    rng = np.random.default_rng(0)
+    for largest in (2.5, 3.1, 3.14):
+        for _ in range(20):
+            count = rng.integers(2, 30)
+            turns = rng.normal(size=(count, 3))
+            turns *= largest / np.linalg.norm(turns, axis=1, keepdims=True)
+            rotations = [np.eye(3)]
+            for turn in turns:
+                rotations.append(rotations[-1] @ matrix_from_rotation_vector(turn))
+            knots = np.cumsum(rng.uniform(0.1, 2.0, count + 1))
+            spline = orientation_spline(rotations, knots)
+            before = spline.turning(np.nextafter(knots[1:-1], 0.0)).acceleration
+            after = spline.turning(knots[1:-1]).acceleration
+            size = max(1.0, np.abs(after).max(initial=0.0))
+            np.testing.assert_allclose(before, after, atol=1e-10 * size)
+
+
 def test_a_periodic_spline_closes_smoothly():
     rotations, knots = random_rotations(7, 8, 1.2)
     rotations[-1] = rotations[0]
