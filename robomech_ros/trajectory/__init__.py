@@ -12,6 +12,13 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.interpolation import interpolant
     from robomech_ros.trajectory.jerk_limited import JerkLimited
     from robomech_ros.trajectory.limits import JointLimits, Limits
+    from robomech_ros.trajectory.path_motions import (
+        PATH_PROFILES,
+        PathMotion,
+        TipSpeeds,
+        along_joint_path,
+        along_path,
+    )
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
@@ -61,6 +68,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
+    "PATH_PROFILES",
     "PROFILES",
     "VIA_PROFILES",
     "ArcLength",
@@ -77,6 +85,7 @@ __all__ = [
     "JointPath",
     "Limits",
     "Orientation",
+    "PathMotion",
     "PathTracking",
     "PathTrackingStatus",
     "PiecewisePolynomial",
@@ -88,6 +97,7 @@ __all__ = [
     "SampledPlan",
     "SerialArm",
     "Spline",
+    "TipSpeeds",
     "Trajectory",
     "Trapezoidal",
     "Turning",
@@ -95,6 +105,8 @@ __all__ = [
     "ViaPolynomial",
     "Violation",
     "Waypoints",
+    "along_joint_path",
+    "along_path",
     "arc_about",
     "arc_length",
     "arc_path",
@@ -129,6 +141,11 @@ __all__ = [
 ]
 
 _MODULES = {
+    "along_path": "path_motions",
+    "along_joint_path": "path_motions",
+    "TipSpeeds": "path_motions",
+    "PathMotion": "path_motions",
+    "PATH_PROFILES": "path_motions",
     "PROFILES": "profiles",
     "VIA_PROFILES": "via_motions",
     "ArcLength": "paths.arc_length",
