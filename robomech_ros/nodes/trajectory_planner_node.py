@@ -14,8 +14,17 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_interfaces.srv import PlanJoint
-from robomech_ros.errors import MissingLimitsError, RobomechError
+from robomech_interfaces.srv import PlanCartesian, PlanJoint
+from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.cartesian_messages import (
+    encode_path_plan,
+    path_bounds,
+    path_profile,
+    tip_speeds,
+    waypoint_poses,
+)
+from robomech_ros.nodes.cartesian_planning import follow, path_through, plan_along
 from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is_empty
@@ -30,10 +39,14 @@ from robomech_ros.nodes.plan_messages import (
     via_points,
     wanted_period,
 )
-from robomech_ros.nodes.planning import plan_that_fits
+from robomech_ros.nodes.planning import check_duration, plan_that_fits
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
-from robomech_ros.trajectory import PROFILES, SampledPlan, sampled_through_points
+from robomech_ros.trajectory import (
+    PROFILES,
+    SampledPlan,
+    sampled_through_points,
+)
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -72,6 +85,39 @@ class PlannerSettings(StateSettings):
         "s",
         read_only=False,
     )
+    max_step: float = parameter(
+        0.01,
+        "Along a Cartesian path, where a request names none: distance of neighbouring poses "
+        "between which no joint may jump",
+        1e-4,
+        1.0,
+        "m",
+        read_only=False,
+    )
+    revolute_jump_threshold: float = parameter(
+        0.5,
+        "Largest move of a revolute joint between neighbouring poses, where a request names none",
+        1e-3,
+        10.0,
+        "rad",
+        read_only=False,
+    )
+    prismatic_jump_threshold: float = parameter(
+        0.1,
+        "Largest move of a prismatic joint between neighbouring poses, where a request names none",
+        1e-4,
+        10.0,
+        "m",
+        read_only=False,
+    )
+    condition_limit: float = parameter(
+        200.0,
+        "Condition number of the Jacobian, lengths over the size of the arm, at which a posture "
+        "counts as singular, where a request names none",
+        1.0,
+        1e6,
+        read_only=False,
+    )
     stopped_velocity_tolerance: float = parameter(
         0.01,
         "How fast a joint may be, rad/s or m/s, where a motion is to start from the present "
@@ -96,7 +142,7 @@ class TrajectoryPlannerNode(Node):
         when_robot_known(self, settings, self._serve, limits.on if limits else None)
 
     def _serve(self, model: RobotModel) -> None:
-        self._chain = model.chain
+        self._model, self._chain = model, model.chain
         self._joints = JointPositions(model, self._monitor)
         self._warm_up()
         self._trajectories = self.create_publisher(
@@ -104,9 +150,11 @@ class TrajectoryPlannerNode(Node):
         )
         self._paths = self.create_publisher(Path, "~/planned_path", _LATCHED)
         # While one request waits for a joint state, others are served.
-        self.create_service(
-            PlanJoint, "~/plan_joint", self._plan_joint, callback_group=ReentrantCallbackGroup()
-        )
+        for kind, name, callback in (
+            (PlanJoint, "~/plan_joint", self._plan_joint),
+            (PlanCartesian, "~/plan_cartesian", self._plan_cartesian),
+        ):
+            self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
         )
@@ -142,6 +190,34 @@ class TrajectoryPlannerNode(Node):
         encode_plan(plan, self._chain, options, response)
         self._publish_soon(response.trajectory, plan)
         return answer(response)
+
+    @guarded
+    async def _plan_cartesian(self, request: Any, response: Any) -> Any:
+        settings = self._table.settings
+        profile, speeds = path_profile(request.profile), tip_speeds(request)
+        bounds = path_bounds(request, settings)
+        poses = waypoint_poses(request, self._model)
+        start = await self._start(request.start, settings)
+        path = path_through(forward_kinematics(self._chain, start), poses, request.path)
+        if path is None:
+            raise BadValueError("waypoints", len(poses), "at least one other than the start")
+        followed = follow(self._chain, path, poses, start, bounds)
+        try:
+            plan = plan_along(
+                self._chain,
+                followed,
+                profile=profile,
+                speeds=speeds,
+                period=settings.sample_period,
+                max_points=settings.max_points,
+            )
+        except MissingLimitsError as error:
+            raise NoLimitsForPlanError(error) from None
+        encode_path_plan(followed, plan, self._chain, response)
+        if plan is not None:
+            check_duration(float(plan.waypoints.times[-1]), settings.max_duration)
+            self._publish_soon(response.trajectory, plan)
+        return response
 
     async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
         if not is_empty(given):

@@ -55,7 +55,11 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.profiles import PROFILES, point_to_point
     from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
     from robomech_ros.trajectory.sample import Sample, Trajectory
-    from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
+    from robomech_ros.trajectory.sampled_plan import (
+        SampledPlan,
+        sampled_motion,
+        sampled_point_to_point,
+    )
     from robomech_ros.trajectory.splines import Spline, spline_through
     from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
     from robomech_ros.trajectory.verification import Verification, Violation, verify
@@ -126,6 +130,7 @@ __all__ = [
     "orientation_spline",
     "point_to_point",
     "pose_path",
+    "sampled_motion",
     "sampled_point_to_point",
     "sampled_through_points",
     "spline_curve",
@@ -199,6 +204,7 @@ _MODULES = {
     "orientation_spline": "paths.orientation_spline",
     "point_to_point": "profiles",
     "pose_path": "paths.pose_path",
+    "sampled_motion": "sampled_plan",
     "sampled_point_to_point": "sampled_plan",
     "sampled_through_points": "via_motions",
     "spline_curve": "paths.splines",

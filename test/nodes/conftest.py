@@ -1,7 +1,9 @@
 """Real nodes in this process, over real DDS, alone in a domain of their own."""
 
+import sys
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +14,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from robomech_ros.nodes.free_domain import free_domain
 from robomech_ros.nodes.run import Spinner
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 # Long, since a machine may be busy; nothing waits longer than it has to.
 TIMEOUT = 30.0

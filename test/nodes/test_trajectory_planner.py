@@ -10,6 +10,7 @@ from builtin_interfaces.msg import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from trajectories import waypoints
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.msg import ErrorCode
@@ -23,7 +24,7 @@ from robomech_ros.nodes.conversions import (
 )
 from robomech_ros.nodes.trajectory_planner_node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
-from robomech_ros.trajectory import Waypoints, point_to_point, verify
+from robomech_ros.trajectory import point_to_point, verify
 
 PUMA = load_robot("puma560")
 START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
@@ -52,15 +53,6 @@ def plan(graph, **fields):
         "goal": joint_state(PUMA.joint_names, GOAL),
     } | fields
     return graph.call(PlanJoint, "trajectory_planner/plan_joint", PlanJoint.Request(**request))
-
-
-def waypoints(trajectory):
-    seconds = [seconds_from_duration(point.time_from_start, "time") for point in trajectory.points]
-    states = (
-        np.array([getattr(point, name) for point in trajectory.points])
-        for name in ("positions", "velocities", "accelerations")
-    )
-    return Waypoints(np.array(seconds), *states)
 
 
 def check(response, chain=PUMA, start=START, goal=GOAL):

@@ -63,6 +63,16 @@ class JointPath:
         """
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
 
+    def until(self, s: float) -> "JointPath":
+        """Give the part from the start up to a coordinate (m), above 0 and at most `length`."""
+        pieces = self.pieces
+        last = int(np.searchsorted(pieces.breaks, s, side="left"))
+        breaks = np.append(pieces.breaks[:last], s)
+        return JointPath(
+            PiecewisePolynomial(breaks, pieces.coefficients[:, :last].copy()),
+            self.stops[self.stops < s],
+        )
+
     def along(self, law: Trajectory) -> "JointMotion":
         """Run along the path by a time law.
 

@@ -1,0 +1,131 @@
+"""Decoding of PlanCartesian requests, and encoding of what came of them."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import PlanCartesian
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.nodes.cartesian_planning import FollowedPath, PathBounds
+from robomech_ros.nodes.conversions import joint_trajectory, matrix_from_pose
+from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import PATH_PROFILES, SampledPlan, TipSpeeds
+
+__all__ = ["encode_path_plan", "path_bounds", "path_profile", "tip_speeds", "waypoint_poses"]
+
+_PROFILES = {
+    getattr(PlanCartesian.Request, name): name.lower()
+    for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
+}
+_AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
+
+
+def path_profile(number: int) -> str:
+    """Give the name in `PATH_PROFILES` of a profile's number in a request.
+
+    Raises
+    ------
+    BadValueError
+        There is no such profile, or it is not offered along paths; those that are get listed.
+    """
+    name = _PROFILES.get(number)
+    if name not in PATH_PROFILES:
+        offered = ", ".join(
+            f"{known.upper()} ({n})" for n, known in _PROFILES.items() if known in PATH_PROFILES
+        )
+        shown = f"{name.upper()} ({number})" if name else number
+        raise BadValueError("profile", shown, f"one of {offered}")
+    return name
+
+
+def waypoint_poses(request: Any, model: RobotModel) -> NDArray[np.float64]:
+    """Read the waypoints in the base, shape (m, 4, 4).
+
+    Raises
+    ------
+    RobomechError
+        A frame that the base does not know, or a pose that is none.
+    """
+    poses = np.empty((len(request.waypoints), 4, 4))
+    for k, waypoint in enumerate(request.waypoints):
+        frame = model.frame_in_base(waypoint.header.frame_id)
+        pose = matrix_from_pose(waypoint.pose, f"waypoints[{k}]")
+        poses[k] = pose if frame is None else frame @ pose
+    return poses
+
+
+def path_bounds(request: Any, settings: Any) -> PathBounds:
+    """Read what ends a path; zeros stand for the node's parameters of the same names.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        A number that is none or negative, or an unknown value of at_singularity.
+    """
+    if request.at_singularity not in _AT_SINGULARITY:
+        known = ", ".join(f"{name} ({number})" for number, name in _AT_SINGULARITY.items())
+        raise BadValueError("at_singularity", request.at_singularity, f"one of {known}")
+    numbers = [
+        _positive(request, name) or getattr(settings, name)
+        for name in (
+            "condition_limit",
+            "max_step",
+            "revolute_jump_threshold",
+            "prismatic_jump_threshold",
+        )
+    ]
+    if request.at_singularity == PlanCartesian.Request.SLOW:
+        numbers[0] = math.inf
+    return PathBounds(*numbers)
+
+
+def tip_speeds(request: Any) -> TipSpeeds:
+    """Read the largest speeds of the tip; zeros stand for none.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        A number that is none or negative.
+    """
+    linear, angular = (
+        _positive(request, name) or math.inf for name in ("max_linear_speed", "max_angular_speed")
+    )
+    return TipSpeeds(linear, angular)
+
+
+def _positive(request: Any, name: str) -> float:
+    value = float(getattr(request, name))
+    if not math.isfinite(value):
+        raise NonFiniteError(name, value)
+    if value < 0.0:
+        raise BadValueError(name, value, "a positive number, or 0 for the default")
+    return value
+
+
+def encode_path_plan(
+    followed: FollowedPath, plan: SampledPlan | None, chain: SerialChain, response: Any
+) -> Any:
+    """Fill a PlanCartesian response with what can be followed, and why not more."""
+    if plan is not None:
+        points = plan.waypoints
+        assert points.velocities is not None
+        assert points.accelerations is not None
+        response.trajectory = joint_trajectory(
+            chain.joint_names,
+            points.times,
+            points.positions,
+            points.velocities,
+            points.accelerations,
+        )
+    response.fraction = float(followed.fraction)
+    response.stop_index = followed.stop_index
+    response.stop_reason = followed.tracking.reason
+    response.error_code = followed.code
+    if followed.code != ErrorCode.NONE:
+        part = f"{100.0 * followed.fraction:.4g} % of the path"
+        response.error_msg = f"{part}: {followed.tracking.reason}"
+    return response
