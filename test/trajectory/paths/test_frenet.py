@@ -149,6 +149,21 @@ def test_at_an_inflection_the_frame_is_the_one_from_before():
     np.testing.assert_allclose(starts_straight.frame, np.eye(3), atol=1e-8)
 
 
+def twisted(u):
+    zero, one = np.zeros_like(u), np.ones_like(u)
+    rows = [(u, u**3, u**4), (one, 3 * u**2, 4 * u**3), (zero, 6 * u, 12 * u**2)]
+    rows += [(zero, 6 * one, 24 * u), (zero, zero, 24 * one)]
+    return [np.stack(row, axis=1) for row in rows]
+
+
+def test_at_an_inflection_of_a_twisted_curve_the_frame_is_the_limit_from_before():
+    curve = FunctionCurve(twisted, [-1.0, 1.0])
+    frenet = frenet_serret(curve, [-0.01, 0.0])
+    # The normal turns by twice the parameter about x: -y at the inflection.
+    assert abs(frenet.frame[0, 2, 1]) > 0.01
+    np.testing.assert_allclose(frenet.frame[1, :, 1], [0, -1, 0], atol=1e-6)
+
+
 def test_one_parameter_gives_arrays_without_an_axis_for_many():
     frenet = frenet_serret(viviani(1.0), 0.3)
     assert frenet.frame.shape == (3, 3) and frenet.darboux.shape == (3,)
