@@ -154,7 +154,13 @@ def follow(
     start : ndarray, shape (n,)
         Joint values (rad or m).
     bounds : PathBounds
+
+    Raises
+    ------
+    SeedOutsideLimitsError
+        The start is outside the limits.
     """
+    Limits.of(chain).check_start(start)
     tracking = track_path(path, _arm(chain), start)
     code = int(_CODES[tracking.status])
     if tracking.path is None:
