@@ -53,6 +53,9 @@ POSITION_SLACK = 1e-6
 LIMIT_SLACK = 1e-6
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
+# Excess over a bound, as a part of it, that is rounding in a cell of a time-optimal path: its rows
+# multiply the squared speeds by up to 1e6, one over the length of the shortest cells.
+ROW_SLACK = 1e-10
 
 # --- Three parallel axes: recognition ---
 # Largest sine between axes taken as parallel: nine printed digits of an angle keep within it, a

@@ -1,0 +1,369 @@
+r"""Largest speed along a path, cell by cell, within bounds that hold all along every cell.
+
+The path coordinate is cut into cells, in which the square x of the speed is
+
+.. math::
+
+    x(\sigma) = x_0 (1 - \sigma) + x_1 \sigma + \theta \frac{x_0 + x_1}{2} \sigma (1 - \sigma),
+    \qquad 0 \le \sigma \le 1
+
+with a bend theta that is known beforehand.  Then everything that is linear in x and in the
+acceleration x'/2 along the path is a polynomial of sigma with coefficients linear in the values
+x_0 and x_1 at the ends of the cell, and its Bernstein coefficients bound it in between, too.
+
+References
+----------
+H. Pham and Q.-C. Pham, "A new approach to time-optimal path parameterization based on
+reachability analysis", IEEE Transactions on Robotics 34(3), 2018: the two passes.
+R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
+Geometric Design 29, 2012, section 3.3: the hull.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT2,
+    OUT3,
+    b1,
+    f8,
+    i8,
+    inline,
+    kernel,
+)
+from robomech_ros._kernels.planar_program import farthest
+from robomech_ros._kernels.tolerances import ROW_SLACK
+
+__all__ = [
+    "BLOCKED",
+    "DONE",
+    "STALLED",
+    "UNREACHABLE",
+    "binding_rows",
+    "joint_rows",
+    "local_path",
+    "other_rows",
+    "speed_bounds",
+    "speed_profile",
+]
+
+# What the passes end with.
+DONE, BLOCKED, UNREACHABLE, STALLED = 0, 1, 2, 3
+# The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
+# is no bound at all.
+STEEPEST = 4.0
+
+
+@inline
+def to_bernstein(values, degree):
+    """Turn power coefficients on [0, 1] into Bernstein coefficients, in place."""
+    binomial = 1.0
+    for k in range(1, degree + 1):
+        binomial = binomial * (degree + 1 - k) / k
+        values[k] /= binomial
+    for r in range(1, degree + 1):
+        for k in range(degree, r - 1, -1):
+            values[k] += values[k - 1]
+
+
+@inline
+def _write_rows(a, size_a, b, size_b, theta, span, scale, degree, first, second):
+    """Write a(sigma) x'/2 + b(sigma) x, times `scale`, as rows for x at both ends of the cell."""
+    for k in range(degree + 1):
+        first[k] = 0.0
+        second[k] = 0.0
+    half = 0.5 * theta
+    bend = -2.0 * half
+    rate = 0.5 * scale / span
+    for k in range(size_a):
+        value = a[k] * rate
+        first[k] += value * (half - 1.0)
+        second[k] += value * (half + 1.0)
+        if bend != 0.0:
+            first[k + 1] += value * bend
+            second[k + 1] += value * bend
+    for k in range(size_b):
+        value = b[k] * scale
+        first[k] += value
+        first[k + 1] += value * (half - 1.0)
+        second[k + 1] += value * (half + 1.0)
+        if bend != 0.0:
+            first[k + 2] -= value * half
+            second[k + 2] -= value * half
+    to_bernstein(first, degree)
+    to_bernstein(second, degree)
+
+
+@kernel(i8(IN1, IN3, IN1, OUT3))
+def local_path(breaks, coefficients, nodes, local):
+    """Write the path cell by cell, in powers of the coordinate since the cell's beginning.
+
+    Parameters
+    ----------
+    breaks : ndarray, shape (s + 1,)
+        Path coordinates where its pieces begin and end.
+    coefficients : ndarray, shape (d + 1, s, n)
+        Its pieces, lowest power first.
+    nodes : ndarray, shape (m + 1,)
+        Where the cells begin and end, the breaks among them.
+    local : ndarray, shape (m, n, d + 1)
+        Filled.
+    """
+    size = coefficients.shape[0]
+    piece = 0
+    for k in range(local.shape[0]):
+        while piece + 1 < coefficients.shape[1] and nodes[k] >= breaks[piece + 1]:
+            piece += 1
+        offset = nodes[k] - breaks[piece]
+        for j in range(local.shape[1]):
+            row = local[k, j]
+            for i in range(size):
+                row[i] = coefficients[i, piece, j]
+            for r in range(size - 1):
+                for i in range(size - 2, r - 1, -1):
+                    row[i] += offset * row[i + 1]
+    return DONE
+
+
+@kernel(i8(IN3, IN1, IN1, IN1, OUT2, OUT2))
+def joint_rows(local, spans, thetas, scales, first, second):
+    """Write the accelerations q' x'/2 + q'' x of the joints over their limits, as rows.
+
+    Parameters
+    ----------
+    local : ndarray, shape (m, n, d + 1)
+        As `local_path` gives them.
+    spans, thetas : ndarray, shape (m,)
+        Length and bend of each cell.
+    scales : ndarray, shape (n,)
+        One over the limit of each joint.
+    first, second : ndarray, shape (m, r) with r >= n (d + 1)
+        The first n (d + 1) columns are filled, d + 1 for each joint.
+    """
+    degree = local.shape[2] - 1
+    a, b = np.empty(degree), np.empty(max(degree - 1, 1))
+    for k in range(local.shape[0]):
+        for j in range(local.shape[1]):
+            power = 1.0
+            for i in range(degree):
+                a[i] = (i + 1) * local[k, j, i + 1] * power
+                if i + 2 <= degree:
+                    b[i] = (i + 2) * (i + 1) * local[k, j, i + 2] * power
+                power *= spans[k]
+            start = j * (degree + 1)
+            _write_rows(a, degree, b, degree - 1, thetas[k], spans[k], scales[j], degree,
+                        first[k, start : start + degree + 1],
+                        second[k, start : start + degree + 1])  # fmt: skip
+    return DONE
+
+
+@kernel(i8(IN3, IN3, IN3, IN1, IN1, i8, OUT2, OUT2, OUT2))
+def other_rows(a, b, c, spans, thetas, start, first, second, rest):
+    """Write a x'/2 + b x + c as rows, from `start` on; all three are parabolas in every cell.
+
+    Parameters
+    ----------
+    a, b, c : ndarray, shape (m, l, 3)
+        Powers of sigma, lowest first, scaled so that -1 and 1 are the limits.
+    spans, thetas : ndarray, shape (m,)
+        Length and bend of each cell.
+    start : int
+        First column to fill; 5 for each of the l quantities.
+    first, second, rest : ndarray, shape (m, r)
+        Filled from column `start` on.
+    """
+    for k in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            at = start + 5 * j
+            _write_rows(a[k, j], 3, b[k, j], 3, thetas[k], spans[k], 1.0, 4,
+                        first[k, at : at + 5], second[k, at : at + 5])  # fmt: skip
+            row = rest[k, at : at + 5]
+            for i in range(5):
+                row[i] = c[k, j, i] if i < 3 else 0.0
+            to_bernstein(row, 4)
+    return DONE
+
+
+@inline
+def _square_peak(rate, size, x0, x1, theta, product):
+    """Bound rate(sigma)^2 x(sigma) on [0, 1] by its largest Bernstein coefficient."""
+    degree = 2 * size
+    bend = 0.5 * theta * (x0 + x1)
+    slope = x1 - x0 + bend
+    for k in range(degree + 1):
+        product[k] = 0.0
+    for i in range(size):
+        for j in range(size):
+            value = rate[i] * rate[j]
+            product[i + j] += value * x0
+            product[i + j + 1] += value * slope
+            product[i + j + 2] -= value * bend
+    to_bernstein(product, degree)
+    peak = 0.0
+    for k in range(degree + 1):
+        peak = max(peak, product[k])
+    return peak
+
+
+@kernel(i8(IN3, IN1, IN1, IN1, OUT1))
+def speed_bounds(local, spans, thetas, scales, bounds):
+    """Lower bounds of x at the nodes until joint speeds keep to their limits all along.
+
+    Parameters
+    ----------
+    local : ndarray, shape (m, n, d + 1)
+        As `local_path` gives them.
+    spans, thetas : ndarray, shape (m,)
+        Length and bend of each cell.
+    scales : ndarray, shape (n,)
+        One over the speed limit of each joint.
+    bounds : ndarray, shape (m + 1,)
+        Largest x at the nodes; lowered.
+    """
+    cells, joints, size = local.shape[0], local.shape[1], local.shape[2] - 1
+    for k in range(cells):
+        for j in range(joints):
+            left, right, power = local[k, j, 1], 0.0, 1.0
+            for i in range(size):
+                right += (i + 1) * local[k, j, i + 1] * power
+                power *= spans[k]
+            left, right = (left * scales[j]) ** 2, (right * scales[j]) ** 2
+            if left * bounds[k] > 1.0:
+                bounds[k] = 1.0 / left
+            if right * bounds[k + 1] > 1.0:
+                bounds[k + 1] = 1.0 / right
+    for k in range(cells):
+        bounds[k + 1] = min(bounds[k + 1], STEEPEST * bounds[k])
+    for k in range(cells - 1, -1, -1):
+        bounds[k] = min(bounds[k], STEEPEST * bounds[k + 1])
+    product, rate, hull = np.empty(2 * size + 1), np.empty(size), np.empty(size)
+    worst = np.ones(cells + 1)
+    for k in range(cells):
+        highest = max(bounds[k], bounds[k + 1]) * (1.0 + 0.25 * abs(thetas[k]))
+        for j in range(joints):
+            power = scales[j]
+            for i in range(size):
+                rate[i] = (i + 1) * local[k, j, i + 1] * power
+                hull[i] = rate[i]
+                power *= spans[k]
+            to_bernstein(hull, size - 1)
+            largest = 0.0
+            for i in range(size):
+                largest = max(largest, abs(hull[i]))
+            if largest * largest * highest <= 1.0:
+                continue
+            peak = _square_peak(rate, size, bounds[k], bounds[k + 1], thetas[k], product)
+            worst[k] = max(worst[k], peak)
+            worst[k + 1] = max(worst[k + 1], peak)
+    for k in range(cells + 1):
+        bounds[k] /= worst[k]
+    return DONE
+
+
+@inline
+def _next(first, second, rest, x, low, high):
+    """Find the largest x_1 in [low, high] that the rows allow after x_0 = x."""
+    for i in range(first.shape[0]):
+        slope = second[i]
+        value = first[i] * x + rest[i]
+        if slope > 0.0:
+            if value + slope * high > 1.0:
+                high = (1.0 - value) / slope
+            if value + slope * low < -1.0:
+                low = (-1.0 - value) / slope
+        elif slope < 0.0:
+            if value + slope * high < -1.0:
+                high = (-1.0 - value) / slope
+            if value + slope * low > 1.0:
+                low = (1.0 - value) / slope
+    return max(high, 0.0) if high >= low else max(0.5 * (low + high), 0.0)
+
+
+@kernel(i8(IN2, IN2, IN2, IN1, f8, f8, b1, OUT1, OUT1, OUT1, IOUT1))
+def speed_profile(first, second, rest, bounds, begin, end, drift, lowest, highest, x, where):
+    """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
+
+    Parameters
+    ----------
+    first, second, rest : ndarray, shape (m, r)
+        In cell k, ``|first x_k + second x_k+1 + rest| <= 1``.
+    bounds : ndarray, shape (m + 1,)
+        Largest x at the nodes.
+    begin, end : float
+        Wanted x at both ends.
+    drift : bool
+        Whether `rest` is not zero, so that rest may be impossible.
+    lowest, highest : ndarray, shape (m + 1,)
+        Filled with the range of x from which the end can be reached.
+    x : ndarray, shape (m + 1,)
+        Filled.
+    where : ndarray of int, shape (1,)
+        Filled with the cell or node at fault.
+
+    Returns
+    -------
+    status : int
+        DONE; BLOCKED: no speed at all allows to pass a cell; UNREACHABLE: the wanted x at an end
+        is not possible, the range at the beginning is in `lowest` and `highest`; STALLED: the
+        path cannot be left from rest.
+    """
+    cells, rows = first.shape
+    order = np.arange(rows)
+    lowest[cells] = highest[cells] = end
+    where[0] = cells
+    if end > bounds[cells] * (1.0 + ROW_SLACK):
+        return UNREACHABLE
+    for k in range(cells - 1, -1, -1):
+        box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
+        found = farthest(first[k], second[k], rest[k], order, box, 1.0)
+        where[0] = k
+        if not found >= 0.0:
+            return BLOCKED
+        highest[k] = found
+        lowest[k] = 0.0
+        if drift or lowest[k + 1] > 0.0:
+            found = farthest(first[k], second[k], rest[k], order, box, -1.0)
+            if not found >= 0.0:
+                return BLOCKED
+            lowest[k] = min(found, highest[k])
+    if begin > highest[0] * (1.0 + ROW_SLACK) or begin < lowest[0] * (1.0 - ROW_SLACK):
+        return UNREACHABLE
+    x[0] = begin
+    for k in range(cells):
+        x[k + 1] = _next(first[k], second[k], rest[k], x[k], lowest[k + 1], highest[k + 1])
+        if not x[k + 1] + x[k] > 0.0:
+            where[0] = k
+            return STALLED
+    return DONE
+
+
+@kernel(i8(IN2, IN2, IN2, IN1, i8, IOUT1))
+def binding_rows(first, second, rest, x, width, binding):
+    """Find what binds in each cell.
+
+    Parameters
+    ----------
+    first, second, rest : ndarray, shape (m, r)
+        The rows.
+    x : ndarray, shape (m + 1,)
+        At the nodes.
+    width : int
+        Neighbouring rows that belong to one quantity.
+    binding : ndarray of int, shape (m,)
+        Filled with the number of the quantity, counted from 1, and the sign of its bound; 0 where
+        no row binds.
+    """
+    for k in range(first.shape[0]):
+        largest, binding[k] = 0.999, 0
+        for i in range(first.shape[1]):
+            value = first[k, i] * x[k] + second[k, i] * x[k + 1] + rest[k, i]
+            if abs(value) > largest:
+                largest = abs(value)
+                binding[k] = (i // width + 1) if value > 0.0 else -(i // width + 1)
+    return DONE
