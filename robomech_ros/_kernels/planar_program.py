@@ -86,4 +86,4 @@ def farthest(first, second, rest, order, box, sign):
         for j in range(k, 0, -1):
             order[j] = order[j - 1]
         order[0] = i
-    return x
+    return min(max(x, box[0]), box[1])

@@ -1,13 +1,18 @@
 """How the speed along a path bends within the cells, and where it switches between two bounds."""
 
+import math
+
 from robomech_ros._kernels._jit import IIN1, IN1, OUT1, f8, i8, inline, kernel
 
-__all__ = ["bends", "switches"]
+__all__ = ["PARTS", "bends", "refine"]
+
+# Most parts into which a cell is divided at once.
+PARTS = 4
 
 # Largest bend: x stays positive, and nearly linear.
 _LARGEST = 0.5
 # A switch nearer to a node than this part of the cell counts as at the node.
-_AT_NODE = 1e-4
+_AT_NODE = 1e-3
 
 
 @inline
@@ -83,9 +88,35 @@ def _meeting(x, spans, binding, k):
     return sigma
 
 
-@kernel(i8(IN1, IN1, IIN1, IN1, IN1, f8, OUT1, OUT1))
-def switches(x, spans, binding, nodes, thetas, shortest, finer, finer_thetas):
-    """Put a node where x switches from one bound to another inside a cell.
+@inline
+def _loss(x, spans, thetas, k):
+    """Estimate what the change of the slope through both cells at node k, 0 < k < m, costs."""
+    left, right = spans[k - 1], spans[k]
+    begin = (x[k] - x[k - 1]) / left + 0.5 * thetas[k - 1] * (x[k] + x[k - 1]) / left
+    end = (x[k + 1] - x[k]) / right - 0.5 * thetas[k] * (x[k + 1] + x[k]) / right
+    total = _time(x, spans, k - 1) + _time(x, spans, k)
+    return abs(begin - end) * min(left, right) * total / max(x[k], 1e-300)
+
+
+@inline
+def _time(x, spans, k):
+    return 2.0 * spans[k] / (math.sqrt(x[k]) + math.sqrt(x[k + 1]))
+
+
+@inline
+def _divide(begin, span, theta, parts, shortest, finer, finer_thetas, count):
+    """Write the parts of a cell from place `count` on; return the next place."""
+    parts = max(1, min(parts, int(span / shortest)))
+    for i in range(parts):
+        finer[count] = begin + span * i / parts
+        finer_thetas[count] = max(-_LARGEST, min(_LARGEST, theta / (parts * parts)))
+        count += 1
+    return count
+
+
+@kernel(i8(IN1, IN1, IIN1, IN1, IN1, f8, f8, OUT1, OUT1))
+def refine(x, spans, binding, nodes, thetas, accuracy, shortest, finer, finer_thetas):
+    """Divide the cells with the largest changes of the slope, and those where x switches inside.
 
     Parameters
     ----------
@@ -97,9 +128,11 @@ def switches(x, spans, binding, nodes, thetas, shortest, finer, finer_thetas):
         What binds in each cell.
     nodes : ndarray, shape (m + 1,)
         Path coordinates.
+    accuracy : float
+        Part of the duration that a cell may cost; what costs more is divided.
     shortest : float
         No cell is made shorter.
-    finer, finer_thetas : ndarray, shape (2 m + 1,) and (2 m,)
+    finer, finer_thetas : ndarray, shape (2 PARTS m + 1,) and (2 PARTS m,)
         Filled with the nodes and bends of all cells, old and new.
 
     Returns
@@ -107,18 +140,26 @@ def switches(x, spans, binding, nodes, thetas, shortest, finer, finer_thetas):
     count : int
         How many cells there are then.
     """
-    count = 0
-    for k in range(spans.shape[0]):
-        finer[count] = nodes[k]
-        finer_thetas[count] = thetas[k]
-        count += 1
+    cells = spans.shape[0]
+    allowed = 0.0
+    for k in range(cells):
+        allowed += accuracy * _time(x, spans, k)
+    count, after = 0, 0.0
+    for k in range(cells):
+        before = after
+        after = _loss(x, spans, thetas, k + 1) if k + 1 < cells else 0.0
+        parts = int(min(math.ceil((max(before, after) / allowed) ** (1.0 / 3.0)), PARTS))
         sigma = _meeting(x, spans, binding, k)
         least = max(_AT_NODE, shortest / spans[k])
-        if least < sigma < 1.0 - least:
-            left, right = thetas[k - 1] / spans[k - 1] ** 2, thetas[k + 1] / spans[k + 1] ** 2
-            finer[count] = nodes[k] + sigma * spans[k]
-            finer_thetas[count - 1] = left * (sigma * spans[k]) ** 2
-            finer_thetas[count] = right * ((1.0 - sigma) * spans[k]) ** 2
-            count += 1
-    finer[count] = nodes[-1]
+        inner = least < sigma < 1.0 - least
+        first = sigma if inner else 1.0
+        theta = thetas[k - 1] * (spans[k] / spans[k - 1]) ** 2 if inner else thetas[k]
+        count = _divide(nodes[k], spans[k] * first, theta * first * first, parts, shortest,
+                        finer, finer_thetas, count)  # fmt: skip
+        if inner:
+            rest = 1.0 - sigma
+            theta = thetas[k + 1] * (spans[k] / spans[k + 1]) ** 2
+            count = _divide(nodes[k] + spans[k] * sigma, spans[k] * rest, theta * rest * rest,
+                            parts, shortest, finer, finer_thetas, count)  # fmt: skip
+    finer[count] = nodes[cells]
     return count

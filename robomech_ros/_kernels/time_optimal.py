@@ -24,6 +24,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._jit import (
+    IIN1,
     IN1,
     IN2,
     IN3,
@@ -31,7 +32,6 @@ from robomech_ros._kernels._jit import (
     OUT1,
     OUT2,
     OUT3,
-    b1,
     f8,
     i8,
     inline,
@@ -46,6 +46,7 @@ __all__ = [
     "STALLED",
     "UNREACHABLE",
     "binding_rows",
+    "joint_rates",
     "joint_rows",
     "local_path",
     "other_rows",
@@ -58,6 +59,8 @@ DONE, BLOCKED, UNREACHABLE, STALLED = 0, 1, 2, 3
 # The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
 # is no bound at all.
 STEEPEST = 4.0
+# A row this near to its bound counts as binding.
+_BINDING = 0.999
 
 
 @inline
@@ -165,28 +168,28 @@ def joint_rows(local, spans, thetas, scales, first, second):
 
 @kernel(i8(IN3, IN3, IN3, IN1, IN1, i8, OUT2, OUT2, OUT2))
 def other_rows(a, b, c, spans, thetas, start, first, second, rest):
-    """Write a x'/2 + b x + c as rows, from `start` on; all three are parabolas in every cell.
+    """Write a x'/2 + b x + c as rows, from `start` on; all three are quartics in every cell.
 
     Parameters
     ----------
-    a, b, c : ndarray, shape (m, l, 3)
+    a, b, c : ndarray, shape (m, l, 5)
         Powers of sigma, lowest first, scaled so that -1 and 1 are the limits.
     spans, thetas : ndarray, shape (m,)
         Length and bend of each cell.
     start : int
-        First column to fill; 5 for each of the l quantities.
+        First column to fill; 7 for each of the l quantities.
     first, second, rest : ndarray, shape (m, r)
         Filled from column `start` on.
     """
     for k in range(a.shape[0]):
         for j in range(a.shape[1]):
-            at = start + 5 * j
-            _write_rows(a[k, j], 3, b[k, j], 3, thetas[k], spans[k], 1.0, 4,
-                        first[k, at : at + 5], second[k, at : at + 5])  # fmt: skip
-            row = rest[k, at : at + 5]
-            for i in range(5):
-                row[i] = c[k, j, i] if i < 3 else 0.0
-            to_bernstein(row, 4)
+            at = start + 7 * j
+            _write_rows(a[k, j], 5, b[k, j], 5, thetas[k], spans[k], 1.0, 6,
+                        first[k, at : at + 7], second[k, at : at + 7])  # fmt: skip
+            row = rest[k, at : at + 7]
+            for i in range(7):
+                row[i] = c[k, j, i] if i < 5 else 0.0
+            to_bernstein(row, 6)
     return DONE
 
 
@@ -211,54 +214,80 @@ def _square_peak(rate, size, x0, x1, theta, product):
     return peak
 
 
-@kernel(i8(IN3, IN1, IN1, IN1, OUT1))
-def speed_bounds(local, spans, thetas, scales, bounds):
-    """Lower bounds of x at the nodes until joint speeds keep to their limits all along.
+@kernel(i8(IN3, IN1, IN1, OUT3))
+def joint_rates(local, spans, scales, rates):
+    """Write the derivatives q' of the joints over their speed limits.
 
     Parameters
     ----------
     local : ndarray, shape (m, n, d + 1)
         As `local_path` gives them.
-    spans, thetas : ndarray, shape (m,)
-        Length and bend of each cell.
+    spans : ndarray, shape (m,)
+        Length of each cell.
     scales : ndarray, shape (n,)
         One over the speed limit of each joint.
+    rates : ndarray, shape (m, n, d)
+        Filled with powers of sigma, lowest first.
+    """
+    for k in range(local.shape[0]):
+        for j in range(local.shape[1]):
+            power = scales[j]
+            for i in range(local.shape[2] - 1):
+                rates[k, j, i] = (i + 1) * local[k, j, i + 1] * power
+                power *= spans[k]
+    return DONE
+
+
+@inline
+def _bound_at_nodes(rates, bounds):
+    """Lower the bounds until all rates keep to 1 at the nodes."""
+    for k in range(rates.shape[0]):
+        left, right = 0.0, 0.0
+        for j in range(rates.shape[1]):
+            total = 0.0
+            for i in range(rates.shape[2]):
+                total += rates[k, j, i]
+            left = max(left, rates[k, j, 0] * rates[k, j, 0])
+            right = max(right, total * total)
+        if left * bounds[k] > 1.0:
+            bounds[k] = 1.0 / left
+        if right * bounds[k + 1] > 1.0:
+            bounds[k + 1] = 1.0 / right
+
+
+@kernel(i8(IN3, IN1, OUT1))
+def speed_bounds(rates, thetas, bounds):
+    """Lower bounds of x at the nodes until ``rate^2 x <= 1`` all along the cells.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (m, l, c)
+        Derivatives by the path coordinate over their speed limits, in powers of sigma.
+    thetas : ndarray, shape (m,)
+        Bend of each cell.
     bounds : ndarray, shape (m + 1,)
         Largest x at the nodes; lowered.
     """
-    cells, joints, size = local.shape[0], local.shape[1], local.shape[2] - 1
-    for k in range(cells):
-        for j in range(joints):
-            left, right, power = local[k, j, 1], 0.0, 1.0
-            for i in range(size):
-                right += (i + 1) * local[k, j, i + 1] * power
-                power *= spans[k]
-            left, right = (left * scales[j]) ** 2, (right * scales[j]) ** 2
-            if left * bounds[k] > 1.0:
-                bounds[k] = 1.0 / left
-            if right * bounds[k + 1] > 1.0:
-                bounds[k + 1] = 1.0 / right
+    cells, size = rates.shape[0], rates.shape[2]
+    _bound_at_nodes(rates, bounds)
     for k in range(cells):
         bounds[k + 1] = min(bounds[k + 1], STEEPEST * bounds[k])
     for k in range(cells - 1, -1, -1):
         bounds[k] = min(bounds[k], STEEPEST * bounds[k + 1])
-    product, rate, hull = np.empty(2 * size + 1), np.empty(size), np.empty(size)
+    product, hull = np.empty(2 * size + 1), np.empty(size)
     worst = np.ones(cells + 1)
     for k in range(cells):
         highest = max(bounds[k], bounds[k + 1]) * (1.0 + 0.25 * abs(thetas[k]))
-        for j in range(joints):
-            power = scales[j]
+        for j in range(rates.shape[1]):
             for i in range(size):
-                rate[i] = (i + 1) * local[k, j, i + 1] * power
-                hull[i] = rate[i]
-                power *= spans[k]
+                hull[i] = rates[k, j, i]
             to_bernstein(hull, size - 1)
             largest = 0.0
             for i in range(size):
                 largest = max(largest, abs(hull[i]))
             if largest * largest * highest <= 1.0:
                 continue
-            peak = _square_peak(rate, size, bounds[k], bounds[k + 1], thetas[k], product)
+            peak = _square_peak(rates[k, j], size, bounds[k], bounds[k + 1], thetas[k], product)
             worst[k] = max(worst[k], peak)
             worst[k + 1] = max(worst[k + 1], peak)
     for k in range(cells + 1):
@@ -285,20 +314,29 @@ def _next(first, second, rest, x, low, high):
     return max(high, 0.0) if high >= low else max(0.5 * (low + high), 0.0)
 
 
-@kernel(i8(IN2, IN2, IN2, IN1, f8, f8, b1, OUT1, OUT1, OUT1, IOUT1))
-def speed_profile(first, second, rest, bounds, begin, end, drift, lowest, highest, x, where):
+@inline
+def _scaled_down(first, second, x, y):
+    """Scale x_0 = x and x_1 = y until rows without rest allow them; return x_0."""
+    largest = 1.0
+    for i in range(first.shape[0]):
+        largest = max(largest, abs(first[i] * x + second[i] * y))
+    return x / largest
+
+
+@kernel(i8(IN2, IN2, IN2, IN1, f8, f8, OUT1, OUT1, OUT1, IOUT1))
+def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, where):
     """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
 
     Parameters
     ----------
-    first, second, rest : ndarray, shape (m, r)
+    first, second : ndarray, shape (m, r)
         In cell k, ``|first x_k + second x_k+1 + rest| <= 1``.
+    rest : ndarray, shape (m, r), or (1, r) of zeros
+        A single row where there is no drift.
     bounds : ndarray, shape (m + 1,)
         Largest x at the nodes.
     begin, end : float
-        Wanted x at both ends.
-    drift : bool
-        Whether `rest` is not zero, so that rest may be impossible.
+        Wanted x at both ends; negative for any.
     lowest, highest : ndarray, shape (m + 1,)
         Filled with the range of x from which the end can be reached.
     x : ndarray, shape (m + 1,)
@@ -314,56 +352,64 @@ def speed_profile(first, second, rest, bounds, begin, end, drift, lowest, highes
         path cannot be left from rest.
     """
     cells, rows = first.shape
+    drift = rest.shape[0] == cells
     order = np.arange(rows)
-    lowest[cells] = highest[cells] = end
+    lowest[cells] = max(end, 0.0)
+    highest[cells] = end if end >= 0.0 else bounds[cells]
     where[0] = cells
     if end > bounds[cells] * (1.0 + ROW_SLACK):
         return UNREACHABLE
     for k in range(cells - 1, -1, -1):
         box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
-        found = farthest(first[k], second[k], rest[k], order, box, 1.0)
+        row = rest[k if drift else 0]
+        found = farthest(first[k], second[k], row, order, box, 1.0)
         where[0] = k
+        free = not drift and lowest[k + 1] == 0.0
+        if free and not found > 0.0:
+            found = _scaled_down(first[k], second[k], bounds[k], highest[k + 1])
         if not found >= 0.0:
             return BLOCKED
         highest[k] = found
         lowest[k] = 0.0
-        if drift or lowest[k + 1] > 0.0:
-            found = farthest(first[k], second[k], rest[k], order, box, -1.0)
+        if not free:
+            found = farthest(first[k], second[k], row, order, box, -1.0)
             if not found >= 0.0:
                 return BLOCKED
             lowest[k] = min(found, highest[k])
+    if begin < 0.0:
+        begin = highest[0]
     if begin > highest[0] * (1.0 + ROW_SLACK) or begin < lowest[0] * (1.0 - ROW_SLACK):
         return UNREACHABLE
     x[0] = begin
     for k in range(cells):
-        x[k + 1] = _next(first[k], second[k], rest[k], x[k], lowest[k + 1], highest[k + 1])
+        row = rest[k if drift else 0]
+        x[k + 1] = _next(first[k], second[k], row, x[k], lowest[k + 1], highest[k + 1])
         if not x[k + 1] + x[k] > 0.0:
             where[0] = k
             return STALLED
     return DONE
 
 
-@kernel(i8(IN2, IN2, IN2, IN1, i8, IOUT1))
-def binding_rows(first, second, rest, x, width, binding):
+@kernel(i8(IN2, IN2, IN2, IN1, IIN1, IOUT1))
+def binding_rows(first, second, rest, x, owners, binding):
     """Find what binds in each cell.
 
     Parameters
     ----------
-    first, second, rest : ndarray, shape (m, r)
-        The rows.
-    x : ndarray, shape (m + 1,)
-        At the nodes.
-    width : int
-        Neighbouring rows that belong to one quantity.
+    first, second, rest, x
+        As for `speed_profile`.
+    owners : ndarray of int, shape (r,)
+        To which quantity each row belongs, counted from 1.
     binding : ndarray of int, shape (m,)
-        Filled with the number of the quantity, counted from 1, and the sign of its bound; 0 where
-        no row binds.
+        Filled with the number of the quantity and the sign of its bound; 0 where no row binds.
     """
+    drift = rest.shape[0] == first.shape[0]
     for k in range(first.shape[0]):
-        largest, binding[k] = 0.999, 0
+        largest, binding[k] = _BINDING, 0
+        row = rest[k if drift else 0]
         for i in range(first.shape[1]):
-            value = first[k, i] * x[k] + second[k, i] * x[k + 1] + rest[k, i]
+            value = first[k, i] * x[k] + second[k, i] * x[k + 1] + row[i]
             if abs(value) > largest:
                 largest = abs(value)
-                binding[k] = (i // width + 1) if value > 0.0 else -(i // width + 1)
+                binding[k] = owners[i] if value > 0.0 else -owners[i]
     return DONE

@@ -6,7 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels._jit import IIN1, IN1, IN3, IOUT1, OUT1, OUT3, f8, i8, inline, kernel
 
-__all__ = ["piece_counts", "write_pieces"]
+__all__ = ["piece_counts", "total_time", "write_pieces"]
 
 # Gauss-Legendre quadrature of order 12 on [0, 1]: half the nodes and the weights.
 _NODES = (0.03376524289842397, 0.16939530676686774, 0.38069040695840156)
@@ -42,18 +42,21 @@ def _duration(x0, x1, theta, span, w0, w1):
 
 @inline
 def _state(local, x0, x1, theta, span, sigma, state):
-    """Write position, velocity and acceleration of all joints, (3, n)."""
+    """Write way since the beginning of the cell, velocity and acceleration of all joints, (3, n)."""
     bend = 0.5 * theta * (x0 + x1)
     x = max(x0 + sigma * (x1 - x0 + bend * (1.0 - sigma)), 0.0)
     speed, rate = math.sqrt(x), 0.5 * (x1 - x0 + bend * (1.0 - 2.0 * sigma)) / span
     size, s = local.shape[1], sigma * span
     for j in range(local.shape[0]):
+        # The mean rate (q(s) - q(0)) / s, which keeps its digits however short the way is.
         value, first, second = local[j, size - 1], 0.0, 0.0
-        for i in range(size - 2, -1, -1):
+        for i in range(size - 2, 0, -1):
             second = second * s + 2.0 * first
             first = first * s + value
             value = value * s + local[j, i]
-        state[0, j] = value
+        second = second * s + 2.0 * first
+        first = first * s + value
+        state[0, j] = value * s
         state[1, j] = first * speed
         state[2, j] = first * rate + second * x
 
@@ -70,6 +73,15 @@ def _quintic(before, after, j, duration):
         -15.0 * rise + 7.0 * tilt - bow,
         6.0 * rise - 3.0 * tilt + 0.5 * bow,
     )
+
+
+@kernel(f8(IN1, IN1, IN1))
+def total_time(spans, thetas, x):
+    """Add up the time that all cells take, in s, with the arguments of `piece_counts`."""
+    total = 0.0
+    for k in range(spans.shape[0]):
+        total += _duration(x[k], x[k + 1], thetas[k], spans[k], 0.0, 1.0)
+    return total
 
 
 @kernel(i8(IN3, IN1, IN1, IN1, IN1, f8, IOUT1))
@@ -151,7 +163,7 @@ def write_pieces(local, spans, thetas, x, counts, times, coordinates, speeds, co
             duration = _duration(x0, x1, theta, span, w0, w1)
             for j in range(joints):
                 c3, c4, c5 = _quintic(before, after, j, duration)
-                coefficients[0, piece, j] = before[0, j]
+                coefficients[0, piece, j] = local[k, j, 0] + before[0, j]
                 coefficients[1, piece, j] = before[1, j]
                 coefficients[2, piece, j] = 0.5 * before[2, j]
                 coefficients[3, piece, j] = c3 / duration**3

@@ -1,0 +1,272 @@
+r"""Motions along a path with limited jerk, from the time-optimal ones by a moving average.
+
+The path coordinate s(t) of the time-optimal motion has an acceleration that steps.  Its mean over
+a window of the duration w,
+
+.. math:: \tilde s(t) = \frac 1 w \int_{t - w}^{t} s(\tau)\, d\tau
+
+is w longer, stays on the path, has a continuous acceleration that is zero at both ends, and a jerk
+that is bounded by the steps over w.  On a straight line it turns the trapezoidal profile into
+the double-S one.  Where velocities, accelerations or jerks of the joints are over their limits,
+the path is slowed down there, and all is done again; what little is left in the end is taken off by
+stretching the time.
+
+References
+----------
+L. Biagiotti and C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", Springer
+2008, section 4.6: trajectories as responses of moving-average filters.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.bounds import extremes, hull
+from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.path_sections import jump
+from robomech_ros.trajectory.path_speed import PathLimits, SpeedProfile, Timed, fastest
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["smoothed"]
+
+# Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit.
+_WINDOWS = (0.35, 0.6, 1.0, 1.5, 2.2)
+# Slowing the path down where limits are exceeded, at most so many times; an excess of the speed
+# that is smaller is taken off by stretching the time.
+_ROUNDS = 14
+_SMALL_EXCESS = 1e-3
+# Samples in a window and in the whole motion, at least; at most in the whole motion.
+_IN_WINDOW, _IN_ALL, _MOST = 24, 400, 40_000
+
+
+def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -> Timed:
+    """Pass a path from rest to rest in nearly the shortest time within limits of jerk as well.
+
+    Parameters
+    ----------
+    path : PiecewisePolynomial
+        Joints over the path coordinate, with continuous second derivative.
+    limits : PathLimits
+        Without torques.
+    jerk : ndarray, shape (n,)
+        Jerk limits of the joints, rad or m over s^3.
+
+    Raises
+    ------
+    BadValueError
+        If the second derivative of the path steps.
+    """
+    _check_smoothness(path)
+    bounded = replace(limits, square=_jerk_bound(path, jerk))
+    longest = float((limits.acceleration / jerk).max())
+    found: Timed | None = None
+    for window in _WINDOWS:
+        timed = _within(path, bounded, jerk, window * longest)
+        if found is None or timed.pieces.duration < found.pieces.duration:
+            found = timed
+    assert found is not None
+    return found
+
+
+def _check_smoothness(path: PiecewisePolynomial) -> None:
+    stepping = jump(path, 2) if len(path.breaks) > 2 else np.empty(0, bool)
+    if stepping.any():
+        k = int(np.argmax(stepping)) + 1
+        ends = hull(path, 2)
+        step = float(np.abs(ends[-1, k - 1] - ends[0, k]).max())
+        what = f"step of the path's second derivative at its coordinate {path.breaks[k]:.9g}"
+        raise BadValueError(what, step, "none, for a limited jerk")
+
+
+@dataclass(frozen=True)
+class _Caps:
+    """Largest squares of the speed along a path, linear between the places where they are known.
+
+    Attributes
+    ----------
+    places, squares : ndarray, shape (m,)
+        Path coordinates, not decreasing, and the squares there.
+    """
+
+    places: FloatArray
+    squares: FloatArray
+
+    def __call__(self, nodes: FloatArray) -> FloatArray:
+        bounds: FloatArray = np.interp(nodes, self.places, self.squares)
+        return bounds
+
+
+def _jerk_bound(path: PiecewisePolynomial, jerk: FloatArray) -> _Caps:
+    """Bound the speed by the jerk q''' s'^3 of the path itself, piece by piece."""
+    third = np.abs(hull(path, 3)).max(axis=0) / jerk
+    with np.errstate(divide="ignore"):
+        pieces = third.max(axis=1) ** (-2.0 / 3.0)
+    most = (path.duration / 1e-9) ** 2
+    pieces = np.minimum(pieces, most)
+    both = np.repeat(path.breaks, 2)[1:-1]
+    return _Caps(both, np.repeat(pieces, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Clock:
+    """The path coordinate over time, its mean over a window, and the integral that gives it.
+
+    Attributes
+    ----------
+    curve : PiecewisePolynomial
+        Path coordinate over time, from rest to rest, one "joint".
+    window : float
+        In s.
+    """
+
+    curve: PiecewisePolynomial
+    window: float
+
+    @cached_property
+    def integral(self) -> PiecewisePolynomial:
+        """The curve's integral over time, less that of its first value."""
+        powers = self.curve.coefficients.copy()
+        powers[0] -= self.curve.coefficients[0, 0]
+        orders = np.arange(1.0, len(powers) + 1.0)[:, None, None]
+        rising = np.concatenate([np.zeros_like(powers[:1]), powers / orders])
+        spans = self.curve.spans[:, None] ** np.arange(len(rising))
+        total = (rising[:, :, 0].T * spans).sum(axis=1)
+        rising[0, 1:, 0] = np.cumsum(total)[:-1]
+        return PiecewisePolynomial(self.curve.breaks, rising)
+
+    def mean(self, t: FloatArray) -> FloatArray:
+        """Sample the mean and its first two derivatives, shape (3, m)."""
+        now, before = self._integrals(t), self._integrals(t - self.window)
+        mean = (now - before) / self.window
+        mean[0] += self.curve.coefficients[0, 0, 0]
+        return mean
+
+    def _integrals(self, t: FloatArray) -> FloatArray:
+        """Sample the integral, the coordinate since the start, and its rate, shape (3, m)."""
+        inside = np.clip(t, 0.0, self.curve.duration)
+        sample = self.integral.sample(inside)
+        values = np.stack([sample.position, sample.velocity, sample.acceleration])[:, :, 0]
+        way = self.curve.sample(self.curve.breaks[-1:]).position[0, 0]
+        way -= self.curve.coefficients[0, 0, 0]
+        late = t > self.curve.duration
+        values[0, late] += way * (t[late] - self.curve.duration)
+        values[2, late | (t < 0.0)] = 0.0
+        return values
+
+
+def _clock(profile: SpeedProfile, window: float) -> _Clock:
+    """Give the path coordinate of a profile over time."""
+    local = np.stack([profile.nodes[:-1], np.ones(len(profile.spans))], axis=1)[:, None, :]
+    line = replace(profile, local=local)
+    rates = np.abs(np.diff(profile.squares)) / profile.spans
+    return _Clock(line.timed(2.0 / rates.max(keepdims=True), 1e-6).pieces, window)
+
+
+def _instants(profile: SpeedProfile, clock: _Clock) -> FloatArray:
+    """Choose when to sample the mean: evenly, and where its jerk steps."""
+    duration = clock.curve.duration + clock.window
+    count = max(_IN_ALL, int(_IN_WINDOW * duration / clock.window))
+    even = np.linspace(0.0, duration, min(count, _MOST) + 1)
+    rates = clock.curve.derivative(2)[:, :, 0]
+    ends = (rates.T * clock.curve.spans[:, None] ** np.arange(len(rates))).sum(axis=1)
+    steps = np.abs(rates[0, 1:] - ends[:-1])
+    sharp = steps > 0.02 * np.abs(rates[0]).max()
+    at = clock.curve.breaks[1:-1][sharp]
+    wanted = np.concatenate([[0.0], at, at + clock.window, [clock.window, duration]])
+    wanted = np.unique(wanted[(wanted >= 0.0) & (wanted <= duration)])
+    apart = 0.2 * even[1]
+    wanted = wanted[np.append(True, np.diff(wanted) > apart)]
+    near = np.abs(even - wanted[np.clip(np.searchsorted(wanted, even), 0, len(wanted) - 1)])
+    before = np.clip(np.searchsorted(wanted, even) - 1, 0, len(wanted) - 1)
+    near = np.minimum(near, np.abs(even - wanted[before]))
+    inner = (even > apart) & (even < duration - apart) & (near > apart)
+    last = wanted[wanted < duration - apart]
+    return np.unique(np.concatenate([last, even[inner], [duration]]))
+
+
+def _along(path: PiecewisePolynomial, instants: FloatArray, mean: FloatArray) -> Timed:
+    """Lay quintic pieces through the motion of the joints at the given instants."""
+    place = path.sample(np.clip(mean[0], path.breaks[0], path.breaks[-1]))
+    rate, bow = mean[1][:, None], mean[2][:, None]
+    velocity = place.velocity * rate
+    acceleration = place.acceleration * rate * rate + place.velocity * bow
+    pieces = interpolant(instants, place.position, velocity, acceleration)
+    return Timed(pieces, mean[0], mean[1])
+
+
+def _excess(
+    timed: Timed, limits: PathLimits, jerk: FloatArray, instants: FloatArray, mean: FloatArray
+) -> FloatArray:
+    """Give by which factor the speed is too high in each piece, for any limit, shape (p,)."""
+    margin = 1.0 + tolerances.TIMING_MARGIN
+    factors = np.zeros(len(instants) - 1)
+    for order, limit in ((1, limits.velocity), (2, limits.acceleration), (3, jerk)):
+        peaks = np.abs(hull(timed.pieces, order)).max(axis=0) / limit
+        factors = np.maximum(factors, (peaks.max(axis=1) * margin) ** (1.0 / order))
+    for speed in limits.speeds:
+        ratio = np.asarray(speed.rate(mean[0])) * mean[1] / speed.limit * margin
+        factors = np.maximum(factors, np.maximum(ratio[1:], ratio[:-1]))
+    return factors
+
+
+def _within(
+    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, window: float
+) -> Timed:
+    """Smooth with one window, slowing down where needed; keep the best of all rounds."""
+    assert isinstance(limits.square, _Caps)
+    best: Timed | None = None
+    for _ in range(_ROUNDS):
+        profile = fastest(path, limits)
+        clock = _clock(profile, window)
+        instants = _instants(profile, clock)
+        mean = clock.mean(instants)
+        timed = _along(path, instants, mean)
+        factors = _excess(timed, limits, jerk, instants, mean)
+        stretched = _stretched(timed, limits, jerk, factors)
+        if best is None or stretched.pieces.duration < best.pieces.duration:
+            best = stretched
+        if factors.max() < 1.0 + _SMALL_EXCESS:
+            break
+        limits = replace(limits, square=_slowed(limits.square, profile, clock, instants, factors))
+    assert best is not None
+    return best
+
+
+def _slowed(
+    caps: _Caps, profile: SpeedProfile, clock: _Clock, instants: FloatArray, factors: FloatArray
+) -> _Caps:
+    """Lower the speed where the motion was too fast: half a window before it showed."""
+    middle = 0.5 * (instants[1:] + instants[:-1]) - 0.5 * clock.window
+    fast = np.maximum(factors, 1.0)
+    at = clock.curve.sample(np.clip(middle, 0.0, clock.curve.duration)).position[:, 0]
+    places = np.union1d(caps.places, profile.nodes)
+    known = np.interp(places, caps.places, caps.squares)
+    present = np.interp(places, profile.nodes, profile.squares)
+    order = np.interp(places, at, fast)
+    fast_there = (order > 1.0 + 0.5 * _SMALL_EXCESS) & (present > 0.0)
+    lower = np.where(fast_there, present / order**2, np.inf)
+    return _Caps(places, np.minimum(known, lower))
+
+
+def _stretched(
+    timed: Timed, limits: PathLimits, jerk: FloatArray, factors: FloatArray
+) -> Timed:
+    """Stretch the time by what is still needed, which is exact: each rate has its peak found."""
+    margin = 1.0 + tolerances.TIMING_MARGIN
+    needed = 0.0
+    for order, limit in ((1, limits.velocity), (2, limits.acceleration), (3, jerk)):
+        low, high = extremes(timed.pieces, order)
+        ratio = float((np.maximum(high, -low) / limit).max())
+        needed = max(needed, (ratio * margin) ** (1.0 / order))
+    if limits.speeds:
+        needed = max(needed, float(factors.max()))
+    pieces = timed.pieces
+    powers = needed ** -np.arange(len(pieces.coefficients), dtype=float)
+    slower = PiecewisePolynomial(
+        pieces.breaks * needed, pieces.coefficients * powers[:, None, None]
+    )
+    return Timed(slower, timed.coordinates, timed.speeds / needed)

@@ -1,0 +1,298 @@
+"""The largest speed at which a path can be passed within limits, on a grid that refines itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import time_bends, time_optimal, time_pieces, tolerances
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["PathLimits", "SpeedProfile", "Timed", "fastest"]
+
+# Cells of the first grid: in a piece of the path, and in a path of few pieces.
+_CELLS_IN_PIECE = 16
+_FEWEST_CELLS = 64
+# What all pieces of a very long path may have together at first, and at last.
+_MOST_CELLS = 40_000
+_MOST_REFINED = 200_000
+# Part of the duration that one cell may cost by its length, before it is divided.
+_CELL_COST = 1e-4
+# The grid is refined at least and at most so many times, and while it gains this part of the time.
+_LEAST_PASSES, _MOST_PASSES = 3, 8
+_WORTHWHILE = 1e-3
+# No cell is shorter than this part of the path.
+_SHORTEST = 1e-7
+# Duration (s) of a whole path at the speed that bounds what nothing else bounds.
+_INSTANT = 1e-9
+
+Bound = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class PathLimits:
+    """What limits the speed along a path of n joints.
+
+    Attributes
+    ----------
+    velocity, acceleration : ndarray, shape (n,)
+        Of the joints, rad or m over s and s^2, infinite for none.
+    speeds : list of SpeedLimit
+        Other speeds.
+    torques : list of TorqueLimits
+        Torques, or what else is linear in the acceleration along the path.
+    square : callable, optional
+        Of path coordinates (m + 1,) of the nodes, the largest squares of the speed there.
+    slowdown : callable, optional
+        Of path coordinates (m,) in the middle of the cells, parts of all accelerations to use.
+    """
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    speeds: list[SpeedLimit] = field(default_factory=list)
+    torques: list[TorqueLimits] = field(default_factory=list)
+    square: Bound | None = None
+    slowdown: Bound | None = None
+
+    @cached_property
+    def velocity_scales(self) -> FloatArray:
+        """One over the velocity limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + tolerances.TIMING_MARGIN) / self.velocity
+
+    @cached_property
+    def acceleration_scales(self) -> FloatArray:
+        """One over the acceleration limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + tolerances.TIMING_MARGIN) / self.acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Squares of the speed along a path, cell by cell.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (m + 1,)
+        Path coordinates where the cells begin and end.
+    local : ndarray, shape (m, n, d + 1)
+        The path in each cell, in powers of the coordinate since its beginning.
+    bends : ndarray, shape (m,)
+        By how much the square of the speed bends inside each cell.
+    squares : ndarray, shape (m + 1,)
+        Squares of the speed at the nodes.
+    binding : ndarray of int, shape (m,)
+        Which row of limits binds in each cell.
+    """
+
+    nodes: FloatArray
+    local: FloatArray
+    bends: FloatArray
+    squares: FloatArray
+    binding: npt.NDArray[np.int64]
+
+    @cached_property
+    def spans(self) -> FloatArray:
+        """Lengths of the cells, shape (m,)."""
+        return np.diff(self.nodes)
+
+    @cached_property
+    def duration(self) -> float:
+        """Duration in s."""
+        return float(time_pieces.total_time(self.spans, self.bends, self.squares))
+
+    def timed(self, scales: FloatArray, accuracy: float) -> "Timed":
+        """Turn the profile into a motion whose accelerations are right within `accuracy`."""
+        given = self.local, self.spans, self.bends, self.squares
+        counts = np.empty(len(self.spans), np.int64)
+        total = time_pieces.piece_counts(*given, scales, accuracy, counts)
+        times, coordinates, speeds = np.empty((3, total + 1))
+        coefficients = np.empty((6, total, self.local.shape[1]))
+        time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
+        return Timed(
+            PiecewisePolynomial(times, coefficients), coordinates + self.nodes[0], speeds
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """A motion along a path.
+
+    Attributes
+    ----------
+    pieces : PiecewisePolynomial
+        All joints over time, p pieces.
+    coordinates, speeds : ndarray, shape (p + 1,)
+        Path coordinate, and its rate, where the pieces begin and end.
+    """
+
+    pieces: PiecewisePolynomial
+    coordinates: FloatArray
+    speeds: FloatArray
+
+
+def fastest(
+    path: PiecewisePolynomial, limits: PathLimits, begin: float = 0.0, end: float = 0.0
+) -> SpeedProfile:
+    """Find the largest speed along a path.
+
+    Parameters
+    ----------
+    path : PiecewisePolynomial
+        Joints over the path coordinate, with continuous first derivative.
+    limits : PathLimits
+        What must be kept, all along the path.
+    begin, end : float
+        Speeds at the beginning and the end of the path, in path coordinate over s.
+
+    Returns
+    -------
+    SpeedProfile
+
+    Raises
+    ------
+    BadValueError
+        If a wanted speed at an end is not possible, or the torque limits forbid every motion.
+    """
+    nodes = _first_grid(path.breaks)
+    bends = np.zeros(len(nodes) - 1)
+    best: SpeedProfile | None = None
+    for done in range(1, _MOST_PASSES + 1):
+        profile = _profile(path, limits, nodes, bends, begin, end)
+        gain = 1.0 if best is None else 1.0 - profile.duration / best.duration
+        if gain > 0.0:
+            best = profile
+        if done >= _LEAST_PASSES and gain < _WORTHWHILE:
+            break
+        nodes, bends = _refined(profile)
+        if len(bends) > _MOST_REFINED:
+            break
+    assert best is not None
+    return best
+
+
+def _first_grid(breaks: FloatArray) -> FloatArray:
+    pieces = len(breaks) - 1
+    wanted = max(_CELLS_IN_PIECE, -(-_FEWEST_CELLS // pieces))
+    count = max(min(wanted, _MOST_CELLS // pieces), 1)
+    parts = np.arange(count) / count
+    inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * parts).ravel()
+    return np.append(inner, breaks[-1])
+
+
+def _refined(profile: SpeedProfile) -> tuple[FloatArray, FloatArray]:
+    cells = len(profile.spans)
+    bends = np.empty(cells)
+    given = profile.squares, profile.spans, profile.binding
+    time_bends.bends(*given, bends)
+    nodes = np.empty(2 * time_bends.PARTS * cells + 1)
+    finer = np.empty(2 * time_bends.PARTS * cells)
+    shortest = _SHORTEST * (profile.nodes[-1] - profile.nodes[0])
+    count = time_bends.refine(*given, profile.nodes, bends, _CELL_COST, shortest, nodes, finer)
+    return nodes[: count + 1], finer[:count]
+
+
+def _profile(
+    path: PiecewisePolynomial,
+    limits: PathLimits,
+    nodes: FloatArray,
+    bends: FloatArray,
+    begin: float,
+    end: float,
+) -> SpeedProfile:
+    """Find the largest speed on one grid with given bends."""
+    spans = np.diff(nodes)
+    size, _, joints = path.coefficients.shape
+    local = np.empty((len(spans), joints, size))
+    time_optimal.local_path(path.breaks, path.coefficients, nodes, local)
+    bounds = _bounds(limits, nodes, spans, local, bends)
+    first, second, rest, owners = _rows(limits, nodes, spans, local, bends)
+    lowest, highest, squares = np.empty((3, len(nodes)))
+    where = np.zeros(1, np.int64)
+    ends = _square(begin, local[0, :, 1]), _square(end, _last_rate(local, spans))
+    status = time_optimal.speed_profile(
+        first, second, rest, bounds, *ends, lowest, highest, squares, where
+    )
+    if status != time_optimal.DONE:
+        at = int(where[0])
+        if status == time_optimal.UNREACHABLE and at == len(spans):
+            raise _unreachable("final", end, 0.0, float(bounds[-1]))
+        if status == time_optimal.UNREACHABLE:
+            raise _unreachable("initial", begin, float(lowest[0]), float(highest[0]))
+        raise _impossible(limits, float(nodes[at]))
+    binding = np.empty(len(spans), np.int64)
+    time_optimal.binding_rows(first, second, rest, squares, owners, binding)
+    return SpeedProfile(nodes, local, bends, squares, binding)
+
+
+def _square(speed: float, rate: FloatArray) -> float:
+    """Give the wanted square of the speed at an end; any, -1, if the joints rest there anyway."""
+    return -1.0 if speed == 0.0 and not rate.any() else speed * speed
+
+
+def _last_rate(local: FloatArray, spans: FloatArray) -> FloatArray:
+    """Give the derivatives of the joints at the end of the path, zero if only rounding is left."""
+    powers = np.arange(1.0, local.shape[2])
+    terms = local[-1, :, 1:] * powers * spans[-1] ** (powers - 1.0)
+    rate: FloatArray = terms.sum(axis=1)
+    rate[np.abs(rate) <= tolerances.PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
+    return rate
+
+
+def _bounds(
+    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
+) -> FloatArray:
+    """Bound the squares of the speed at the nodes by the limits of speeds, shape (m + 1,)."""
+    bounds = np.full(len(nodes), ((nodes[-1] - nodes[0]) / _INSTANT) ** 2)
+    if limits.square is not None:
+        np.minimum(bounds, limits.square(nodes), out=bounds)
+    rates = np.empty((*local.shape[:2], local.shape[2] - 1))
+    time_optimal.joint_rates(local, spans, limits.velocity_scales, rates)
+    time_optimal.speed_bounds(rates, bends, bounds)
+    if limits.speeds:
+        margin = 1.0 + tolerances.TIMING_MARGIN
+        others = np.stack([speed.powers(nodes) * margin for speed in limits.speeds], axis=1)
+        time_optimal.speed_bounds(others, bends, bounds)
+    return bounds
+
+
+def _rows(
+    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    """Write all limits of accelerations and torques as rows, and to which quantity each belongs."""
+    cells, joints, size = local.shape
+    start = joints * size
+    others = sum(torques.count for torques in limits.torques)
+    first = np.empty((cells, start + 7 * others))
+    second = np.empty_like(first)
+    rest = np.zeros((cells if others else 1, first.shape[1]))
+    owners = np.concatenate(
+        [np.repeat(np.arange(joints), size), np.repeat(np.arange(joints, joints + others), 7)]
+    )
+    time_optimal.joint_rows(local, spans, bends, limits.acceleration_scales, first, second)
+    if limits.slowdown is not None:
+        less = 1.0 / limits.slowdown(0.5 * (nodes[:-1] + nodes[1:]))[:, None]
+        first[:, :start] *= less
+        second[:, :start] *= less
+    for torques in limits.torques:
+        margin = 1.0 + tolerances.TIMING_MARGIN
+        a, b, c = (margin * powers for powers in torques.powers(nodes))
+        time_optimal.other_rows(a, b, c, spans, bends, start, first, second, rest)
+        start += 7 * torques.count
+    return first, second, rest, owners + 1
+
+
+def _unreachable(which: str, speed: float, low: float, high: float) -> BadValueError:
+    expected = f"at most {np.sqrt(high):.9g} for the limits"
+    if low > 0.0:
+        expected = f"at least {np.sqrt(low):.9g} and {expected}"
+    return BadValueError(f"{which} path speed", speed, expected)
+
+
+def _impossible(limits: PathLimits, where: float) -> BadValueError:
+    bounds = [(torques.lower.tolist(), torques.upper.tolist()) for torques in limits.torques]
+    expected = f"limits that allow a motion; at path coordinate {where:.9g} these allow none"
+    return BadValueError("torque limits", bounds, expected)
