@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError
@@ -37,10 +38,13 @@ __all__ = ["smoothed"]
 _WINDOWS = (0.35, 0.6, 1.0, 1.5, 2.2)
 # Slowing the path down where limits are exceeded, at most so many times; an excess of the speed
 # that is smaller is taken off by stretching the time.
-_ROUNDS = 14
+_ROUNDS = 12
 _SMALL_EXCESS = 1e-3
+# The jerk is a step of the acceleration over the window: where it is too high, the accelerations
+# are lowered by this power of the factor, and to this part of their limits at the least.
+_POWER, _LEAST_PART = 1.5, 1e-3
 # Samples in a window and in the whole motion, at least; at most in the whole motion.
-_IN_WINDOW, _IN_ALL, _MOST = 24, 400, 40_000
+_IN_WINDOW, _IN_ALL, _MOST = 12, 300, 20_000
 
 
 def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -> Timed:
@@ -63,13 +67,12 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) ->
     _check_smoothness(path)
     bounded = replace(limits, square=_jerk_bound(path, jerk))
     longest = float((limits.acceleration / jerk).max())
-    found: Timed | None = None
+    best: _Attempt | None = None
     for window in _WINDOWS:
-        timed = _within(path, bounded, jerk, window * longest)
-        if found is None or timed.pieces.duration < found.pieces.duration:
-            found = timed
-    assert found is not None
-    return found
+        best = _better(path, bounded, jerk, window * longest, best)
+    assert best is not None
+    timed = _along(path, best.instants, best.clock.mean(best.instants))
+    return _stretched(timed, limits, jerk)
 
 
 def _check_smoothness(path: PiecewisePolynomial) -> None:
@@ -84,19 +87,19 @@ def _check_smoothness(path: PiecewisePolynomial) -> None:
 
 @dataclass(frozen=True)
 class _Caps:
-    """Largest squares of the speed along a path, linear between the places where they are known.
+    """Bounds along a path, linear between the places where they are known.
 
     Attributes
     ----------
-    places, squares : ndarray, shape (m,)
-        Path coordinates, not decreasing, and the squares there.
+    places, values : ndarray, shape (m,)
+        Path coordinates, not decreasing, and the bounds there.
     """
 
     places: FloatArray
-    squares: FloatArray
+    values: FloatArray
 
     def __call__(self, nodes: FloatArray) -> FloatArray:
-        bounds: FloatArray = np.interp(nodes, self.places, self.squares)
+        bounds: FloatArray = np.interp(nodes, self.places, self.values)
         return bounds
 
 
@@ -130,7 +133,7 @@ class _Clock:
     def integral(self) -> PiecewisePolynomial:
         """The curve's integral over time, less that of its first value."""
         powers = self.curve.coefficients.copy()
-        powers[0] -= self.curve.coefficients[0, 0]
+        powers[0] -= self.start
         orders = np.arange(1.0, len(powers) + 1.0)[:, None, None]
         rising = np.concatenate([np.zeros_like(powers[:1]), powers / orders])
         spans = self.curve.spans[:, None] ** np.arange(len(rising))
@@ -139,23 +142,30 @@ class _Clock:
         return PiecewisePolynomial(self.curve.breaks, rising)
 
     def mean(self, t: FloatArray) -> FloatArray:
-        """Sample the mean and its first two derivatives, shape (3, m)."""
+        """Sample the mean and its first three derivatives, shape (4, m)."""
         now, before = self._integrals(t), self._integrals(t - self.window)
-        mean = (now - before) / self.window
-        mean[0] += self.curve.coefficients[0, 0, 0]
+        mean: FloatArray = (now - before) / self.window
+        mean[0] += self.start
         return mean
 
     def _integrals(self, t: FloatArray) -> FloatArray:
-        """Sample the integral, the coordinate since the start, and its rate, shape (3, m)."""
+        """Sample the integral, the coordinate since the start, and two rates, shape (4, m)."""
         inside = np.clip(t, 0.0, self.curve.duration)
-        sample = self.integral.sample(inside)
-        values = np.stack([sample.position, sample.velocity, sample.acceleration])[:, :, 0]
-        way = self.curve.sample(self.curve.breaks[-1:]).position[0, 0]
-        way -= self.curve.coefficients[0, 0, 0]
+        values = np.stack(self.integral.sample(inside))[:, :, 0]
         late = t > self.curve.duration
-        values[0, late] += way * (t[late] - self.curve.duration)
-        values[2, late | (t < 0.0)] = 0.0
+        values[0, late] += self.way * (t[late] - self.curve.duration)
+        values[2:, late | (t < 0.0)] = 0.0
         return values
+
+    @cached_property
+    def way(self) -> float:
+        """Length of the path."""
+        return float(self.curve.sample(self.curve.breaks[-1:]).position[0, 0] - self.start)
+
+    @property
+    def start(self) -> float:
+        """Path coordinate of the start."""
+        return float(self.curve.coefficients[0, 0, 0])
 
 
 def _clock(profile: SpeedProfile, window: float) -> _Clock:
@@ -166,7 +176,7 @@ def _clock(profile: SpeedProfile, window: float) -> _Clock:
     return _Clock(line.timed(2.0 / rates.max(keepdims=True), 1e-6).pieces, window)
 
 
-def _instants(profile: SpeedProfile, clock: _Clock) -> FloatArray:
+def _instants(clock: _Clock) -> FloatArray:
     """Choose when to sample the mean: evenly, and where its jerk steps."""
     duration = clock.curve.duration + clock.window
     count = max(_IN_ALL, int(_IN_WINDOW * duration / clock.window))
@@ -176,7 +186,8 @@ def _instants(profile: SpeedProfile, clock: _Clock) -> FloatArray:
     steps = np.abs(rates[0, 1:] - ends[:-1])
     sharp = steps > 0.02 * np.abs(rates[0]).max()
     at = clock.curve.breaks[1:-1][sharp]
-    wanted = np.concatenate([[0.0], at, at + clock.window, [clock.window, duration]])
+    ends = [0.0, clock.window, clock.curve.duration, duration]
+    wanted = np.concatenate([at, at + clock.window, ends])
     wanted = np.unique(wanted[(wanted >= 0.0) & (wanted <= duration)])
     apart = 0.2 * even[1]
     wanted = wanted[np.append(True, np.diff(wanted) > apart)]
@@ -198,63 +209,111 @@ def _along(path: PiecewisePolynomial, instants: FloatArray, mean: FloatArray) ->
     return Timed(pieces, mean[0], mean[1])
 
 
-def _excess(
-    timed: Timed, limits: PathLimits, jerk: FloatArray, instants: FloatArray, mean: FloatArray
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """One time law, and by which factor it is too fast between its instants.
+
+    Attributes
+    ----------
+    clock : _Clock
+        The law before its mean is taken.
+    instants : ndarray, shape (m + 1,)
+        In s.
+    factors : ndarray, shape (2, m)
+        Factors of the speed over what the limits allow, as `_factors` gives them.
+    """
+
+    clock: _Clock
+    instants: FloatArray
+    factors: FloatArray
+
+    @property
+    def duration(self) -> float:
+        """Duration in s once it is stretched until the limits hold."""
+        return float(self.instants[-1]) * max(float(self.factors.max()), 1.0)
+
+
+def _factors(
+    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, mean: FloatArray
 ) -> FloatArray:
-    """Give by which factor the speed is too high in each piece, for any limit, shape (p,)."""
-    margin = 1.0 + tolerances.TIMING_MARGIN
-    factors = np.zeros(len(instants) - 1)
-    for order, limit in ((1, limits.velocity), (2, limits.acceleration), (3, jerk)):
-        peaks = np.abs(hull(timed.pieces, order)).max(axis=0) / limit
-        factors = np.maximum(factors, (peaks.max(axis=1) * margin) ** (1.0 / order))
+    """Give by which factor the speed is too high at samples (4, m) of the mean, shape (2, m).
+
+    First for all that depends on speed and acceleration along the path, then for all jerk.
+    """
+    place = path.sample(np.clip(mean[0], path.breaks[0], path.breaks[-1]))
+    v, a, j = (row[:, None] for row in mean[1:])
+    velocity = place.velocity * v / limits.velocity
+    acceleration = (place.acceleration * v * v + place.velocity * a) / limits.acceleration
+    bowed = (place.jerk * v**3 + 3.0 * place.acceleration * v * a) / jerk
+    total = bowed + place.velocity * j / jerk
+    factors = np.zeros((2, mean.shape[1]))
+    for order, rate in enumerate((velocity, acceleration, bowed), 1):
+        factors[0] = np.maximum(factors[0], np.abs(rate).max(axis=1) ** (1.0 / order))
     for speed in limits.speeds:
-        ratio = np.asarray(speed.rate(mean[0])) * mean[1] / speed.limit * margin
-        factors = np.maximum(factors, np.maximum(ratio[1:], ratio[:-1]))
+        ratio = np.asarray(speed.rate(mean[0])) * mean[1] / speed.limit
+        factors[0] = np.maximum(factors[0], ratio)
+    factors[1] = np.cbrt(np.abs(total).max(axis=1))
     return factors
 
 
-def _within(
-    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, window: float
-) -> Timed:
-    """Smooth with one window, slowing down where needed; keep the best of all rounds."""
-    assert isinstance(limits.square, _Caps)
-    best: Timed | None = None
+def _better(
+    path: PiecewisePolynomial,
+    limits: PathLimits,
+    jerk: FloatArray,
+    window: float,
+    best: _Attempt | None,
+) -> _Attempt | None:
+    """Smooth with one window, slowing down where needed; keep the best attempt of all rounds."""
     for _ in range(_ROUNDS):
+        assert isinstance(limits.square, _Caps)
         profile = fastest(path, limits)
         clock = _clock(profile, window)
-        instants = _instants(profile, clock)
-        mean = clock.mean(instants)
-        timed = _along(path, instants, mean)
-        factors = _excess(timed, limits, jerk, instants, mean)
-        stretched = _stretched(timed, limits, jerk, factors)
-        if best is None or stretched.pieces.duration < best.pieces.duration:
-            best = stretched
-        if factors.max() < 1.0 + _SMALL_EXCESS:
+        if best is not None and clock.curve.duration + window >= best.duration:
             break
-        limits = replace(limits, square=_slowed(limits.square, profile, clock, instants, factors))
-    assert best is not None
+        instants = _instants(clock)
+        middle = 0.5 * (instants[1:] + instants[:-1])
+        attempt = _Attempt(clock, instants, _factors(path, limits, jerk, clock.mean(middle)))
+        if best is None or attempt.duration < best.duration:
+            best = attempt
+        if attempt.factors.max() < 1.0 + _SMALL_EXCESS:
+            break
+        limits = _slowed(limits, profile, attempt)
     return best
 
 
-def _slowed(
-    caps: _Caps, profile: SpeedProfile, clock: _Clock, instants: FloatArray, factors: FloatArray
-) -> _Caps:
-    """Lower the speed where the motion was too fast: half a window before it showed."""
-    middle = 0.5 * (instants[1:] + instants[:-1]) - 0.5 * clock.window
-    fast = np.maximum(factors, 1.0)
-    at = clock.curve.sample(np.clip(middle, 0.0, clock.curve.duration)).position[:, 0]
-    places = np.union1d(caps.places, profile.nodes)
-    known = np.interp(places, caps.places, caps.squares)
-    present = np.interp(places, profile.nodes, profile.squares)
-    order = np.interp(places, at, fast)
-    fast_there = (order > 1.0 + 0.5 * _SMALL_EXCESS) & (present > 0.0)
-    lower = np.where(fast_there, present / order**2, np.inf)
-    return _Caps(places, np.minimum(known, lower))
+def _slowed(limits: PathLimits, profile: SpeedProfile, attempt: _Attempt) -> PathLimits:
+    """Lower speed and accelerations where they were too high: half a window before it showed."""
+    clock, window = attempt.clock, attempt.clock.window
+    count = min(int(np.ceil(_IN_WINDOW * attempt.instants[-1] / window)), _MOST)
+    even = np.linspace(0.0, attempt.instants[-1], count + 1)
+    at = np.clip(np.searchsorted(attempt.instants, even) - 1, 0, attempt.factors.shape[1] - 1)
+    reach = max(int(round(0.5 * window / even[1])), 1)
+    then = np.clip(even - 0.5 * window, 0.0, clock.curve.duration)
+    places = clock.curve.sample(then).position[:, 0]
+    caps, slowdown = limits.square, limits.slowdown
+    assert isinstance(caps, _Caps)
+    here = np.union1d(caps.places, profile.nodes)
+    speed, jerk = (
+        np.interp(here, places, _spread(factors[at], reach)) for factors in attempt.factors
+    )
+    known = caps(here)
+    present = np.interp(here, profile.nodes, profile.squares)
+    fast = (speed > 1.0 + 0.1 * _SMALL_EXCESS) & (present > 0.0)
+    lower = np.where(fast, present / speed**2, np.inf)
+    used = 1.0 if slowdown is None else slowdown(here)
+    part = np.maximum(used / jerk**_POWER, _LEAST_PART)
+    return replace(limits, square=_Caps(here, np.minimum(known, lower)), slowdown=_Caps(here, part))
 
 
-def _stretched(
-    timed: Timed, limits: PathLimits, jerk: FloatArray, factors: FloatArray
-) -> Timed:
+def _spread(factors: FloatArray, reach: int) -> FloatArray:
+    """Take the largest factor nearby, then the mean nearby: the motion must change gently."""
+    padded = np.pad(factors, 2 * reach, constant_values=1.0)
+    largest = sliding_window_view(np.maximum(padded, 1.0), 2 * reach + 1).max(axis=1)
+    mean: FloatArray = sliding_window_view(largest, 2 * reach + 1).mean(axis=1)
+    return mean
+
+
+def _stretched(timed: Timed, limits: PathLimits, jerk: FloatArray) -> Timed:
     """Stretch the time by what is still needed, which is exact: each rate has its peak found."""
     margin = 1.0 + tolerances.TIMING_MARGIN
     needed = 0.0
@@ -262,8 +321,9 @@ def _stretched(
         low, high = extremes(timed.pieces, order)
         ratio = float((np.maximum(high, -low) / limit).max())
         needed = max(needed, (ratio * margin) ** (1.0 / order))
-    if limits.speeds:
-        needed = max(needed, float(factors.max()))
+    for speed in limits.speeds:
+        ratio = float((np.asarray(speed.rate(timed.coordinates)) * timed.speeds).max())
+        needed = max(needed, ratio / speed.limit * margin)
     pieces = timed.pieces
     powers = needed ** -np.arange(len(pieces.coefficients), dtype=float)
     slower = PiecewisePolynomial(

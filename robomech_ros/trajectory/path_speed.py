@@ -247,8 +247,6 @@ def _bounds(
 ) -> FloatArray:
     """Bound the squares of the speed at the nodes by the limits of speeds, shape (m + 1,)."""
     bounds = np.full(len(nodes), ((nodes[-1] - nodes[0]) / _INSTANT) ** 2)
-    if limits.square is not None:
-        np.minimum(bounds, limits.square(nodes), out=bounds)
     rates = np.empty((*local.shape[:2], local.shape[2] - 1))
     time_optimal.joint_rates(local, spans, limits.velocity_scales, rates)
     time_optimal.speed_bounds(rates, bends, bounds)
@@ -256,6 +254,8 @@ def _bounds(
         margin = 1.0 + tolerances.TIMING_MARGIN
         others = np.stack([speed.powers(nodes) * margin for speed in limits.speeds], axis=1)
         time_optimal.speed_bounds(others, bends, bounds)
+    if limits.square is not None:
+        np.minimum(bounds, limits.square(nodes), out=bounds)
     return bounds
 
 
