@@ -59,6 +59,10 @@ DONE, BLOCKED, UNREACHABLE, STALLED = 0, 1, 2, 3
 # The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
 # is no bound at all.
 STEEPEST = 4.0
+# One over the binomial coefficients, up to the degree of the square of a speed.
+_INVERSE_BINOMIALS = np.array(
+    [[1.0 / math.comb(n, k) if k <= n else 0.0 for k in range(13)] for n in range(13)]
+)
 # A row this near to its bound counts as binding.
 _BINDING = 0.999
 
@@ -66,10 +70,8 @@ _BINDING = 0.999
 @inline
 def to_bernstein(values, degree):
     """Turn power coefficients on [0, 1] into Bernstein coefficients, in place."""
-    binomial = 1.0
-    for k in range(1, degree + 1):
-        binomial = binomial * (degree + 1 - k) / k
-        values[k] /= binomial
+    for k in range(1, degree):
+        values[k] *= _INVERSE_BINOMIALS[degree, k]
     for r in range(1, degree + 1):
         for k in range(degree, r - 1, -1):
             values[k] += values[k - 1]
@@ -150,19 +152,37 @@ def joint_rows(local, spans, thetas, scales, first, second):
         The first n (d + 1) columns are filled, d + 1 for each joint.
     """
     degree = local.shape[2] - 1
-    a, b = np.empty(degree), np.empty(max(degree - 1, 1))
+    rate = np.empty(degree)
     for k in range(local.shape[0]):
+        half, span = 0.5 * thetas[k], spans[k]
         for j in range(local.shape[1]):
             power = 1.0
             for i in range(degree):
-                a[i] = (i + 1) * local[k, j, i + 1] * power
-                if i + 2 <= degree:
-                    b[i] = (i + 2) * (i + 1) * local[k, j, i + 2] * power
-                power *= spans[k]
+                rate[i] = (i + 1) * local[k, j, i + 1] * power
+                power *= span
+            to_bernstein(rate, degree - 1)
             start = j * (degree + 1)
-            _write_rows(a, degree, b, degree - 1, thetas[k], spans[k], scales[j], degree,
-                        first[k, start : start + degree + 1],
-                        second[k, start : start + degree + 1])  # fmt: skip
+            # The rows in Bernstein form: products with the linear x'/2 and the quadratic x, whose
+            # middle coefficient at either end is (1 + half) / 2.
+            scale = scales[j] / (degree * span)
+            left, right = 0.0, 0.0
+            for i in range(degree + 1):
+                here = rate[i] if i < degree else 0.0
+                before = rate[i - 1] if i > 0 else 0.0
+                slow, fast = 0.5 * (degree - i) * here, 0.5 * i * before
+                # q'' times the length of the cell, over degree - 1, is the step of the rates.
+                right = rate[i + 1] - here if i + 1 < degree else 0.0
+                middle = left
+                left = right
+                bow = i * (degree - i) * (1.0 + half) * middle
+                first[k, start + i] = scale * (
+                    slow * (half - 1.0) - fast * (half + 1.0)
+                    + (degree - i) * (degree - i - 1) * right + bow
+                )  # fmt: skip
+                last = before - rate[i - 2] if i > 1 else 0.0
+                second[k, start + i] = scale * (
+                    slow * (half + 1.0) - fast * (half - 1.0) + bow + i * (i - 1) * last
+                )
     return DONE
 
 
@@ -279,8 +299,12 @@ def speed_bounds(rates, thetas, bounds):
     for k in range(cells):
         highest = max(bounds[k], bounds[k + 1]) * (1.0 + 0.25 * abs(thetas[k]))
         for j in range(rates.shape[1]):
+            largest = 0.0
             for i in range(size):
                 hull[i] = rates[k, j, i]
+                largest += abs(hull[i])
+            if largest * largest * highest <= 1.0:
+                continue
             to_bernstein(hull, size - 1)
             largest = 0.0
             for i in range(size):

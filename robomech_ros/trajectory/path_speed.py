@@ -25,7 +25,7 @@ _MOST_REFINED = 200_000
 _CELL_COST = 1e-4
 # The grid is refined at least and at most so many times, and while it gains this part of the time.
 _LEAST_PASSES, _MOST_PASSES = 3, 8
-_WORTHWHILE = 1e-3
+_WORTHWHILE = 3e-3
 # No cell is shorter than this part of the path.
 _SHORTEST = 1e-7
 # Duration (s) of a whole path at the speed that bounds what nothing else bounds.
