@@ -44,7 +44,6 @@ __all__ = [
     "BLOCKED",
     "DONE",
     "STALLED",
-    "UNREACHABLE",
     "binding_rows",
     "joint_rates",
     "joint_rows",
@@ -55,7 +54,7 @@ __all__ = [
 ]
 
 # What the passes end with.
-DONE, BLOCKED, UNREACHABLE, STALLED = 0, 1, 2, 3
+DONE, BLOCKED, STALLED = 0, 1, 2
 # The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
 # is no bound at all.
 STEEPEST = 4.0
@@ -320,22 +319,25 @@ def speed_bounds(rates, thetas, bounds):
 
 
 @inline
-def _next(first, second, rest, x, low, high):
-    """Find the largest x_1 in [low, high] that the rows allow after x_0 = x."""
+def _next(first, second, rest, x, lowest, highest):
+    """Find the largest x_1 in [lowest, highest] that the rows allow after x_0 = x."""
+    low, high = lowest, highest
     for i in range(first.shape[0]):
         slope = second[i]
         value = first[i] * x + rest[i]
         if slope > 0.0:
-            if value + slope * high > 1.0:
+            if value + slope * high > 1.0 + ROW_SLACK:
                 high = (1.0 - value) / slope
-            if value + slope * low < -1.0:
+            if value + slope * low < -1.0 - ROW_SLACK:
                 low = (-1.0 - value) / slope
         elif slope < 0.0:
-            if value + slope * high < -1.0:
+            if value + slope * high < -1.0 - ROW_SLACK:
                 high = (-1.0 - value) / slope
-            if value + slope * low > 1.0:
+            if value + slope * low > 1.0 + ROW_SLACK:
                 low = (1.0 - value) / slope
-    return max(high, 0.0) if high >= low else max(0.5 * (low + high), 0.0)
+    # Only rounding makes the range empty.
+    found = high if high >= low else 0.5 * (low + high)
+    return max(lowest, min(highest, found))
 
 
 @inline
@@ -360,29 +362,25 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
     bounds : ndarray, shape (m + 1,)
         Largest x at the nodes.
     begin, end : float
-        Wanted x at both ends; negative for any.
+        Wanted x at both ends; negative for any, and the nearest one possible at the beginning.
     lowest, highest : ndarray, shape (m + 1,)
         Filled with the range of x from which the end can be reached.
     x : ndarray, shape (m + 1,)
         Filled.
     where : ndarray of int, shape (1,)
-        Filled with the cell or node at fault.
+        Filled with the cell at fault.
 
     Returns
     -------
     status : int
-        DONE; BLOCKED: no speed at all allows to pass a cell; UNREACHABLE: the wanted x at an end
-        is not possible, the range at the beginning is in `lowest` and `highest`; STALLED: the
-        path cannot be left from rest.
+        DONE; BLOCKED: no x allows to pass a cell, or none that leads to the wanted end; STALLED:
+        a cell is entered and left at rest.
     """
     cells, rows = first.shape
     drift = rest.shape[0] == cells
     order = np.arange(rows)
-    lowest[cells] = max(end, 0.0)
-    highest[cells] = end if end >= 0.0 else bounds[cells]
-    where[0] = cells
-    if end > bounds[cells] * (1.0 + ROW_SLACK):
-        return UNREACHABLE
+    lowest[cells] = min(max(end, 0.0), bounds[cells])
+    highest[cells] = min(end, bounds[cells]) if end >= 0.0 else bounds[cells]
     for k in range(cells - 1, -1, -1):
         box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
         row = rest[k if drift else 0]
@@ -402,9 +400,7 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
             lowest[k] = min(found, highest[k])
     if begin < 0.0:
         begin = highest[0]
-    if begin > highest[0] * (1.0 + ROW_SLACK) or begin < lowest[0] * (1.0 - ROW_SLACK):
-        return UNREACHABLE
-    x[0] = begin
+    x[0] = min(max(begin, lowest[0]), highest[0])
     for k in range(cells):
         row = rest[k if drift else 0]
         x[k + 1] = _next(first[k], second[k], row, x[k], lowest[k + 1], highest[k + 1])

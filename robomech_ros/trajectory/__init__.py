@@ -3,11 +3,13 @@
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.polynomial import Polynomial345
 from robomech_ros.trajectory.profiles import PROFILES, point_to_point
 from robomech_ros.trajectory.sample import Sample, Trajectory
 from robomech_ros.trajectory.sampled_plan import SampledPlan, sampled_point_to_point
+from robomech_ros.trajectory.time_optimal import TimeOptimal, time_optimal
 from robomech_ros.trajectory.verification import Verification, Violation, verify
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
@@ -20,6 +22,9 @@ __all__ = [
     "Polynomial345",
     "Sample",
     "SampledPlan",
+    "SpeedLimit",
+    "TimeOptimal",
+    "TorqueLimits",
     "Trajectory",
     "Verification",
     "Violation",
@@ -28,5 +33,6 @@ __all__ = [
     "interpolant",
     "point_to_point",
     "sampled_point_to_point",
+    "time_optimal",
     "verify",
 ]

@@ -171,6 +171,7 @@ def fastest(
         if len(bends) > _MOST_REFINED:
             break
     assert best is not None
+    _check_ends(best, begin, end)
     return best
 
 
@@ -210,19 +211,13 @@ def _profile(
     time_optimal.local_path(path.breaks, path.coefficients, nodes, local)
     bounds = _bounds(limits, nodes, spans, local, bends)
     first, second, rest, owners = _rows(limits, nodes, spans, local, bends)
-    lowest, highest, squares = np.empty((3, len(nodes)))
-    where = np.zeros(1, np.int64)
+    rows = first, second, rest, bounds
     ends = _square(begin, local[0, :, 1]), _square(end, _last_rate(local, spans))
-    status = time_optimal.speed_profile(
-        first, second, rest, bounds, *ends, lowest, highest, squares, where
-    )
-    if status != time_optimal.DONE:
-        at = int(where[0])
-        if status == time_optimal.UNREACHABLE and at == len(spans):
-            raise _unreachable("final", end, 0.0, float(bounds[-1]))
-        if status == time_optimal.UNREACHABLE:
-            raise _unreachable("initial", begin, float(lowest[0]), float(highest[0]))
-        raise _impossible(limits, float(nodes[at]))
+    squares, fault = _passes(rows, *ends)
+    if fault is not None and end > 0.0:
+        squares, fault = _passes(rows, ends[0], -1.0)  # as fast as possible; refused by the caller
+    if fault is not None:
+        raise _impossible(limits, float(nodes[fault]))
     binding = np.empty(len(spans), np.int64)
     time_optimal.binding_rows(first, second, rest, squares, owners, binding)
     return SpeedProfile(nodes, local, bends, squares, binding)
@@ -240,6 +235,29 @@ def _last_rate(local: FloatArray, spans: FloatArray) -> FloatArray:
     rate: FloatArray = terms.sum(axis=1)
     rate[np.abs(rate) <= tolerances.PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
     return rate
+
+
+def _passes(
+    rows: tuple[FloatArray, FloatArray, FloatArray, FloatArray], begin: float, end: float
+) -> tuple[FloatArray, int | None]:
+    """Find the squares of the speed at the nodes, and the cell that cannot be passed, if any."""
+    lowest, highest, squares = np.empty((3, len(rows[3])))
+    where = np.zeros(1, np.int64)
+    status = time_optimal.speed_profile(*rows, begin, end, lowest, highest, squares, where)
+    return squares, None if status == time_optimal.DONE else int(where[0])
+
+
+def _check_ends(profile: SpeedProfile, begin: float, end: float) -> None:
+    """Refuse speeds at the ends that the limits do not allow."""
+    for which, wanted, square in (
+        ("initial", begin, profile.squares[0]),
+        ("final", end, profile.squares[-1]),
+    ):
+        possible = float(np.sqrt(square))
+        if wanted > 0.0 and abs(possible - wanted) > tolerances.LIMIT_SLACK * wanted:
+            most = "at most" if possible < wanted else "at least"
+            expected = f"{most} {possible:.9g}, which the limits allow"
+            raise BadValueError(f"{which} path speed", wanted, expected)
 
 
 def _bounds(
@@ -283,13 +301,6 @@ def _rows(
         time_optimal.other_rows(a, b, c, spans, bends, start, first, second, rest)
         start += 7 * torques.count
     return first, second, rest, owners + 1
-
-
-def _unreachable(which: str, speed: float, low: float, high: float) -> BadValueError:
-    expected = f"at most {np.sqrt(high):.9g} for the limits"
-    if low > 0.0:
-        expected = f"at least {np.sqrt(low):.9g} and {expected}"
-    return BadValueError(f"{which} path speed", speed, expected)
 
 
 def _impossible(limits: PathLimits, where: float) -> BadValueError:
