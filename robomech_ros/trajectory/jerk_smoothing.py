@@ -23,9 +23,8 @@ from functools import cached_property
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError
-from robomech_ros.trajectory.bounds import extremes, hull
+from robomech_ros.trajectory.bounds import hull
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.path_sections import jump
 from robomech_ros.trajectory.path_speed import PathLimits, SpeedProfile, Timed, fastest
@@ -67,12 +66,28 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) ->
     _check_smoothness(path)
     bounded = replace(limits, square=_jerk_bound(path, jerk))
     longest = float((limits.acceleration / jerk).max())
-    best: _Attempt | None = None
+    best: Timed | None = None
     for window in _WINDOWS:
-        best = _better(path, bounded, jerk, window * longest, best)
+        duration = np.inf if best is None else best.pieces.duration
+        attempt = _best_of_rounds(path, bounded, jerk, window * longest, duration)
+        if attempt is not None:
+            timed = _kept(path, limits, jerk, attempt)
+            best = timed if timed.pieces.duration < duration else best
     assert best is not None
-    timed = _along(path, best.instants, best.clock.mean(best.instants))
-    return _stretched(timed, limits, jerk)
+    return best
+
+
+def _kept(
+    path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray, attempt: "_Attempt"
+) -> Timed:
+    """Turn an attempt into a motion that keeps to all limits."""
+    mean = attempt.clock.mean(attempt.instants)
+    timed = _along(path, attempt.instants, mean)
+    slower = 1.0
+    for speed in limits.speeds:
+        ratio = np.asarray(speed.rate(timed.coordinates)) * timed.speeds / speed.limit
+        slower = max(slower, float(ratio.max()))
+    return timed.stretched(slower).within(limits.velocity, limits.acceleration, jerk)
 
 
 def _check_smoothness(path: PiecewisePolynomial) -> None:
@@ -256,25 +271,28 @@ def _factors(
     return factors
 
 
-def _better(
+def _best_of_rounds(
     path: PiecewisePolynomial,
     limits: PathLimits,
     jerk: FloatArray,
     window: float,
-    best: _Attempt | None,
+    duration: float,
 ) -> _Attempt | None:
-    """Smooth with one window, slowing down where needed; keep the best attempt of all rounds."""
+    """Smooth with one window, slowing down where needed; give the best attempt of all rounds.
+
+    None if no round promises less than `duration`.
+    """
+    best: _Attempt | None = None
     for _ in range(_ROUNDS):
-        assert isinstance(limits.square, _Caps)
         profile = fastest(path, limits)
         clock = _clock(profile, window)
-        if best is not None and clock.curve.duration + window >= best.duration:
+        if clock.curve.duration + window >= duration:
             break
         instants = _instants(clock)
         middle = 0.5 * (instants[1:] + instants[:-1])
         attempt = _Attempt(clock, instants, _factors(path, limits, jerk, clock.mean(middle)))
-        if best is None or attempt.duration < best.duration:
-            best = attempt
+        if attempt.duration < duration:
+            best, duration = attempt, attempt.duration
         if attempt.factors.max() < 1.0 + _SMALL_EXCESS:
             break
         limits = _slowed(limits, profile, attempt)
@@ -311,22 +329,3 @@ def _spread(factors: FloatArray, reach: int) -> FloatArray:
     largest = sliding_window_view(np.maximum(padded, 1.0), 2 * reach + 1).max(axis=1)
     mean: FloatArray = sliding_window_view(largest, 2 * reach + 1).mean(axis=1)
     return mean
-
-
-def _stretched(timed: Timed, limits: PathLimits, jerk: FloatArray) -> Timed:
-    """Stretch the time by what is still needed, which is exact: each rate has its peak found."""
-    margin = 1.0 + tolerances.TIMING_MARGIN
-    needed = 0.0
-    for order, limit in ((1, limits.velocity), (2, limits.acceleration), (3, jerk)):
-        low, high = extremes(timed.pieces, order)
-        ratio = float((np.maximum(high, -low) / limit).max())
-        needed = max(needed, (ratio * margin) ** (1.0 / order))
-    for speed in limits.speeds:
-        ratio = float((np.asarray(speed.rate(timed.coordinates)) * timed.speeds).max())
-        needed = max(needed, ratio / speed.limit * margin)
-    pieces = timed.pieces
-    powers = needed ** -np.arange(len(pieces.coefficients), dtype=float)
-    slower = PiecewisePolynomial(
-        pieces.breaks * needed, pieces.coefficients * powers[:, None, None]
-    )
-    return Timed(slower, timed.coordinates, timed.speeds / needed)

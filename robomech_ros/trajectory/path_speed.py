@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import time_bends, time_optimal, time_pieces, tolerances
+from robomech_ros._kernels import time_bends, time_optimal, time_peaks, time_pieces, tolerances
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
@@ -132,6 +132,30 @@ class Timed:
     pieces: PiecewisePolynomial
     coordinates: FloatArray
     speeds: FloatArray
+
+    def within(self, *limits: FloatArray) -> "Timed":
+        """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
+
+        All peaks are found between the samples as well; what is over by less than half of
+        `tolerances.LIMIT_SLACK` counts as rounding.
+        """
+        slower, floor = 1.0, 1.0 + 0.5 * tolerances.LIMIT_SLACK
+        for order, limit in enumerate(limits, 1):
+            given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
+            peak = float(time_peaks.peak_above(*given, order, floor))
+            if peak > floor:
+                slower = max(slower, peak ** (1.0 / order))
+        return self.stretched(slower)
+
+    def stretched(self, factor: float) -> "Timed":
+        """Take longer by a factor, everywhere."""
+        if factor == 1.0:
+            return self
+        pieces = self.pieces
+        powers = factor ** -np.arange(len(pieces.coefficients), dtype=float)
+        slower = pieces.coefficients * powers[:, None, None]
+        pieces = PiecewisePolynomial(pieces.breaks * factor, slower)
+        return Timed(pieces, self.coordinates, self.speeds / factor)
 
 
 def fastest(

@@ -163,7 +163,8 @@ def time_optimal(
 
 def _shortest(part: PiecewisePolynomial, allowed: PathLimits, begin: float, end: float) -> Timed:
     profile = fastest(part, allowed, begin, end)
-    return profile.timed(allowed.acceleration_scales, tolerances.TIMING_ACCURACY)
+    timed = profile.timed(allowed.acceleration_scales, tolerances.TIMING_ACCURACY)
+    return timed.within(allowed.velocity, allowed.acceleration)
 
 
 def _checked_speeds(given: object) -> tuple[float, float]:
@@ -208,11 +209,7 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
         [*(m.coordinates[:-1] for m in motions), motions[-1].coordinates[-1:]]
     )
     speeds = np.concatenate([*(m.speeds[:-1] for m in motions), motions[-1].speeds[-1:]])
-    slower = tolerances.SHORTEST_TRAJECTORY / starts[-1]
-    if slower > 1.0:
-        powers = slower ** -np.arange(len(pieces.coefficients), dtype=float)
-        pieces = PiecewisePolynomial(
-            pieces.breaks * slower, pieces.coefficients * powers[:, None, None]
-        )
-        speeds = speeds / slower
-    return TimeOptimal(pieces, coordinates, speeds)
+    joined = Timed(pieces, coordinates, speeds)
+    slower = max(tolerances.SHORTEST_TRAJECTORY / float(starts[-1]), 1.0)
+    joined = joined.stretched(slower)
+    return TimeOptimal(joined.pieces, joined.coordinates, joined.speeds)
