@@ -148,7 +148,8 @@ def refine(x, spans, binding, nodes, thetas, accuracy, shortest, finer, finer_th
     for k in range(cells):
         before = after
         after = _loss(x, spans, thetas, k + 1) if k + 1 < cells else 0.0
-        parts = int(min(math.ceil((max(before, after) / allowed) ** (1.0 / 3.0)), PARTS))
+        excess = min(max(before, after) / allowed, float(PARTS**3))
+        parts = int(math.ceil(excess ** (1.0 / 3.0)))
         sigma = _meeting(x, spans, binding, k)
         least = max(_AT_NODE, shortest / spans[k])
         inner = least < sigma < 1.0 - least

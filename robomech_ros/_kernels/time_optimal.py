@@ -399,7 +399,12 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
                 return BLOCKED
             lowest[k] = min(found, highest[k])
     if begin < 0.0:
-        begin = highest[0]
+        # The largest next x counts; where x_0 binds as well, less of it may allow more of that.
+        row = rest[0]
+        box = (lowest[1], highest[1], lowest[0], highest[0])
+        reached = farthest(second[0], first[0], row, order, box, 1.0)
+        if reached >= 0.0:
+            begin = _next(second[0], first[0], row, reached, lowest[0], highest[0])
     x[0] = min(max(begin, lowest[0]), highest[0])
     for k in range(cells):
         row = rest[k if drift else 0]
@@ -410,22 +415,25 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
     return DONE
 
 
-@kernel(i8(IN2, IN2, IN2, IN1, IIN1, IOUT1))
-def binding_rows(first, second, rest, x, owners, binding):
+@kernel(i8(IN2, IN2, IN2, IN1, IN1, IIN1, IOUT1))
+def binding_rows(first, second, rest, bounds, x, owners, binding):
     """Find what binds in each cell.
 
     Parameters
     ----------
-    first, second, rest, x
+    first, second, rest, bounds, x
         As for `speed_profile`.
     owners : ndarray of int, shape (r,)
         To which quantity each row belongs, counted from 1.
     binding : ndarray of int, shape (m,)
-        Filled with the number of the quantity and the sign of its bound; 0 where no row binds.
+        Filled with the number of the quantity and the sign of its bound; 0 where x is at its
+        bounds instead, and a number of its own for each cell where nothing binds all along.
     """
     drift = rest.shape[0] == first.shape[0]
     for k in range(first.shape[0]):
-        largest, binding[k] = _BINDING, 0
+        largest = _BINDING
+        bounded = x[k] >= largest * bounds[k] and x[k + 1] >= largest * bounds[k + 1]
+        binding[k] = 0 if bounded else first.shape[1] + 1 + k
         row = rest[k if drift else 0]
         for i in range(first.shape[1]):
             value = first[k, i] * x[k] + second[k, i] * x[k + 1] + row[i]

@@ -1,4 +1,4 @@
-"""The motion along a path as quintic pieces in time, from the squares of the speeds at its nodes."""
+"""The motion along a path as quintic pieces in time, from the squares of the speeds at nodes."""
 
 import math
 
@@ -42,7 +42,7 @@ def _duration(x0, x1, theta, span, w0, w1):
 
 @inline
 def _state(local, x0, x1, theta, span, sigma, state):
-    """Write way since the beginning of the cell, velocity and acceleration of all joints, (3, n)."""
+    """Write way since the cell's beginning, velocity and acceleration of all joints, (3, n)."""
     bend = 0.5 * theta * (x0 + x1)
     x = max(x0 + sigma * (x1 - x0 + bend * (1.0 - sigma)), 0.0)
     speed, rate = math.sqrt(x), 0.5 * (x1 - x0 + bend * (1.0 - 2.0 * sigma)) / span

@@ -305,7 +305,7 @@ def _slowed(limits: PathLimits, profile: SpeedProfile, attempt: _Attempt) -> Pat
     count = min(int(np.ceil(_IN_WINDOW * attempt.instants[-1] / window)), _MOST)
     even = np.linspace(0.0, attempt.instants[-1], count + 1)
     at = np.clip(np.searchsorted(attempt.instants, even) - 1, 0, attempt.factors.shape[1] - 1)
-    reach = max(int(round(0.5 * window / even[1])), 1)
+    reach = max(round(0.5 * window / even[1]), 1)
     then = np.clip(even - 0.5 * window, 0.0, clock.curve.duration)
     places = clock.curve.sample(then).position[:, 0]
     caps, slowdown = limits.square, limits.slowdown

@@ -1,5 +1,7 @@
 """Paths as joints over a path coordinate: their check, and their sections between corners."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from robomech_ros._kernels import tolerances
@@ -73,7 +75,7 @@ def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
             curve.breaks[first : last + 1],
             np.ascontiguousarray(curve.coefficients[:, first:last]),
         )
-        for first, last in zip(ends[:-1], ends[1:], strict=True)
+        for first, last in pairwise(ends)
         if moves[first]
     ]
 

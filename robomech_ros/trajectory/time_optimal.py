@@ -199,7 +199,7 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
         times = np.array([0.0, tolerances.SHORTEST_TRAJECTORY])
         pieces = PiecewisePolynomial(times, coefficients)
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
-    starts = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
+    starts: FloatArray = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
     times = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
     pieces = PiecewisePolynomial(
         np.append(np.concatenate(times), starts[-1]),
