@@ -149,7 +149,7 @@ def refine(x, spans, binding, nodes, thetas, accuracy, shortest, finer, finer_th
         before = after
         after = _loss(x, spans, thetas, k + 1) if k + 1 < cells else 0.0
         excess = min(max(before, after) / allowed, float(PARTS**3))
-        parts = int(math.ceil(excess ** (1.0 / 3.0)))
+        parts = math.ceil(excess ** (1.0 / 3.0))
         sigma = _meeting(x, spans, binding, k)
         least = max(_AT_NODE, shortest / spans[k])
         inner = least < sigma < 1.0 - least

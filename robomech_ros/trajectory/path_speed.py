@@ -186,8 +186,9 @@ def fastest(
     best: SpeedProfile | None = None
     for done in range(1, _MOST_PASSES + 1):
         profile = _profile(path, limits, nodes, bends, begin, end)
+        missed = _missed(profile, begin, end)
         gain = 1.0 if best is None else 1.0 - profile.duration / best.duration
-        if gain > 0.0:
+        if best is None or (missed, profile.duration) < (_missed(best, begin, end), best.duration):
             best = profile
         if done >= _LEAST_PASSES and gain < _WORTHWHILE:
             break
@@ -274,16 +275,35 @@ def _passes(
     return squares, None if status == time_optimal.DONE else int(where[0])
 
 
-def _check_ends(profile: SpeedProfile, begin: float, end: float) -> None:
-    """Refuse speeds at the ends that the limits do not allow."""
+def _differences(
+    profile: SpeedProfile, begin: float, end: float
+) -> list[tuple[str, float, float, bool]]:
+    """List for both ends the wanted speed, the one that is possible, and whether they agree."""
     last = _last_rate(profile.local, profile.spans)
+    found = []
     for which, wanted, square, rate in (
         ("initial", begin, profile.squares[0], profile.local[0, :, 1]),
         ("final", end, profile.squares[-1], last),
     ):
         possible = float(np.sqrt(square))
         free = _square(wanted, rate) < 0.0
-        if not free and abs(possible - wanted) > tolerances.LIMIT_SLACK * wanted:
+        near = free or abs(possible - wanted) <= tolerances.LIMIT_SLACK * wanted
+        found.append((which, wanted, possible, near))
+    return found
+
+
+def _missed(profile: SpeedProfile, begin: float, end: float) -> float:
+    """By how much the wanted speeds at the ends are missed; 0 where they are met."""
+    return sum(
+        0.0 if near else abs(wanted - possible)
+        for _, wanted, possible, near in _differences(profile, begin, end)
+    )
+
+
+def _check_ends(profile: SpeedProfile, begin: float, end: float) -> None:
+    """Refuse speeds at the ends that the limits do not allow."""
+    for which, wanted, possible, near in _differences(profile, begin, end):
+        if not near:
             most = "at most" if possible < wanted else "at least"
             expected = f"{most} {possible:.9g}, which the limits allow"
             raise BadValueError(f"{which} path speed", wanted, expected)

@@ -200,9 +200,9 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
         pieces = PiecewisePolynomial(times, coefficients)
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
     starts: FloatArray = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
-    times = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
+    instants = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
     pieces = PiecewisePolynomial(
-        np.append(np.concatenate(times), starts[-1]),
+        np.append(np.concatenate(instants), starts[-1]),
         np.concatenate([m.pieces.coefficients for m in motions], axis=1),
     )
     coordinates = np.concatenate(
