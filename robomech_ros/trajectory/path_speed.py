@@ -107,14 +107,28 @@ class SpeedProfile:
         return float(time_pieces.total_time(self.spans, self.bends, self.squares))
 
     def timed(self, scales: FloatArray, accuracy: float) -> "Timed":
-        """Turn the profile into a motion whose accelerations are right within `accuracy`."""
+        """Turn the profile into a motion whose accelerations are right within `accuracy`.
+
+        It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
+        """
         given = self.local, self.spans, self.bends, self.squares
-        counts = np.empty(len(self.spans), np.int64)
-        total = time_pieces.piece_counts(*given, scales, accuracy, counts)
+        counts = np.ones(len(self.spans), np.int64)
+        if not scales.all():
+            rough = self._in_pieces(counts).pieces
+            peaks = 2.0 * np.abs(rough.coefficients[2]).max(axis=0)
+            scales = np.where(scales > 0.0, scales, 1.0 / np.where(peaks > 0.0, peaks, np.inf))
+        time_pieces.piece_counts(*given, scales, accuracy, counts)
+        return self._in_pieces(counts)
+
+    def _in_pieces(self, counts: npt.NDArray[np.int64]) -> "Timed":
+        """Divide each cell into a number of pieces, shape (m,)."""
+        total = int(counts.sum())
         times, coordinates, speeds = np.empty((3, total + 1))
         coefficients = np.empty((6, total, self.local.shape[1]))
+        given = self.local, self.spans, self.bends, self.squares
         time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
-        return Timed(PiecewisePolynomial(times, coefficients), coordinates + self.nodes[0], speeds)
+        pieces = PiecewisePolynomial(times, coefficients)
+        return Timed(pieces, coordinates + self.nodes[0], speeds)
 
 
 @dataclass(frozen=True, eq=False)

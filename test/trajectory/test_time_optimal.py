@@ -375,6 +375,26 @@ def test_a_swing_that_rest_does_not_allow():
     assert np.abs(torque).max() == pytest.approx(2.0, rel=1e-5)
 
 
+def test_torques_of_a_curved_path_hold_between_samples():
+    # Two joints, each with its own inertia and viscous-like coupling by the speed squared.
+    rng = np.random.default_rng(8)
+    path = as_path(CubicSpline(np.linspace(0, 1, 7), rng.uniform(-1, 1, (7, 2))))
+    inertia = np.array([[2.0, 0.4], [0.4, 0.7]])
+
+    def coefficients(s):
+        at = path.sample(s)
+        return at.velocity @ inertia, at.acceleration @ inertia, np.sin(at.position)
+
+    bound = np.array([6.0, 3.0])
+    given = TorqueLimits(coefficients, -bound, bound)
+    limits = Limits(["a", "b"], velocity=20.0)
+    motion = time_optimal(path, limits, torque_limits=given)
+    sample = motion.sample(np.linspace(0.0, motion.duration, 20_000))
+    ratios = np.abs(sample.acceleration @ inertia + np.sin(sample.position)) / bound
+    assert 0.999 < ratios.max() <= 1.0 + 1e-6
+    assert np.median(ratios.max(axis=1)) > 0.99
+
+
 def test_torques_that_allow_no_motion():
     held = TorqueLimits(lambda s: (np.ones((len(s), 1)), 0.0 * s[:, None], s[:, None] + 1.5), -1, 1)
     with pytest.raises(BadValueError, match="at path coordinate .* these allow none"):
