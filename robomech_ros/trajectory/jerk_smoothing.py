@@ -33,8 +33,11 @@ from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["smoothed"]
 
-# Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit.
-_WINDOWS = (0.35, 0.6, 1.0, 1.5, 2.2)
+# Windows that are tried, as multiples of the largest ratio of acceleration to jerk limit; in each
+# the accelerations are limited to what the jerk reaches within it.
+_WINDOWS = (2.0, 1.4, 1.0, 0.65, 0.4, 0.2, 0.1, 0.05, 0.02, 0.005, 0.001)
+# Shorter windows are not tried after so many that brought no gain.
+_WORSE = 3
 # Slowing the path down where limits are exceeded, at most so many times; an excess of the speed
 # that is smaller is taken off by stretching the time.
 _ROUNDS = 12
@@ -67,12 +70,19 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) ->
     bounded = replace(limits, square=_jerk_bound(path, jerk))
     longest = float((limits.acceleration / jerk).max())
     best: Timed | None = None
-    for window in _WINDOWS:
+    worse = 0
+    for part in _WINDOWS:
+        window = part * longest
         duration = np.inf if best is None else best.pieces.duration
-        attempt = _best_of_rounds(path, bounded, jerk, window * longest, duration)
-        if attempt is not None:
-            timed = _kept(path, limits, jerk, attempt)
-            best = timed if timed.pieces.duration < duration else best
+        gentle = replace(bounded, acceleration=np.minimum(limits.acceleration, jerk * window))
+        attempt = _best_of_rounds(path, gentle, jerk, window, duration)
+        timed = None if attempt is None else _kept(path, limits, jerk, attempt)
+        if timed is not None and timed.pieces.duration < duration:
+            best, worse = timed, 0
+        else:
+            worse += 1
+        if worse == _WORSE:
+            break
     assert best is not None
     return best
 
