@@ -53,6 +53,18 @@ POSITION_SLACK = 1e-6
 LIMIT_SLACK = 1e-6
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
+# Excess over a bound, as a part of it, that is rounding in a cell of a time-optimal path: its rows
+# multiply the squared speeds by up to 1e6, one over the length of the shortest cells.
+ROW_SLACK = 1e-10
+# Time-optimal motions are planned within the limits less this part, and their pieces in time give
+# back the accelerations of the path up to the other part: together less than LIMIT_SLACK.
+TIMING_MARGIN = 2e-7
+TIMING_ACCURACY = 1e-7
+# A derivative of a path that steps by less than this part of its largest value is continuous:
+# splines from linear equations keep some ten digits.
+PATH_STEP = 1e-9
+# A piece of a path in which no joint moves farther (rad, m) stands still.
+PATH_STANDSTILL = 1e-12
 
 # --- Three parallel axes: recognition ---
 # Largest sine between axes taken as parallel: nine printed digits of an angle keep within it, a

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.interpolation import interpolant
     from robomech_ros.trajectory.jerk_limited import JerkLimited
     from robomech_ros.trajectory.limits import JointLimits, Limits
+    from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
     from robomech_ros.trajectory.path_motions import (
         PATH_PROFILES,
         PathMotion,
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
         along_joint_path,
         along_path,
     )
+    from robomech_ros.trajectory.path_timing import TimeOptimal, time_optimal
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
@@ -100,8 +102,11 @@ __all__ = [
     "Sample",
     "SampledPlan",
     "SerialArm",
+    "SpeedLimit",
     "Spline",
+    "TimeOptimal",
     "TipSpeeds",
+    "TorqueLimits",
     "Trajectory",
     "Trapezoidal",
     "Turning",
@@ -138,6 +143,7 @@ __all__ = [
     "spline_through",
     "straight_path",
     "through_points",
+    "time_optimal",
     "track_path",
     "tracking_error",
     "verify",
@@ -146,6 +152,10 @@ __all__ = [
 ]
 
 _MODULES = {
+    "time_optimal": "path_timing",
+    "TimeOptimal": "path_timing",
+    "TorqueLimits": "path_limits",
+    "SpeedLimit": "path_limits",
     "along_path": "path_motions",
     "along_joint_path": "path_motions",
     "TipSpeeds": "path_motions",

@@ -10,6 +10,7 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
+GROUPS = ("forward", "inverse", "trajectory", "nodes")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -22,11 +23,9 @@ def main() -> int:
         default=Path(sys.executable),
         help="Python that has the suite and rclpy (this one)",
     )
-    parser.add_argument(
-        "--only", choices=("forward", "inverse", "nodes"), help="one group of measurements"
-    )
+    parser.add_argument("--only", choices=GROUPS, help="one group of measurements")
     arguments = parser.parse_args()
-    groups = [arguments.only] if arguments.only else ["forward", "inverse", "nodes"]
+    groups = [arguments.only] if arguments.only else GROUPS
 
     from table import missed, render
 
@@ -38,8 +37,15 @@ def main() -> int:
     if "inverse" in groups:
         import bench_inverse
 
-        inverse_rows, remarks = bench_inverse.rows()
+        inverse_rows, inverse_remarks = bench_inverse.rows()
         rows += inverse_rows
+        remarks += inverse_remarks
+    if "trajectory" in groups:
+        import bench_trajectory
+
+        trajectory_rows, trajectory_remarks = bench_trajectory.rows()
+        rows += trajectory_rows
+        remarks += trajectory_remarks
     if "nodes" in groups:
         import bench_nodes
 

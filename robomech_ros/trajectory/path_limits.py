@@ -1,0 +1,195 @@
+"""Limits along a path besides those of the joints: speeds of the tip, torques, and their like."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite, real_array, real_number
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["SpeedLimit", "TorqueLimits", "checked_list"]
+
+# A cell is sampled at these five places; the ends a little inside it, because the coefficients of
+# a path may step where two of its pieces meet.
+_INSIDE = 1e-9
+_PLACES = np.array([_INSIDE, 0.25, 0.5, 0.75, 1.0 - _INSIDE])
+# From the samples to the powers of the quartic through them.
+_QUARTIC = np.linalg.inv(np.vander(np.linspace(0.0, 1.0, 5), increasing=True))
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedLimit:
+    """A speed that is proportional to the speed along the path, and its limit.
+
+    For the tip of a robot on its way p(s), ``rate`` is ``|p'(s)|``; for the angular speed of the
+    tip it is the magnitude of the angular velocity divided by that of s.
+
+    Attributes
+    ----------
+    rate : callable or (array_like, array_like)
+        Of path coordinates of shape (m,), the rates there, shape (m,): speed over the rate of
+        the path coordinate.  Or two arrays of shape (m,), increasing path coordinates and the
+        rates there; linear in between.
+    limit : float
+        Largest speed, m/s or rad/s.
+    """
+
+    rate: Any
+    limit: float
+
+    def __post_init__(self) -> None:
+        limit = real_number("speed limit", self.limit, "a number above 0")
+        if not limit > 0.0:
+            raise BadValueError("speed limit", limit, "a number above 0")
+        object.__setattr__(self, "limit", limit)
+        if not callable(self.rate):
+            object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))
+
+    def powers(self, nodes: FloatArray) -> FloatArray:
+        """Give the rate over the limit in every cell, in powers of sigma, shape (m, 5)."""
+        values = _values("rate of a speed limit", self.rate, nodes, ())
+        return _in_powers(values / self.limit)
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueLimits:
+    r"""Limits of quantities that are linear in the acceleration along the path.
+
+    .. math:: l_i \le a_i(s) \ddot s + b_i(s) \dot s^2 + c_i(s) \le u_i
+
+    With the mass matrix M, Coriolis and centrifugal matrix C and gravity torques g of a robot on
+    the path q(s), its joint torques have a = M q', b = M q'' + C(q, q') q' and c = g.
+
+    Attributes
+    ----------
+    coefficients : callable or (array_like, array_like, array_like, array_like)
+        Of path coordinates of shape (m,), a tuple of a, b and c there, each of shape (m, l).  Or
+        four arrays: increasing path coordinates, shape (m,), and a, b and c there; linear in
+        between.
+    lower, upper : ndarray, shape (l,)
+        The limits, N m or N.
+    """
+
+    coefficients: Any
+    lower: FloatArray
+    upper: FloatArray
+
+    def __post_init__(self) -> None:
+        lower = np.atleast_1d(real_array("lower torque limits", self.lower))
+        upper = np.atleast_1d(real_array("upper torque limits", self.upper))
+        if lower.ndim != 1 or lower.shape != upper.shape:
+            raise WrongSizeError("upper torque limits", upper.shape, lower.shape)
+        for what, values in (("lower", lower), ("upper", upper)):
+            if not np.isfinite(values).all():
+                raise NonFiniteError(f"{what} torque limits", values)
+        if not (lower < upper).all():
+            k = int(np.argmin(upper - lower))
+            expected = f"less than the upper one, {float(upper[k])!r}"
+            raise BadValueError(f"lower torque limit [{k}]", float(lower[k]), expected)
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", upper)
+        if not callable(self.coefficients):
+            object.__setattr__(self, "coefficients", _table(self.coefficients, len(lower)))
+
+    @property
+    def count(self) -> int:
+        """Number of quantities."""
+        return len(self.lower)
+
+    def powers(self, nodes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Give a, b and c in every cell, scaled to limits of -1 and 1, each of shape (m, l, 5)."""
+        given = self.coefficients(_places(nodes))
+        if not isinstance(given, tuple | list) or len(given) != 3:
+            raise BadValueError("coefficients of torque limits", given, "a tuple of a, b and c")
+        half, middle = 0.5 * (self.upper - self.lower), 0.5 * (self.upper + self.lower)
+        shape = (len(nodes) - 1, 5, self.count)
+        a, b, c = (
+            _checked(f"{name} of torque limits", values, shape)
+            for name, values in zip("abc", given, strict=True)
+        )
+        scaled = (a / half, b / half, (c - middle) / half)
+        powers = tuple(_in_powers(np.moveaxis(values, 1, 2)) for values in scaled)
+        return powers[0], powers[1], powers[2]
+
+
+def checked_list(what: str, given: object, kind: type) -> list[Any]:
+    """Give one limit or a sequence of them as a list."""
+    if isinstance(given, kind):
+        return [given]
+    if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):
+        raise BadValueError(what, given, f"a {kind.__name__} or a list of them")
+    return list(given)
+
+
+def _places(nodes: FloatArray) -> FloatArray:
+    """List the five sampled path coordinates of every cell, one cell after the other."""
+    places: FloatArray = (nodes[:-1, None] + np.diff(nodes)[:, None] * _PLACES).ravel()
+    return places
+
+
+def _checked(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    values = real_array(what, given)
+    wanted = (shape[0] * shape[1], *shape[2:])
+    if values.shape != wanted:
+        raise WrongSizeError(what, values.shape, wanted)
+    if not np.isfinite(values).all():
+        raise NonFiniteError(what, values)
+    return values.reshape(shape)
+
+
+def _values(
+    what: str, rate: Callable[[FloatArray], npt.ArrayLike], nodes: FloatArray, tail: tuple[int, ...]
+) -> FloatArray:
+    return _checked(what, rate(_places(nodes)), (len(nodes) - 1, 5, *tail))
+
+
+def _in_powers(values: FloatArray) -> FloatArray:
+    """Turn five samples (..., 5) into the powers of the quartic through them."""
+    powers: FloatArray = np.ascontiguousarray(values @ _QUARTIC.T)
+    return powers
+
+
+def _interpolated(
+    what: str, given: object, tail: tuple[int, ...]
+) -> Callable[[FloatArray], FloatArray]:
+    expected = "a callable, or a pair of arrays: path coordinates and rates"
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise BadValueError(what, given, expected)
+    where = _coordinates(what, given[0])
+    values = as_finite(what, given[1], tail)
+    if values.shape != where.shape:
+        raise WrongSizeError(what, values.shape, where.shape)
+    return lambda s: np.interp(s, where, values)
+
+
+def _coordinates(what: str, given: npt.ArrayLike) -> FloatArray:
+    where = as_finite(f"path coordinates of the {what}", given, ())
+    if where.ndim != 1 or len(where) < 2 or not (np.diff(where) > 0.0).all():
+        expected = "at least two increasing path coordinates"
+        raise BadValueError(f"path coordinates of the {what}", where.tolist(), expected)
+    return where
+
+
+def _table(given: object, count: int) -> Callable[[FloatArray], tuple[FloatArray, ...]]:
+    what = "coefficients of torque limits"
+    if not isinstance(given, tuple | list) or len(given) != 4:
+        raise BadValueError(what, given, "a callable, or four arrays: path coordinates, a, b and c")
+    where = _coordinates(what, given[0])
+    tables = []
+    for name, values in zip("abc", given[1:], strict=True):
+        table = as_finite(f"{name} of torque limits", values, ())
+        if table.shape != (len(where), count):
+            raise WrongSizeError(f"{name} of torque limits", table.shape, (len(where), count))
+        tables.append(table)
+
+    def interpolate(s: FloatArray) -> tuple[FloatArray, ...]:
+        return tuple(
+            np.stack([np.interp(s, where, column) for column in table.T], axis=1)
+            for table in tables
+        )
+
+    return interpolate

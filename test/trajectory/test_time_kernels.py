@@ -1,0 +1,46 @@
+"""The kernels of time-optimal motions against plain NumPy."""
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from robomech_ros._kernels import time_optimal, time_peaks
+from robomech_ros.trajectory import PiecewisePolynomial
+from robomech_ros.trajectory.bounds import extremes
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_rows_are_the_bernstein_coefficients_of_the_acceleration(degree):
+    rng = np.random.default_rng(degree)
+    local = rng.normal(size=(3, 2, degree + 1))
+    spans, bends, scales = rng.uniform(0.1, 1, 3), rng.uniform(-0.5, 0.5, 3), rng.uniform(0.5, 2, 2)
+    first, second = np.empty((2, 3, 2 * (degree + 1)))
+    time_optimal.joint_rows(local, spans, bends, scales, first, second)
+    sigma = np.linspace(0, 1, 7)
+    basis = [comb(degree, i) * sigma**i * (1 - sigma) ** (degree - i) for i in range(degree + 1)]
+    for k in range(3):
+        x0, x1 = rng.uniform(0, 1, 2)
+        bow = 0.5 * bends[k] * (x0 + x1)
+        x = x0 + (x1 - x0) * sigma + bow * sigma * (1 - sigma)
+        rate = (x1 - x0 + bow * (1 - 2 * sigma)) / (2 * spans[k])
+        for j in range(2):
+            path = np.polynomial.Polynomial(local[k, j])
+            s = sigma * spans[k]
+            exact = scales[j] * (path.deriv(1)(s) * rate + path.deriv(2)(s) * x)
+            mine = slice(j * (degree + 1), (j + 1) * (degree + 1))
+            found = (first[k, mine] * x0 + second[k, mine] * x1) @ np.array(basis)
+            np.testing.assert_allclose(found, exact, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_peaks_between_the_samples(order):
+    rng = np.random.default_rng(order)
+    for _ in range(20):
+        breaks = np.cumsum(np.append(0.0, rng.uniform(0.5, 2, 5)))
+        curve = PiecewisePolynomial(breaks, rng.normal(size=(6, 5, 3)))
+        limits = rng.uniform(0.5, 2, 3)
+        exact = max(np.abs(found / limits).max() for found in extremes(curve, order))
+        given = breaks, curve.coefficients, 1.0 / limits, order
+        assert time_peaks.peak_above(*given, 0.1) == pytest.approx(exact, rel=2e-8)
+        assert time_peaks.peak_above(*given, 2.0 * exact) == 2.0 * exact
