@@ -9,6 +9,7 @@ of Python, NumPy and numba.
 import functools
 import hashlib
 import logging
+import math
 import os
 import stat
 import sys
@@ -21,11 +22,13 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite.binding
+import llvmlite.ir
 import numba
 import numpy
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
 
 __all__ = [
     "F3",
@@ -41,6 +44,7 @@ __all__ = [
     "OUT3",
     "ZERO",
     "b1",
+    "borrowed",
     "cache_directory",
     "f8",
     "i8",
@@ -48,6 +52,8 @@ __all__ = [
     "kernel",
     "linked",
     "part",
+    "scratch",
+    "scratch_integers",
 ]
 
 f8 = types.float64
@@ -210,6 +216,70 @@ def linked(function: Any) -> Any:
         return wanted.return_type(types.StarArgTuple.from_types(args)), generate
 
     return call
+
+
+def _scratch(dtype: Any, plain: Any) -> Any:
+    """Make the function that gives kernels small arrays of one type on the stack."""
+
+    def generate_array(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        kind = signature.return_type
+        (given,) = signature.args
+        shape = [length.literal_value for length in given]
+        item = context.get_data_type(dtype)
+        size = context.get_abi_sizeof(item)
+        word = context.get_value_type(types.intp)
+        room = cgutils.alloca_once(builder, llvmlite.ir.ArrayType(item, math.prod(shape)))
+        array = make_array(kind)(context, builder)
+        strides = [size * math.prod(shape[i + 1 :]) for i in range(len(shape))]
+        populate_array(
+            array,
+            data=builder.bitcast(room, array.data.type),
+            shape=cgutils.pack_array(builder, [word(length) for length in shape]),
+            strides=cgutils.pack_array(builder, [word(stride) for stride in strides]),
+            itemsize=word(size),
+            meminfo=None,
+        )
+        return array._getvalue()
+
+    @intrinsic(prefer_literal=True)
+    def scratch(typing_context: Any, *shape: Any) -> Any:
+        kind = types.Array(dtype, len(shape), "C")
+        return kind(types.StarArgTuple.from_types(shape)), generate_array
+
+    if numba.config.DISABLE_JIT:
+        return lambda *shape: numpy.empty(shape, plain)
+    return scratch
+
+
+# Small arrays of constant shape, given as separate numbers or names of such: ``scratch(3, 3)``.
+# They stand on the stack, which costs nothing, where np.empty takes as long as fifty
+# multiplications, and are gone when the function that asked for them returns.  In a loop it is
+# the same array every time.
+scratch = _scratch(f8, numpy.float64)
+scratch_integers = _scratch(i8, numpy.int64)
+
+
+def _borrowed() -> Any:
+    """Make the function that takes an array of a caller without counting references to it."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        array = make_array(signature.return_type)(context, builder, args[0])
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+
+    @intrinsic
+    def borrowed(typing_context: Any, array: Any) -> Any:
+        return array(array), generate
+
+    if numba.config.DISABLE_JIT:
+        return lambda array: array
+    return borrowed
+
+
+# The same array, for the time of the call: what counts references to its rows is two locked
+# instructions for each row that is looked at.
+borrowed = _borrowed()
 
 
 @functools.lru_cache(maxsize=1)

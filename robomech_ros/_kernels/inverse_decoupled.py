@@ -9,9 +9,31 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
-from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    borrowed,
+    i8,
+    inline,
+    part,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.angles import angle_of, wrapped
+from robomech_ros._kernels.arm_rows import (
+    DETERMINANT,
+    FREE,
+    WIDTH,
+    aim,
+    copy_row,
+    cosine_of,
+    sine_of,
+)
 from robomech_ros._kernels.decoupled_arm import (
+    ARM_ROWS,
     MOST_ARMS,
     arm_error,
     arm_postures,
@@ -43,10 +65,9 @@ _STEPS = np.int64(30)
 
 
 @inline
-def _turn(Q, angle):
-    """Rz(-angle) Q."""
-    c = math.cos(angle)
-    s = math.sin(angle)
+def _turn_back(arm, j, Q):
+    """Turn Q back by joint j."""
+    c, s = cosine_of(arm, j), sine_of(arm, j)
     return (
         c * Q[0] + s * Q[3],
         c * Q[1] + s * Q[4],
@@ -108,17 +129,11 @@ def _reduced_target(data, T):
 
 
 @inline
-def _left_over(data, arm, Q, after):
-    """Turn Q back through the joints and links 1 to ``after``."""
-    if data[at.TYPES] == 0.0:
-        Q = _turn(Q, arm[0])
-    Q = _unturn(data, at.C1, Q)
-    if data[at.TYPES + 1] == 0.0:
-        Q = _turn(Q, arm[1])
-    Q = _unturn(data, at.C2, Q)
-    if data[at.TYPES + 2] == 0.0:
-        Q = _turn(Q, arm[2])
-    return _unturn(data, at.C3, Q)
+def _left_over(data, arm, Q):
+    """Turn Q back through the first three joints and their links."""
+    Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
+    Q = _unturn(data, at.C2, _turn_back(arm, 1, Q))
+    return _unturn(data, at.C3, _turn_back(arm, 2, Q))
 
 
 @inline
@@ -128,18 +143,16 @@ def _reachable_angle(data, arm, Q, j):
     The cosine of the angle between axes 4 and 6 is of first order in the joint; it must not
     leave the wrist's range.  Returns False where it never comes into it.
     """
-    before = _turn(Q, arm[0]) if j > 0 and data[at.TYPES] == 0.0 else Q
+    before = Q
     if j > 0:
-        before = _unturn(data, at.C1, before)
+        before = _unturn(data, at.C1, _turn_back(arm, 0, before))
     if j > 1:
-        before = _turn(before, arm[1]) if data[at.TYPES + 1] == 0.0 else before
-        before = _unturn(data, at.C2, before)
+        before = _unturn(data, at.C2, _turn_back(arm, 1, before))
     x, y, z = before[2], before[5], before[8]
     ax, ay, az = data[at.C3 + 2], data[at.C3 + 6], data[at.C3 + 10]
     for i in range(2, j, -1):
-        if data[at.TYPES + i] == 0.0:
-            c, s = math.cos(arm[i]), math.sin(arm[i])
-            ax, ay = c * ax - s * ay, s * ax + c * ay
+        c, s = cosine_of(arm, i), sine_of(arm, i)
+        ax, ay = c * ax - s * ay, s * ax + c * ay
         k = at.C2 if i == 2 else at.C1
         ax, ay, az = (
             data[k] * ax + data[k + 1] * ay + data[k + 2] * az,
@@ -153,32 +166,34 @@ def _reachable_angle(data, arm, Q, j):
         bound = math.cos(data[at.NEAREST + side])
         found, c1, s1, c2, s2 = order_one_roots(constant - bound, c, s, 0.0)
         for i in range(found):
-            angle = math.atan2(s1 if i == 0 else s2, c1 if i == 0 else c2)
+            angle = angle_of(s1 if i == 0 else s2, c1 if i == 0 else c2)
             turn = wrapped(angle - arm[j])
             if abs(turn) < best:
                 best = abs(turn)
                 value = arm[j] + turn
     arm[j] = value
+    aim(data, arm)
     return best < math.inf
 
 
 @inline
 def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
-    left = _left_over(data, arm, Q, 3)
+    left = _left_over(data, arm, Q)
     count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
-    free = int(arm[3])
+    free = int(arm[FREE])
     if count > 0 or free == 0:
         return count, flags
     for j in range(3):
         if free & (1 << j) and data[at.TYPES + j] == 0.0:
             before = arm[j]
             if _reachable_angle(data, arm, Q, j):
-                left = _left_over(data, arm, Q, 3)
+                left = _left_over(data, arm, Q)
                 count, flags = spherical_wrist(data, left, free_angle, ACCEPTED, parallel, angles)
             if count > 0:
                 break
             arm[j] = before
+            aim(data, arm)
     return count, flags
 
 
@@ -218,7 +233,7 @@ def _add_singular(data, T, arm, angles, q, count):
 @inline
 def _name(data, bits, flags, angle5):
     """Complete the name of an arm's branch by that of the wrist."""
-    if math.sin(angle5) * data[at.UNFLIPPED] < 0.0:
+    if wrapped(angle5) * data[at.UNFLIPPED] < 0.0:
         bits |= bit.WRIST_FLIP
     if flags & WRIST_FREE:
         bits |= bit.WRIST_SINGULAR
@@ -237,18 +252,17 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
     are sought from both its sides.
     """
-    J = np.empty((3, 3))
-    e = np.empty(3)
-    trial = np.empty(4)
+    J = scratch(3, 3)
+    e = scratch(3)
+    trial = scratch(WIDTH)
     starts = 1
     start = 0
     while start < starts:
-        for j in range(4):
-            trial[j] = arm[j]
+        copy_row(arm, trial)
         side = 0.0 if start == 0 else _FOLD * (1.0 - 2.0 * (start & 1))
         if start == 1 or start == 2:
             arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
-            step_aside(trial, J, side)
+            step_aside(data, trial, J, side)
         n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
         for k in range(n):
             if count == q.shape[0]:
@@ -271,10 +285,11 @@ def solve_decoupled(data, T, seed, q, branch):
     Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
     ``seed`` (6,), or the nearest that leads to a solution.  Returns how many.
     """
+    data, q, branch = borrowed(data), borrowed(q), borrowed(branch)
     c, Q = _reduced_target(data, T)
-    arms = np.empty((MOST_ARMS + 1, 5))
-    bits = np.empty(MOST_ARMS, np.int64)
-    angles = np.empty((2, 3))
+    arms = scratch(ARM_ROWS, WIDTH)
+    bits = scratch_integers(MOST_ARMS)
+    angles = scratch(2, 3)
     slack = 0.5 * ACCEPTED if data[at.EXACT] == 1.0 else data[at.SLACK]
     free_angle = seed[3] + data[at.ANGLES]
     count = ZERO
@@ -283,9 +298,10 @@ def solve_decoupled(data, T, seed, q, branch):
         found = arm_postures(data, c, seed, shift, arms, bits)
         any_free = False
         for i in range(found):
-            any_free = any_free or arms[i, 3] > 0.0
+            any_free = any_free or arms[i, FREE] > 0.0
             before = count
-            parallel = min(max(PARALLEL_AXES, ARM_ROUNDING / arms[i, 4]), PARALLEL_AT_FOLD)
+            rounding = ARM_ROUNDING / arms[i, DETERMINANT]
+            parallel = min(max(PARALLEL_AXES, rounding), PARALLEL_AT_FOLD)
             n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, parallel, angles)
             if parallel > PARALLEL_AXES and flags & WRIST_FREE:
                 count = _add_singular(data, T, arms[i], angles, q, count)
@@ -294,7 +310,7 @@ def solve_decoupled(data, T, seed, q, branch):
                     branch[before] = _name(data, bits[i], flags, angle5)
                     continue
                 n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, PARALLEL_AXES, angles)
-            fold = arms[i, 4] <= NEAR_SINGULAR
+            fold = arms[i, DETERMINANT] <= NEAR_SINGULAR
             if data[at.EXACT] == 1.0 and (n > 0 or not fold):
                 for k in range(n):
                     _enter(data, arms[i], angles[k], q[count])

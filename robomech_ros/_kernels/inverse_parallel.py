@@ -1,9 +1,18 @@
 """All solutions of a six-joint arm with three parallel axes next to each other."""
 
-import numpy as np
-
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    borrowed,
+    i8,
+    inline,
+    part,
+    scratch,
+)
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
@@ -124,9 +133,10 @@ def _without_repetitions(data, q, branch, count):
 @part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_parallel(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,); return how many."""
+    data, q, branch = borrowed(data), borrowed(q), borrowed(branch)
     G = _demanded(data, T)
-    pairs = np.empty((MAX_PAIRS, PAIR_WIDTH))
-    errors = np.empty(MAX_SOLUTIONS)
+    pairs = scratch(MAX_PAIRS, PAIR_WIDTH)
+    errors = scratch(MAX_SOLUTIONS)
     if data[at.SLIDING] != at.SLIDE_NONE:
         found = sliding_pairs(data, G, seed, pairs)
     elif data[at.KIND] == at.SKEW:

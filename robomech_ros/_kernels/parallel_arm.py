@@ -4,7 +4,7 @@ import math
 
 from robomech_ros._kernels import parallel_layout as at
 from robomech_ros._kernels._jit import inline
-from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels.angles import angle_of, wrapped
 from robomech_ros._kernels.branch_bits import (
     ARM_NUMBERED,
     ARM_SHIFT,
@@ -109,8 +109,8 @@ def nearest_in_reach(data, circle, seed):
 
 
 @inline
-def arm_angles(data, px, py, hx, hy, seed2, elbow):
-    """Angles of the planar arm that takes its last axis to (px, py) and x of F to (hx, hy).
+def arm_angles(data, px, py, heading, seed2, elbow):
+    """Angles of the planar arm that takes its last axis to (px, py) and x of F to ``heading``.
 
     Returns bits, the three angles about z and the distance (m) left; bits -1 where it is out of
     reach, or where there is no second solution.
@@ -136,7 +136,7 @@ def arm_angles(data, px, py, hx, hy, seed2, elbow):
         return -1, 0.0, 0.0, 0.0, 0.0
     if elbow == 1:
         sine = -sine
-    bend = math.atan2(sine, cosine)
+    bend = angle_of(sine, cosine)
     if reach < slack:
         if elbow == 1:
             return -1, 0.0, 0.0, 0.0, 0.0
@@ -145,9 +145,9 @@ def arm_angles(data, px, py, hx, hy, seed2, elbow):
     else:
         x = l1 + l2 * cosine
         y = l2 * sine
-        first = math.atan2(py * x - px * y, px * x + py * y)
+        first = angle_of(py * x - px * y, px * x + py * y)
     second = bend - data[at.BEND]
-    third = math.atan2(hy, hx) - first - second
+    third = heading - first - second
     return bits, first, second, third, max(beyond, 0.0)
 
 
@@ -232,16 +232,26 @@ def lack_of_reach(data, G, seed, pair):
 
 
 @inline
-def _enter(data, q, turns, first, second, third):
-    """Write the six joint values in the order of the joints."""
+def _wrist_values(data, turns):
+    """Joint values of axes a, 5 and 6."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
     sliding = data[at.SLIDING]
-    q[int(data[at.JOINTS])] = da if sliding == at.SLIDE_A else math.atan2(sa, ca)
+    return (
+        da if sliding == at.SLIDE_A else angle_of(sa, ca),
+        d5 if sliding == at.SLIDE_5 else angle_of(s5, c5),
+        d6 if sliding == at.SLIDE_6 else angle_of(s6, c6),
+    )
+
+
+@inline
+def _enter(data, q, wrist, first, second, third):
+    """Write the six joint values in the order of the joints."""
+    q[int(data[at.JOINTS])] = wrist[0]
     q[int(data[at.JOINTS + 1])] = wrapped(first * data[at.SENSES])
     q[int(data[at.JOINTS + 2])] = wrapped(second * data[at.SENSES + 1])
     q[int(data[at.JOINTS + 3])] = wrapped(third * data[at.SENSES + 2])
-    q[int(data[at.JOINTS + 4])] = d5 if sliding == at.SLIDE_5 else math.atan2(s5, c5)
-    q[int(data[at.JOINTS + 5])] = d6 if sliding == at.SLIDE_6 else math.atan2(s6, c6)
+    q[int(data[at.JOINTS + 4])] = wrist[1]
+    q[int(data[at.JOINTS + 5])] = wrist[2]
 
 
 @inline
@@ -253,12 +263,14 @@ def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
     px, py, pz = carried(data, G, at.POINT, 1.0, turns)
     hx, hy, _ = carried(data, G, at.HEADING, 0.0, turns)
     error = max(error, abs(pz))
+    heading = angle_of(hy, hx)
+    wrist = _wrist_values(data, turns)
     seed2 = seed[int(data[at.JOINTS + 1])] * data[at.SENSES]
     for elbow in range(2):
-        more, first, second, third, left = arm_angles(data, px, py, hx, hy, seed2, elbow)
+        more, first, second, third, left = arm_angles(data, px, py, heading, seed2, elbow)
         if more < 0 or count >= MAX_SOLUTIONS:
             break
-        _enter(data, q[count], turns, first, second, third)
+        _enter(data, q[count], wrist, first, second, third)
         if not named:
             branch[count] = bits | more | ARM_NUMBERED | (count << ARM_SHIFT)
         elif (elbow == 1) != (bits & SHOULDER_RIGHT != 0):

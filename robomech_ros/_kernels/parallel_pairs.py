@@ -15,10 +15,9 @@ same components of z before the turn of axis 5, and the displacement (m) of a pr
 
 import math
 
-import numpy as np
-
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, inline, part, scratch
+from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
@@ -316,8 +315,8 @@ def _add_pairs(data, d, c, s, pairs, count):
             continue
         v1 = known if by_first else value
         v2 = value if by_first else known
-        x = math.atan2(s, c)
-        y = math.atan2(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+        x = angle_of(s, c)
+        y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
         x, y, error, determinant = _polish_pair(data, d, x, y)
         if error < allowed and count < MAX_PAIRS:
             count = _keep_pair(data, x, y, determinant, pairs, count)
@@ -370,7 +369,7 @@ def joint_pairs(data, G, pairs):
     b1 = 2.0 * (u * k1 * s1 + v * k2 * s2 + w * g0 * gs)
     a2 = 0.5 * (u * (c1 * c1 - s1 * s1) + v * (c2 * c2 - s2 * s2) + w * (gc * gc - gs * gs))
     b2 = u * c1 * s1 + v * c2 * s2 + w * gc * gs
-    roots = np.empty((7, 2))
+    roots = scratch(7, 2)
     found = order_two_roots(a0, a1, b1, a2, b2, PARALLEL_TOUCHING, roots)
     if found < 0:
         return FREE

@@ -54,14 +54,15 @@ def place(turns, lower, upper, seed, bounded, q, placed):
     for i in range(q.shape[0]):
         value = q[i]
         low, high = lower[i], upper[i]
+        move = seed[i] - value
+        if turns[i] and not -math.pi <= move < math.pi:
+            value += _TURN * math.floor(move / _TURN + 0.5)
         inside = low - AT_LIMIT <= value <= high + AT_LIMIT
-        if turns[i]:
+        if turns[i] and not inside:
             first, last = _windings(value, low, high)
             inside = last >= first
             if inside:
                 value = _nearest(value, seed[i], first, last)
-            else:
-                value = _nearest(value, seed[i], -math.inf, math.inf)
         if inside:
             value = _on_limit(value, low, high)
         elif bounded:
@@ -103,14 +104,16 @@ def insert(q, name, distance, count, ranked, names, distances):
 
 
 @inline
-def rank_body(turns, lower, upper, seed, metric, bounded, q, branch, ranked, names, distances):
-    """Write every solution once, in the winding nearest to the seed, nearest first.
+def rank_body(
+    turns, lower, upper, seed, metric, bounded, q, branch, total, placed, ranked, names, distances
+):
+    """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
-    Of more solutions than ``ranked`` has room for, the nearest are kept.  Returns how many.
+    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed`` (n,) is
+    working space.  Returns how many.
     """
-    placed = np.empty(q.shape[1])
     count = ZERO
-    for k in range(q.shape[0]):
+    for k in range(total):
         if place(turns, lower, upper, seed, bounded, q[k], placed):
             distance = distance_from(placed, seed, metric)
             count = insert(placed, branch[k], distance, count, ranked, names, distances)
@@ -158,14 +161,27 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
     ``bounded`` drops those outside the limits; ``winding`` lists every winding inside them,
     instead of the one nearest to the seed.  ``turns`` is 1 for revolute joints.
     """
+    total = q.shape[0]
+    placed = np.empty(q.shape[1])
     if not winding:
         return rank_body(
-            turns, lower, upper, seed, metric, bounded, q, branch, ranked, names, distances
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            q,
+            branch,
+            total,
+            placed,
+            ranked,
+            names,
+            distances,
         )
-    placed = np.empty(q.shape[1])
     wound = np.empty(q.shape[1])
     count = ZERO
-    for k in range(q.shape[0]):
+    for k in range(total):
         if not place(turns, lower, upper, seed, bounded, q[k], placed):
             continue
         for number in range(int(_count_windings(turns, lower, upper, placed))):

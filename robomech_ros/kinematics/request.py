@@ -90,7 +90,7 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
         unit = "m" if chain.types[i] == PRISMATIC else "rad"
         expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
         raise BadValueError(f"seed of joint '{chain.joint_names[i]}'", float(q[i]), expected)
-    return q
+    return q if q.flags.writeable else q.copy()  # as the kernels want it
 
 
 def as_flag(what: str, value: bool) -> bool:
