@@ -16,6 +16,7 @@ from robomech_ros._kernels._jit import (
     i8,
     inline,
     kernel,
+    scratch,
     scratch_integers,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
@@ -164,6 +165,7 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     data = arm[3 * n + 1 :]
     missing = scratch_integers(MAX_SOLUTIONS)
     other_marks = scratch_integers(MAX_SOLUTIONS)
+    away = scratch(MAX_SOLUTIONS)
     space = np.empty((MAX_SOLUTIONS + 2, n))
     bare_space = borrowed(space)
     others, placed, start = (
@@ -201,7 +203,9 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
                     q,
                     branch,
                     total,
-                    placed,
+                    others,
+                    other_marks,
+                    away,
                     ranked[m],
                     names,
                     distances,

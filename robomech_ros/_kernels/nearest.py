@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part, scratch
 from robomech_ros._kernels.polishing import largest_error, pose_difference
 from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
@@ -24,38 +24,49 @@ from robomech_ros._kernels.tolerances import (
 __all__ = ["approach"]
 
 _LONGEST = 0.5
-_GOLDEN = 0.6180339887498949
-# Golden sections of a step of half a radian that leave 1e-5 rad.
-_SECTIONS = 24
+# Cuts that find the least of some dozen lines' largest value; a few do.
+_CUTS = 32
+_ROUNDING = 1e-12
 
 
 @inline
 def _largest_after(q, seed, t, s):
-    """Largest difference from the seed after a step s along t."""
-    largest = 0.0
+    """Largest difference from the seed after a step s along t, and its derivative by s."""
+    largest = -1.0
+    slope = 0.0
     for i in range(q.shape[0]):
-        largest = max(largest, abs(q[i] + s * t[i] - seed[i]))
-    return largest
+        difference = q[i] + s * t[i] - seed[i]
+        if abs(difference) > largest:
+            largest = abs(difference)
+            slope = math.copysign(t[i], t[i] * difference)
+    return largest, slope
 
 
 @inline
 def _minimax(q, seed, t, low, high):
-    """Step in [low, high] along t after which the largest difference from the seed is least."""
-    a, b = low, high
-    x, y = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
-    fx, fy = _largest_after(q, seed, t, x), _largest_after(q, seed, t, y)
-    for _ in range(_SECTIONS):
-        if fx < fy:
-            b, y, fy = y, x, fx
-            x = b - _GOLDEN * (b - a)
-            fx = _largest_after(q, seed, t, x)
-        else:
-            a, x, fx = x, y, fy
-            y = a + _GOLDEN * (b - a)
-            fy = _largest_after(q, seed, t, y)
-    s = 0.5 * (a + b)
-    better = _largest_after(q, seed, t, s) < _largest_after(q, seed, t, 0.0)
-    return s if better or not low <= 0.0 <= high else 0.0
+    """Step in [low, high] along t after which the largest difference from the seed is least.
+
+    It is convex in the step and made of lines: where the falling one to the left and the rising one
+    to the right of the least value meet is a better place for one of both, until none is.
+    """
+    a, b, s = low, high, low
+    fa, ga = _largest_after(q, seed, t, a)
+    fb, gb = _largest_after(q, seed, t, b)
+    if gb <= 0.0:
+        s = high
+    elif ga < 0.0:
+        for _ in range(_CUTS):
+            s = (fa - ga * a - fb + gb * b) / (gb - ga)
+            value, slope = _largest_after(q, seed, t, s)
+            if value <= fa + ga * (s - a) + _ROUNDING:
+                break
+            if slope < 0.0:
+                a, fa, ga = s, value, slope
+            else:
+                b, fb, gb = s, value, slope
+    here, _ = _largest_after(q, seed, t, 0.0)
+    there, _ = _largest_after(q, seed, t, s)
+    return s if there < here or not low <= 0.0 <= high else 0.0
 
 
 @inline
@@ -116,10 +127,10 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """
     n = q.shape[0]
     J = np.empty((6, n))
-    current = np.empty((4, 4))
-    e = np.empty(6)
-    y = np.empty(6)
-    A = np.empty((6, 6))
+    current = scratch(4, 4)
+    e = scratch(6)
+    y = scratch(6)
+    A = scratch(6, 6)
     g = np.empty(n)
     settled = False
     for iteration in range(NEAREST_ITERATIONS):

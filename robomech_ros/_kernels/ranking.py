@@ -25,6 +25,7 @@ __all__ = ["INSIDE", "LINF", "excesses", "first_outside", "rank", "rank_body", "
 LINF = 0
 INSIDE = -1
 _TURN = 2.0 * math.pi
+_TURN_AND_HALF = 3.0 * math.pi
 
 
 @inline
@@ -43,6 +44,16 @@ def _nearest(value, seed, first, last):
 
 
 @inline
+def _near(value, seed):
+    """Give the value in the winding nearest to the seed, branch-free where one turn will do."""
+    move = seed - value
+    if abs(move) >= _TURN_AND_HALF:
+        return value + _TURN * math.floor(move / _TURN + 0.5)
+    wound = value + _TURN if move >= math.pi else value
+    return value - _TURN if move < -math.pi else wound
+
+
+@inline
 def _on_limit(value, lower, upper):
     """Put a value that is beyond a limit by no more than rounding on it."""
     return min(max(value, lower), upper)
@@ -52,11 +63,8 @@ def _on_limit(value, lower, upper):
 def place(turns, lower, upper, seed, bounded, q, placed):
     """Write the representative nearest to the seed; False where limits that hold exclude it."""
     for i in range(q.shape[0]):
-        value = q[i]
+        value = _near(q[i], seed[i]) if turns[i] else q[i]
         low, high = lower[i], upper[i]
-        move = seed[i] - value
-        if turns[i] and not -math.pi <= move < math.pi:
-            value += _TURN * math.floor(move / _TURN + 0.5)
         inside = low - AT_LIMIT <= value <= high + AT_LIMIT
         if turns[i] and not inside:
             first, last = _windings(value, low, high)
@@ -105,18 +113,44 @@ def insert(q, name, distance, count, ranked, names, distances):
 
 @inline
 def rank_body(
-    turns, lower, upper, seed, metric, bounded, q, branch, total, placed, ranked, names, distances
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    total,
+    placed,
+    order,
+    away,
+    ranked,
+    names,
+    distances,
 ):
     """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
-    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed`` (n,) is
-    working space.  Returns how many.
+    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed``, ``order`` and
+    ``away`` are working space for all of them.  Returns how many.
     """
     count = ZERO
     for k in range(total):
-        if place(turns, lower, upper, seed, bounded, q[k], placed):
-            distance = distance_from(placed, seed, metric)
-            count = insert(placed, branch[k], distance, count, ranked, names, distances)
+        if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
+            distance = distance_from(placed[k], seed, metric)
+            i = count
+            while i > 0 and away[i - 1] > distance:
+                away[i], order[i] = away[i - 1], order[i - 1]
+                i -= 1
+            away[i], order[i] = distance, k
+            count += 1
+    count = min(count, ranked.shape[0])
+    for i in range(count):
+        k = order[i]
+        distances[i] = away[i]
+        names[i] = branch[k]
+        for j in range(q.shape[1]):
+            ranked[i, j] = placed[k, j]
     return count
 
 
@@ -162,7 +196,6 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
     instead of the one nearest to the seed.  ``turns`` is 1 for revolute joints.
     """
     total = q.shape[0]
-    placed = np.empty(q.shape[1])
     if not winding:
         return rank_body(
             turns,
@@ -174,11 +207,14 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
             q,
             branch,
             total,
-            placed,
+            np.empty(q.shape),
+            np.empty(total, np.int64),
+            np.empty(total),
             ranked,
             names,
             distances,
         )
+    placed = np.empty(q.shape[1])
     wound = np.empty(q.shape[1])
     count = ZERO
     for k in range(total):
