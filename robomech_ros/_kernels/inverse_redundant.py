@@ -198,8 +198,8 @@ def _collect(
 ):
     """Rank the postures of all samples; return how many are inside the limits, and how many exist.
 
-    The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,), which
-    else gets NaN.  Where only the nearest is asked
+    The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
+    it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
     for, samples that are farther from the seed than the first are left out.
     """
     n = seed.shape[0]
@@ -212,13 +212,13 @@ def _collect(
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
     for i in range(n):
         placed[i] = seed[i]
-    distance = approach(packed, T, lower, upper, seed, metric, bounded, placed)
+    distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, placed)
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, ranked, names, distances)
         bare += 1
     for i in range(n):
-        reached[i] = placed[i] if count > 0 else math.nan
+        reached[i] = placed[i] if settled else math.nan
     for _ in range(2):
         for k in range(steps):
             if data[at.KIND] == at.LOCKED:
@@ -292,10 +292,12 @@ def solve_redundant(
         for k in range(tried):
             if away[k] > distances[0] + APPROACHED_WITHIN:
                 break
-            if _is_near(starts[k], reached, ends):
+            if away[k] >= distances[0] and _is_near(starts[k], reached, ends):
                 continue
-            distance = approach(packed, T[m], lower, upper, seed, metric, bounded, starts[k])
-            if distance < math.inf:
+            distance, settled = approach(
+                packed, T[m], lower, upper, seed, metric, bounded, starts[k]
+            )
+            if settled:
                 for i in range(n):
                     reached[ends, i] = starts[k, i]
                 ends += 1

@@ -7,6 +7,7 @@ limits, and corrects the pose by the shortest move of the joints.
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
 from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part, scratch
@@ -119,11 +120,12 @@ def _inside(q, lower, upper):
     return True
 
 
-@part(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+@part(types.Tuple((f8, b1))(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 
-    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails.
+    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails,
+    and whether no step would come nearer, instead of their number being exhausted.
     """
     n = q.shape[0]
     J = np.empty((6, n))
@@ -132,17 +134,17 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
     y = scratch(6)
     A = scratch(6, 6)
     g = np.empty(n)
-    settled = False
+    settled = nearest = False
     for iteration in range(NEAREST_ITERATIONS):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
         error = largest_error(e)
         if settled and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):
-                return distance_from(q, seed, metric)
+                return distance_from(q, seed, metric), nearest
             settled = False
         if not error < 1.0:
-            return math.inf
+            return math.inf, False
         for i in range(6):
             for j in range(i + 1):
                 value = 0.0
@@ -150,7 +152,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                     value += J[i, k] * J[j, k]
                 A[i, j] = value
         if not cholesky_solve(A, e, 6):
-            return math.inf
+            return math.inf, False
         if not settled:
             _wish(q, seed, metric, g)
             for i in range(6):
@@ -166,8 +168,9 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             for k in range(n):
                 largest = max(largest, abs(s * g[k]))
                 q[k] += s * g[k]
-            settled = max(largest, error) < NEAREST_STEP or iteration == NEAREST_ITERATIONS // 2
+            nearest = max(largest, error) < NEAREST_STEP
+            settled = nearest or iteration == NEAREST_ITERATIONS // 2
         for k in range(n):
             for i in range(6):
                 q[k] += J[i, k] * e[i]
-    return math.inf
+    return math.inf, False
