@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels._jit import (
@@ -41,9 +42,7 @@ __all__ = [
     "MAX_SOLUTIONS",
     "NAMES",
     "NONE_EXISTS",
-    "NUMBERS",
     "SHORT",
-    "STATE",
     "THREE_PARALLEL",
     "solve",
 ]
@@ -55,12 +54,11 @@ SHORT = 4
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
 
-# Rows of ``marks``: branches of the bare solutions, of the ranked ones, and numbers of each.
+# Rows of ``marks``: branches of the bare solutions and of the ranked ones.
 BRANCH = 0
 NAMES = 1
-NUMBERS = 2
-MARKS = 3
-# Entries of the latter: how many bare solutions there are, branches of continua without a posture
+MARKS = 2
+# Entries of ``state``: how many bare solutions there are, branches of continua without a posture
 # inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
 # cannot vouch for having found all.
 BARE = 0
@@ -138,7 +136,7 @@ def _clear(rows, first):
             rows[k, i] = math.nan
 
 
-@kernel(i8(OUT1, OUT3, OUT1, i8, b1, OUT2, OUT3, OUT1, IOUT2, IOUT1))
+@kernel(types.UniTuple(i8, STATE)(OUT1, OUT3, OUT1, i8, b1, OUT2, OUT3, OUT1, IOUT2, IOUT1))
 def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     """Solve the poses T (m, 4, 4) one after another.
 
@@ -153,13 +151,13 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     representative of a continuum, others are tried, with other values of the free joints.
 
     Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
-    row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances, and its
-    row NUMBERS the numbers of each.
+    row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
+    are the entries of its ``state``.
     """
     n = seed.shape[0]
     arm, T, q, ranked = borrowed(arm), borrowed(T), borrowed(q), borrowed(ranked)
     marks = borrowed(marks)
-    branch, names, state = marks[BRANCH], marks[NAMES], marks[NUMBERS]
+    branch, names, state = marks[BRANCH], marks[NAMES], scratch_integers(STATE)
     family = int(arm[0])
     turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
     data = arm[3 * n + 1 :]
@@ -175,6 +173,8 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     )
     for i in range(n):
         start[i] = seed[i]
+    for i in range(STATE):
+        state[i] = 0
     for m in range(T.shape[0]):
         found = 0
         for k in range(_FREE_VALUES + 1):
@@ -239,4 +239,4 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
         counts[m] = state[RANKED] if found > 0 else NONE_EXISTS
         _clear(ranked[m], state[RANKED])
         state[BARE] = found
-    return 0
+    return state[BARE], state[MISSING], state[RANKED], state[SINGULAR], state[UNPROVEN]

@@ -3,14 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.inverse import (
-    MARKS,
-    MAX_SOLUTIONS,
-    NAMES,
-    NUMBERS,
-    STATE,
-    solve,
-)
+from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NAMES, solve
 from robomech_ros._kernels.ranking import rank, winding_count
 from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
@@ -32,6 +25,8 @@ __all__ = ["rank_windings", "solve_closed_form"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+_SUCCESS = Status.SUCCESS  # to look it up takes longer than a solution
+
 
 def solve_closed_form(
     chain: SerialChain, T: Array, request: Request, family: Family
@@ -40,7 +35,7 @@ def solve_closed_form(
     q, rows = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((1, MAX_SOLUTIONS, chain.n))
     marks, counts = np.empty((MARKS, MAX_SOLUTIONS), np.int64), np.empty(1, np.int64)
     distances = np.empty(MAX_SOLUTIONS)
-    solve(
+    bare, missing, count, singular, unproven = solve(
         family.arm,
         T[None],
         request.seed,
@@ -52,7 +47,6 @@ def solve_closed_form(
         marks,
         counts,
     )
-    bare, missing, count, singular, unproven = marks[NUMBERS, :STATE].tolist()
     if not count:
         if not bare and unproven:
             reason = "the pose is degenerate: no posture was found, which proves nothing"
@@ -77,7 +71,7 @@ def solve_closed_form(
         seed_distance=distances[:kept],
         family=family.name,
         complete=not singular and not unproven and family.exact,
-        status=Status.SUCCESS,
+        status=_SUCCESS,
         reason=reason,
         blocking_joints=(),
         blocking_excess=NO_EXCESS,

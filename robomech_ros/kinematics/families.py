@@ -61,7 +61,7 @@ class Family:
         """Whether solutions are samples of a self-motion."""
         return self.number == REDUNDANT
 
-    @property
+    @cached_property
     def exact(self) -> bool:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
         if self.number == SHORT:

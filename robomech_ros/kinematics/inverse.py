@@ -139,8 +139,7 @@ def _solved(
         sampled = solve_sampled(chain, T, request, family)
         return sampled or solve_by_search(chain, T, request, started)
     result = solve_closed_form(chain, T, request, family)
-    undecided = result.status is Status.NOT_CONVERGED
-    if len(result) or not (request.is_loose or undecided):
+    if len(result) or not (request.is_loose or result.status is Status.NOT_CONVERGED):
         return result
     near = solve_by_search(chain, T, request, started)
     return near if len(near) else result
