@@ -2,7 +2,7 @@
 
 import math
 
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 
 __all__ = ["angle_of", "wrapped"]
 
@@ -16,7 +16,7 @@ _REST_2 = 6.123233995736766e-17
 _REST = 1.2246467991473532e-16
 
 
-@inline
+@lean
 def wrapped(angle):
     """Give the same angle in (-pi, pi], unchanged where it is there already."""
     if abs(angle) >= _TURN_AND_HALF:
@@ -25,7 +25,7 @@ def wrapped(angle):
     return turned + _TURN if turned <= -math.pi else turned
 
 
-@inline
+@lean
 def angle_of(sine, cosine):
     """Angle of a direction given by its sine and cosine up to a common factor, in [-pi, pi].
 

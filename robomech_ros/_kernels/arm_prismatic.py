@@ -8,7 +8,7 @@ solved from the tip.  Notation as in :mod:`arm_revolute`; p is where the last jo
 import math
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part, scratch
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
 from robomech_ros._kernels.arm_revolute import (
     across,
     circle,
@@ -29,7 +29,7 @@ from robomech_ros._kernels.polynomials import order_one_roots, quadratic_roots, 
 __all__ = ["prismatic_arm"]
 
 
-@inline
+@lean
 def _through(data, k, x, y, z):
     """Apply the 3x4 transform at k to a point."""
     return (
@@ -39,7 +39,7 @@ def _through(data, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _back(data, k, x, y, z):
     """Apply the inverse of the 3x4 transform at k to a point."""
     x, y, z = x - data[k + 3], y - data[k + 7], z - data[k + 11]
@@ -50,7 +50,7 @@ def _back(data, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
     """Find the angles z at which a slide x satisfies two equations.
 
@@ -69,7 +69,7 @@ def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
     return e, found, free
 
 
-@inline
+@lean
 def _slide_turn_turn(data, c, w, seed, arms):
     """Solve PRR: with g = A^-1 c and n = R^T e_z, g - x n is p turned by y about z."""
     p = circle(data, w)
@@ -105,7 +105,7 @@ def _slide_turn_turn(data, c, w, seed, arms):
     return count
 
 
-@inline
+@lean
 def _turned(data, j, p):
     """Row j of A applied to the forms of p."""
     x, y, z = data[j], data[j + 1], data[j + 2]
@@ -116,7 +116,7 @@ def _turned(data, j, p):
     )
 
 
-@inline
+@lean
 def _turn_slide_turn(data, c, w, seed, arms):
     """Solve RPR: with v = A p and m = R e_z, v + y m turned by x about z is c."""
     p = circle(data, w)
@@ -158,7 +158,7 @@ def _turn_slide_turn(data, c, w, seed, arms):
     return count
 
 
-@inline
+@lean
 def _second_slide(data):
     """Direction of the third joint's slide in the frame of joint 1."""
     k = at.FIRST
@@ -166,7 +166,7 @@ def _second_slide(data):
     return x - data[k + 3], y - data[k + 7], z - data[k + 11]
 
 
-@inline
+@lean
 def _turn_slide_slide(data, c, w, seed, arms):
     """Solve RPP: c turned back by x lies in the plane that the slides span."""
     k = at.FIRST
@@ -198,7 +198,7 @@ def _turn_slide_slide(data, c, w, seed, arms):
     return found
 
 
-@inline
+@lean
 def _slide_turn_slide(data, c, w, seed, arms):
     """Solve PRP: g - x n and p + z m have the same height and the same length."""
     k = at.FIRST
@@ -234,7 +234,7 @@ def _slide_turn_slide(data, c, w, seed, arms):
     return found
 
 
-@inline
+@lean
 def _slides(data, c, w, arms):
     """Solve PPP: three linear equations."""
     x, y, z = _through(data, at.SECOND, w[0], w[1], w[2])
@@ -247,7 +247,7 @@ def _slides(data, c, w, arms):
     return 1
 
 
-@part(i8(IN1, F3, F3, F3, OUT2))
+@lean_part(i8(IN1, F3, F3, F3, OUT2))
 def prismatic_arm(data, c, w, seed, arms):
     """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
 

@@ -24,7 +24,7 @@ second joint first; the quartic is the same.
 import math
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part, scratch
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
 from robomech_ros._kernels.arm_rows import FREE, FREE_1, FREE_2, FREE_3, enter_turn
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots, square, value
 from robomech_ros._kernels.tolerances import DOUBLE_ROOT, ON_AXIS
@@ -38,7 +38,7 @@ __all__ = [
 ]
 
 
-@inline
+@lean
 def circle(data, w):
     """Give p(z) = B Rz(z) w: constant, cosine and sine part of each of its three components."""
     k = at.SECOND
@@ -62,7 +62,7 @@ def circle(data, w):
     )
 
 
-@inline
+@lean
 def squared_length(u, v, w):
     """Square of the length of a point on a circle: of first order, as its radii are equal."""
     return (
@@ -72,7 +72,7 @@ def squared_length(u, v, w):
     )
 
 
-@inline
+@lean
 def turn_to(fx, fy, tx, ty, seed):
     """Cosine and sine of the angle about z that takes the direction of (fx, fy) to (tx, ty).
 
@@ -86,7 +86,7 @@ def turn_to(fx, fy, tx, ty, seed):
     return c * inverse, s * inverse, False
 
 
-@inline
+@lean
 def third_angle(data, split, e, room, eta, seed, roots):
     """Solve E = eta h, h^2 = H for the angle z of which E and H are functions.
 
@@ -118,7 +118,7 @@ def third_angle(data, split, e, room, eta, seed, roots):
     return found, False
 
 
-@inline
+@lean
 def across(data, split, e, eta, room, scale):
     """Solve E = eta h, h^2 = H at one angle: (how many, h), the second solution being -h.
 
@@ -137,7 +137,7 @@ def across(data, split, e, eta, room, scale):
     return 1 if abs(direct) > 0.5 * abs(other) else 2, other
 
 
-@inline
+@lean
 def _right_sides(data, c, p):
     """Give the constant, cosine and sine parts of M and N."""
     px, py, pz = p
@@ -154,12 +154,12 @@ def _right_sides(data, c, p):
     )
 
 
-@inline
+@lean
 def _combination(a, u, b, v):
     return a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]
 
 
-@inline
+@lean
 def _complete(data, c, px, py, pz, rx, ry, seed, arm):
     """Enter the first two angles of a candidate; which of them are free is returned."""
     cosy, siny, any_y = turn_to(px, py, rx, ry, seed[1])
@@ -174,7 +174,7 @@ def _complete(data, c, px, py, pz, rx, ry, seed, arm):
     return (FREE_1 if any_x else 0) + (FREE_2 if any_y else 0)
 
 
-@part(i8(IN1, F3, F3, F3, OUT2))
+@lean_part(i8(IN1, F3, F3, F3, OUT2))
 def revolute_arm(data, c, w, seed, arms):
     """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
 

@@ -8,7 +8,7 @@ that what is turned by a joint needs no trigonometric function; of a slide they 
 import math
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 from robomech_ros._kernels.angles import angle_of
 
 __all__ = [
@@ -38,26 +38,26 @@ FREE_2 = 2
 FREE_3 = 4
 
 
-@inline
+@lean
 def cosine_of(row, j):
     """Cosine of joint j."""
     return row[_TURNS + 2 * j]
 
 
-@inline
+@lean
 def sine_of(row, j):
     """Sine of joint j."""
     return row[_TURNS + 2 * j + 1]
 
 
-@inline
+@lean
 def enter_turn(row, j, cosine, sine):
     """Enter a turn of joint j; its angle is missing until :func:`measure` adds it."""
     row[_TURNS + 2 * j] = cosine
     row[_TURNS + 2 * j + 1] = sine
 
 
-@inline
+@lean
 def enter_slide(row, j, value):
     """Enter a displacement of joint j."""
     row[j] = value
@@ -65,7 +65,7 @@ def enter_slide(row, j, value):
     row[_TURNS + 2 * j + 1] = 0.0
 
 
-@inline
+@lean
 def measure(data, row, free):
     """Add the angles of turns; of free joints they are those of ``free``."""
     flags = int(row[FREE])
@@ -75,7 +75,7 @@ def measure(data, row, free):
             row[j] = free[j] if flags >> j & 1 else angle
 
 
-@inline
+@lean
 def aim(data, row):
     """Make cosines and sines agree with the angles."""
     for j in range(3):
@@ -84,7 +84,7 @@ def aim(data, row):
             row[_TURNS + 2 * j + 1] = math.sin(row[j])
 
 
-@inline
+@lean
 def copy_row(source, row):
     """Copy a posture."""
     for i in range(WIDTH):

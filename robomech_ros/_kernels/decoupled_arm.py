@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import F3, IN1, IOUT1, OUT2, ZERO, f8, i8, inline, part, scratch
+from robomech_ros._kernels._jit import F3, IN1, IOUT1, OUT2, ZERO, f8, i8, lean, lean_part, scratch
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_prismatic import prismatic_arm
 from robomech_ros._kernels.arm_revolute import revolute_arm
@@ -51,7 +51,7 @@ _STARTS = 8
 _THREE = np.int64(3)
 
 
-@inline
+@lean
 def _reverse(arm):
     """Turn a posture solved from the tip into one of the arm itself."""
     arm[0], arm[1], arm[2] = -arm[2], -arm[1], -arm[0]
@@ -63,7 +63,7 @@ def _reverse(arm):
     arm[FREE] = (flags & FREE_1) << 2 | (flags & FREE_2) | flags >> 2
 
 
-@inline
+@lean
 def _candidates(data, c, seed, shift, arms):
     """Write the arm's candidates to ``arms`` (16, WIDTH), joints 1 to 3 in order, and how many.
 
@@ -91,7 +91,7 @@ def _candidates(data, c, seed, shift, arms):
     return count
 
 
-@inline
+@lean
 def arm_error(data, arm, c, J, e):
     """Write what is missing to c, and its derivatives J, in the frame that turned with joint 1.
 
@@ -148,7 +148,7 @@ def arm_error(data, arm, c, J, e):
     return determinant, shoulder, elbow
 
 
-@inline
+@lean
 def _improve_arm(data, arm, c, J, e, error):
     """Take damped Newton steps on the wrist centre; return the error left (units of SIZE)."""
     A = scratch(3, 3)
@@ -185,7 +185,7 @@ def _improve_arm(data, arm, c, J, e, error):
     return error
 
 
-@inline
+@lean
 def is_among(data, posture, others, apart):
     """Tell whether the joints of a posture, all or the first three, begin a row of ``others``."""
     for i in range(others.shape[0]):
@@ -200,7 +200,7 @@ def is_among(data, posture, others, apart):
     return False
 
 
-@inline
+@lean
 def _arm_bits(data, k, arm, shoulder, elbow):
     """Name the arm's branch and its singularity."""
     free = int(arm[FREE])
@@ -221,7 +221,7 @@ def _arm_bits(data, k, arm, shoulder, elbow):
     return branch
 
 
-@inline
+@lean
 def step_aside(data, arm, J, amount):
     """Move the arm by ``amount`` where that changes the wrist centre least.
 
@@ -245,7 +245,7 @@ def step_aside(data, arm, J, amount):
         aim(data, arm)
 
 
-@inline
+@lean
 def _aside(start, error):
     """Give the distance of start 1 and following from a fold with an error of the first order.
 
@@ -258,12 +258,12 @@ def _aside(start, error):
     return math.pi if start == 5 else math.pi * (start - 6.5)
 
 
-@inline
+@lean
 def _length(e):
     return math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
 
 
-@inline
+@lean
 def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
     """Enter the postures that candidate k leads to: one, or both beside a fold."""
     limit = data[at.SLACK]
@@ -297,7 +297,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
     return count
 
 
-@part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
+@lean_part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
 def arm_postures(data, c, seed, shift, arms, bits):
     """Write the arm's solutions to ``arms`` and their branches to ``bits``; return how many.
 

@@ -15,8 +15,8 @@ from robomech_ros._kernels._jit import (
     b1,
     borrowed,
     i8,
-    inline,
     kernel,
+    lean,
     scratch,
     scratch_integers,
 )
@@ -75,7 +75,7 @@ _BOUNDED = np.bool_(True)
 _FORWARDS = np.bool_(False)
 
 
-@inline
+@lean
 def _settle(family, lower, upper, seed, q, branch, total):
     """Choose among the postures of singular spherical wrists those that limits allow."""
     if family == DECOUPLED:
@@ -84,7 +84,7 @@ def _settle(family, lower, upper, seed, q, branch, total):
                 settle_wrist(branch[k] & bit.WRIST_OPPOSED != 0, lower, upper, seed, q[k])
 
 
-@inline
+@lean
 def _count_continua(branch, total):
     """Count the solutions that stand for a continuum."""
     count = 0
@@ -94,7 +94,7 @@ def _count_continua(branch, total):
     return count
 
 
-@inline
+@lean
 def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
     """List the branches of continua whose representatives limits exclude; return how many."""
     count = 0
@@ -106,7 +106,7 @@ def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
     return count
 
 
-@inline
+@lean
 def _add_missing(
     turns, lower, upper, seed, metric, q, branch, placed, missing, ranked, names, distances, state
 ):
@@ -128,7 +128,7 @@ def _add_missing(
             break
 
 
-@inline
+@lean
 def _clear(rows, first):
     """Fill the rows from ``first`` on with NaN."""
     for k in range(first, rows.shape[0]):

@@ -15,10 +15,9 @@ from robomech_ros._kernels._jit import (
     IOUT1,
     OUT2,
     ZERO,
-    borrowed,
     i8,
-    inline,
-    part,
+    lean,
+    lean_part,
     scratch,
     scratch_integers,
 )
@@ -64,7 +63,7 @@ _FOLD = 5e-3
 _STEPS = np.int64(30)
 
 
-@inline
+@lean
 def _turn_back(arm, j, Q):
     """Turn Q back by joint j."""
     c, s = cosine_of(arm, j), sine_of(arm, j)
@@ -81,7 +80,7 @@ def _turn_back(arm, j, Q):
     )
 
 
-@inline
+@lean
 def _unturn(data, k, Q):
     """R^T Q with R the rotation of the 3x4 transform at k."""
     j = k + 4
@@ -99,7 +98,7 @@ def _unturn(data, k, Q):
     )
 
 
-@inline
+@lean
 def _reduced_target(data, T):
     """Give the wrist centre in frame 1 (units of SIZE) and the rotation between joints 1 and 6."""
     hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
@@ -128,7 +127,7 @@ def _reduced_target(data, T):
     return c, _unturn(data, k, Q)
 
 
-@inline
+@lean
 def _left_over(data, arm, Q):
     """Turn Q back through the first three joints and their links."""
     Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
@@ -136,7 +135,7 @@ def _left_over(data, arm, Q):
     return _unturn(data, at.C3, _turn_back(arm, 2, Q))
 
 
-@inline
+@lean
 def _reachable_angle(data, arm, Q, j):
     """Turn free joint j to the value nearest its present one that the wrist can make up for.
 
@@ -176,7 +175,7 @@ def _reachable_angle(data, arm, Q, j):
     return best < math.inf
 
 
-@inline
+@lean
 def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
     left = _left_over(data, arm, Q)
@@ -197,7 +196,7 @@ def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     return count, flags
 
 
-@inline
+@lean
 def _enter(data, arm, angles, q):
     """Write a solution in joint values, revolute ones in (-pi, pi]."""
     for j in range(3):
@@ -205,7 +204,7 @@ def _enter(data, arm, angles, q):
         q[3 + j] = wrapped(angles[j] - data[at.ANGLES + j])
 
 
-@inline
+@lean
 def _polished(data, T, posture, others, limit):
     """Take an idealised solution to the true chain; False where that fails or repeats one."""
     packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
@@ -217,7 +216,7 @@ def _polished(data, T, posture, others, limit):
     return not is_among(data, posture, others, FOLD_APART)
 
 
-@inline
+@lean
 def _add_singular(data, T, arm, angles, q, count):
     """Enter the solution with a singular wrist, if there is one, beside a fold of the arm.
 
@@ -230,7 +229,7 @@ def _add_singular(data, T, arm, angles, q, count):
     return count
 
 
-@inline
+@lean
 def _name(data, bits, flags, angle5):
     """Complete the name of an arm's branch by that of the wrist."""
     if wrapped(angle5) * data[at.UNFLIPPED] < 0.0:
@@ -244,7 +243,7 @@ def _name(data, bits, flags, angle5):
     return bits
 
 
-@inline
+@lean
 def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, count):
     """Enter the solutions for an arm's posture that is not accurate enough for the wrist.
 
@@ -278,14 +277,13 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     return count
 
 
-@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 
     Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
     ``seed`` (6,), or the nearest that leads to a solution.  Returns how many.
     """
-    data, q, branch = borrowed(data), borrowed(q), borrowed(branch)
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)
     bits = scratch_integers(MOST_ARMS)

@@ -19,6 +19,7 @@ from robomech_ros._kernels._jit import (
     i8,
     inline,
     kernel,
+    lean,
     scratch,
     scratch_integers,
 )
@@ -45,7 +46,7 @@ NONE_EXISTS = -1
 _STEPS = np.int64(20)
 
 
-@inline
+@lean
 def _between(front, T, back, out):
     """front^-1 T back^-1."""
     for i in range(3):
@@ -61,7 +62,7 @@ def _between(front, T, back, out):
     out[3, 3] = 1.0
 
 
-@inline
+@lean
 def _repeats(packed, q, count):
     """Tell whether the last posture is there already."""
     for k in range(count):
@@ -76,7 +77,7 @@ def _repeats(packed, q, count):
     return False
 
 
-@inline
+@lean
 def _is_near(q, others, count):
     """Tell whether a posture is near one of others from which its self-motion goes no nearer."""
     for k in range(count):
@@ -88,7 +89,7 @@ def _is_near(q, others, count):
     return False
 
 
-@inline
+@lean
 def _locked_postures(data, T, seed, locked, q, branch):
     """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
 
@@ -132,7 +133,7 @@ def _locked_postures(data, T, seed, locked, q, branch):
     return count
 
 
-@inline
+@lean
 def _choose(data, lower, upper, seed, k, steps, locked):
     """Write the k-th of some values of the locked joints; return how far they are from the seed.
 
@@ -166,7 +167,7 @@ def _choose(data, lower, upper, seed, k, steps, locked):
     return largest
 
 
-@inline
+@lean
 def _sample(data, T, seed, angle, locked, k, steps, q, branch):
     """Write the postures of one sample; ``angle`` is the arm angle of the seed."""
     if data[at.KIND] == at.ARM_ANGLE:

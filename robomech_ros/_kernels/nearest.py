@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 
 from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part, scratch
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
 from robomech_ros._kernels.polishing import largest_error, pose_difference
 from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
@@ -30,7 +30,7 @@ _CUTS = 32
 _ROUNDING = 1e-12
 
 
-@inline
+@lean
 def _largest_after(q, seed, t, s):
     """Largest difference from the seed after a step s along t, and its derivative by s."""
     largest = -1.0
@@ -43,7 +43,7 @@ def _largest_after(q, seed, t, s):
     return largest, slope
 
 
-@inline
+@lean
 def _minimax(q, seed, t, low, high):
     """Step in [low, high] along t after which the largest difference from the seed is least.
 
@@ -70,7 +70,7 @@ def _minimax(q, seed, t, low, high):
     return s if there < here or not low <= 0.0 <= high else 0.0
 
 
-@inline
+@lean
 def _wish(q, seed, metric, g):
     """Write the direction in which the distance from the seed shrinks fastest."""
     n = q.shape[0]
@@ -86,7 +86,7 @@ def _wish(q, seed, metric, g):
     g[k] = 1.0 if seed[k] > q[k] else -1.0
 
 
-@inline
+@lean
 def _length(q, seed, metric, t, lower, upper, bounded):
     """How far to go along t, inside the limits; the step is at most _LONGEST in every joint."""
     largest = 0.0
@@ -109,7 +109,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
     return min(max(1.0, low), high)
 
 
-@inline
+@lean
 def _inside(q, lower, upper):
     """Tell whether q keeps its limits; what is beyond by rounding is put on them."""
     for i in range(q.shape[0]):

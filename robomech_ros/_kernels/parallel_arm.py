@@ -3,7 +3,7 @@
 import math
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 from robomech_ros._kernels.angles import angle_of, wrapped
 from robomech_ros._kernels.branch_bits import (
     ARM_NUMBERED,
@@ -20,7 +20,7 @@ from robomech_ros._kernels.tolerances import DOUBLE_ROOT, NEAR_DOUBLE, PARALLEL_
 MAX_SOLUTIONS = 16
 
 
-@inline
+@lean
 def _turned(m, k, x, y, z):
     """Rotate a vector by the 3x3 part of the 3x4 block of the data that starts at k."""
     return (
@@ -30,7 +30,7 @@ def _turned(m, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _through_wrist(data, G, x, y, z, far, turns):
     """Take a point (far = 1) or a direction (far = 0) of frame 5 back through axes 5 and 6."""
     _, _, _, c5, s5, d5, c6, s6, d6 = turns
@@ -46,7 +46,7 @@ def _through_wrist(data, G, x, y, z, far, turns):
     )
 
 
-@inline
+@lean
 def carried(data, G, k, far, turns):
     """Where the motion that is left to the parallel axes takes a point or direction, in F.
 
@@ -69,7 +69,7 @@ def carried(data, G, k, far, turns):
     return _through_wrist(data, G, x, y, z, far, turns)
 
 
-@inline
+@lean
 def nearest_in_reach(data, circle, seed):
     """Choose the free angle nearest to ``seed`` for which the planar arm reaches.
 
@@ -108,7 +108,7 @@ def nearest_in_reach(data, circle, seed):
     return True, seed + (one if abs(one) <= abs(two) else two)
 
 
-@inline
+@lean
 def arm_angles(data, px, py, heading, seed2, elbow):
     """Angles of the planar arm that takes its last axis to (px, py) and x of F to ``heading``.
 
@@ -151,7 +151,7 @@ def arm_angles(data, px, py, heading, seed2, elbow):
     return bits, first, second, third, max(beyond, 0.0)
 
 
-@inline
+@lean
 def _turn_in_reach(data, G, seed, turns, six_free):
     """Choose the angle of axis 5 or 6 where that is parallel to the three and free to turn."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
@@ -174,7 +174,7 @@ def _turn_in_reach(data, G, seed, turns, six_free):
     return reached, turns
 
 
-@inline
+@lean
 def wrist_turns(data, G, seed, pair):
     """Find the turns of axes a, 5 and 6 for a pair, with bits (-1: none) and the error left."""
     gamma = pair[2]
@@ -218,7 +218,7 @@ def wrist_turns(data, G, seed, pair):
     return bits, turns, error
 
 
-@inline
+@lean
 def lack_of_reach(data, G, seed, pair):
     """How far (m) the planar arm is from reaching what a pair leaves to it."""
     bits, turns, _ = wrist_turns(data, G, seed, pair)
@@ -231,7 +231,7 @@ def lack_of_reach(data, G, seed, pair):
     return max(0.0, max(reach - (l1 + l2), abs(l1 - l2) - reach))
 
 
-@inline
+@lean
 def _wrist_values(data, turns):
     """Joint values of axes a, 5 and 6."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
@@ -243,7 +243,7 @@ def _wrist_values(data, turns):
     )
 
 
-@inline
+@lean
 def _enter(data, q, wrist, first, second, third):
     """Write the six joint values in the order of the joints."""
     q[int(data[at.JOINTS])] = wrist[0]
@@ -254,7 +254,7 @@ def _enter(data, q, wrist, first, second, third):
     q[int(data[at.JOINTS + 5])] = wrist[2]
 
 
-@inline
+@lean
 def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
     """Add the solutions of one pair (q_a, q_5) to q; return how many there are now."""
     bits, turns, error = wrist_turns(data, G, seed, pair)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, inline, kernel, linked, scratch
+from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, kernel, lean, linked, scratch
 from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.serial import forward_body, jacobian_body
 from robomech_ros._kernels.tolerances import POLISH_DAMPING, POLISHED
@@ -13,7 +13,7 @@ from robomech_ros._kernels.tolerances import POLISH_DAMPING, POLISHED
 __all__ = ["largest_error", "polish", "pose_difference", "pose_error"]
 
 
-@inline
+@lean
 def pose_difference(T, current, e):
     """Write the error of ``current`` (4, 4) against T: rotation vector (rad), position (m).
 
@@ -56,7 +56,7 @@ def pose_difference(T, current, e):
     e[5] = T[2, 3] - current[2, 3]
 
 
-@inline
+@lean
 def largest_error(e):
     """Give the larger of the orientation error (rad) and the position error (m)."""
     angular = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
@@ -64,7 +64,7 @@ def largest_error(e):
     return max(angular, linear)
 
 
-@inline
+@lean
 def pose_error(packed, T, q, e):
     """Write the error of the pose at q against T (4, 4) to e (6,), angular part first.
 

@@ -15,8 +15,8 @@ from robomech_ros._kernels._jit import (
     b1,
     f8,
     i8,
-    inline,
     kernel,
+    lean,
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
@@ -28,7 +28,7 @@ _TURN = 2.0 * math.pi
 _TURN_AND_HALF = 3.0 * math.pi
 
 
-@inline
+@lean
 def _windings(value, lower, upper):
     """Give the first and the last winding that keep a revolute joint inside its limits."""
     first = np.ceil((lower - AT_LIMIT - value) / _TURN)
@@ -36,14 +36,17 @@ def _windings(value, lower, upper):
     return first, last
 
 
-@inline
-def _nearest(value, seed, first, last):
-    """Give the value in that of the windings ``first`` .. ``last`` which is nearest to the seed."""
-    wanted = math.floor((seed - value) / _TURN + 0.5)
-    return value + _TURN * min(max(wanted, first), last)
+@lean
+def _moved_inside(value, low, high):
+    """Give the first winding of a value below its limits that is not, or above them."""
+    below = low - AT_LIMIT - value
+    if below > 0.0:
+        return value + (_TURN * math.ceil(below / _TURN) if below > _TURN else _TURN)
+    above = value - high - AT_LIMIT
+    return value - (_TURN * math.ceil(above / _TURN) if above > _TURN else _TURN)
 
 
-@inline
+@lean
 def _near(value, seed):
     """Give the value in the winding nearest to the seed, branch-free where one turn will do."""
     move = seed - value
@@ -53,13 +56,13 @@ def _near(value, seed):
     return value - _TURN if move < -math.pi else wound
 
 
-@inline
+@lean
 def _on_limit(value, lower, upper):
     """Put a value that is beyond a limit by no more than rounding on it."""
     return min(max(value, lower), upper)
 
 
-@inline
+@lean
 def place(turns, lower, upper, seed, bounded, q, placed):
     """Write the representative nearest to the seed; False where limits that hold exclude it."""
     for i in range(q.shape[0]):
@@ -67,10 +70,9 @@ def place(turns, lower, upper, seed, bounded, q, placed):
         low, high = lower[i], upper[i]
         inside = low - AT_LIMIT <= value <= high + AT_LIMIT
         if turns[i] and not inside:
-            first, last = _windings(value, low, high)
-            inside = last >= first
-            if inside:
-                value = _nearest(value, seed[i], first, last)
+            wound = _moved_inside(value, low, high)
+            inside = low - AT_LIMIT <= wound <= high + AT_LIMIT
+            value = wound if inside else value
         if inside:
             value = _on_limit(value, low, high)
         elif bounded:
@@ -79,7 +81,7 @@ def place(turns, lower, upper, seed, bounded, q, placed):
     return True
 
 
-@inline
+@lean
 def distance_from(q, seed, metric):
     """Distance of q (n,) from the seed: the largest move of a joint, or the root of squares."""
     largest = 0.0
@@ -91,7 +93,7 @@ def distance_from(q, seed, metric):
     return largest if metric == LINF else math.sqrt(squares)
 
 
-@inline
+@lean
 def insert(q, name, distance, count, ranked, names, distances):
     """Put a solution behind those that are as near to the seed; return how many there are."""
     room = ranked.shape[0]
@@ -111,7 +113,7 @@ def insert(q, name, distance, count, ranked, names, distances):
     return min(count + 1, room)
 
 
-@inline
+@lean
 def rank_body(
     turns,
     lower,
@@ -138,23 +140,22 @@ def rank_body(
     for k in range(total):
         if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
             distance = distance_from(placed[k], seed, metric)
-            i = count
-            while i > 0 and away[i - 1] > distance:
-                away[i], order[i] = away[i - 1], order[i - 1]
-                i -= 1
-            away[i], order[i] = distance, k
+            row = count
+            while row > 0 and away[row - 1] > distance:
+                away[row], order[row] = away[row - 1], order[row - 1]
+                row -= 1
+            away[row], order[row] = distance, k
             count += 1
-    count = min(count, ranked.shape[0])
-    for i in range(count):
-        k = order[i]
+    kept = min(count, ranked.shape[0])
+    for i in range(kept):
         distances[i] = away[i]
-        names[i] = branch[k]
+        names[i] = branch[order[i]]
         for j in range(q.shape[1]):
-            ranked[i, j] = placed[k, j]
-    return count
+            ranked[i, j] = placed[order[i], j]
+    return kept
 
 
-@inline
+@lean
 def _wound(turns, lower, upper, seed, number, q, wound):
     """Write winding ``number`` of a placed solution; a joint without two limits keeps its own."""
     for i in range(q.shape[0]):
@@ -169,7 +170,7 @@ def _wound(turns, lower, upper, seed, number, q, wound):
                 wound[i] = _on_limit(value, lower[i], upper[i])
 
 
-@inline
+@lean
 def _count_windings(turns, lower, upper, q):
     total = 1.0
     for i in range(q.shape[0]):

@@ -13,7 +13,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.2.
 import math
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.tolerances import POLISH_ABOVE
 
@@ -24,7 +24,7 @@ WRIST_BOUNDARY = 2  # the two solutions have become one
 WRIST_OPPOSED = 4  # with WRIST_FREE: the parallel axes point in opposite directions
 
 
-@inline
+@lean
 def _last_angle(data, Q, cosx, sinx, cosy, siny):
     """Find z from the first column of Q turned back by x."""
     v0 = cosx * Q[0] + sinx * Q[3]
@@ -37,7 +37,7 @@ def _last_angle(data, Q, cosx, sinx, cosy, siny):
     return angle_of(second, first)
 
 
-@inline
+@lean
 def _write(data, Q, cosy, siny, found):
     """Enter the solution that belongs to y."""
     ca, sa = data[at.COS4], data[at.SIN4]
@@ -54,7 +54,7 @@ def _write(data, Q, cosy, siny, found):
     found[2] = _last_angle(data, Q, cosx, sinx, cosy, siny)
 
 
-@inline
+@lean
 def spherical_wrist(data, Q, free_angle, slack, parallel, found):
     """Write the angles (x, y, z) of up to two solutions to ``found``; return (count, flags).
 

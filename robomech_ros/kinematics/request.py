@@ -104,7 +104,7 @@ def _seeds(chain: SerialChain) -> tuple[Array, Array]:
     return low, np.minimum(chain.upper + POSITION_SLACK, chain.largest)
 
 
-def as_flag(what: str, value: bool) -> bool:
+def as_flag(what: str, value: object) -> bool:
     """Check a truth value; 0 and 1 are taken as such."""
     if value is True or value is False:
         return value
