@@ -6,18 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import short_layout as at
-from robomech_ros._kernels._jit import (
-    IN1,
-    IN2,
-    IOUT1,
-    OUT2,
-    ZERO,
-    i8,
-    lean,
-    lean_part,
-    scratch,
-    scratch_integers,
-)
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
@@ -30,7 +19,7 @@ _FREE_VALUES = 16
 _STEPS = np.int64(30)
 
 
-@lean
+@inline
 def _stays(data, found):
     """Tell whether the imagined joints are at zero, near enough for a polish to decide."""
     for i in range(6):
@@ -44,7 +33,7 @@ def _stays(data, found):
     return True
 
 
-@lean
+@inline
 def _entered(data, packed, T, found, q, count):
     """Write the joints of the arm behind the solutions there are, if they solve it and are new."""
     n = q.shape[1]
@@ -69,7 +58,7 @@ def _entered(data, packed, T, found, q, count):
     return count + 1
 
 
-@lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
@@ -80,8 +69,9 @@ def solve_short(data, T, seed, q, branch):
     n = int(data[at.JOINTS])
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     six = data[at.PARTS + 13 * (n + 1) :]
-    found, marks = scratch(MAX_SOLUTIONS, 6), scratch_integers(MAX_SOLUTIONS)
-    start = scratch(6)
+    found = np.empty((MAX_SOLUTIONS, 6))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    start = np.empty(6)
     count = ZERO
     singular = False
     for attempt in range(_FREE_VALUES):

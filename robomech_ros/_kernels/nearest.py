@@ -120,12 +120,22 @@ def _inside(q, lower, upper):
     return True
 
 
+@lean
+def _is_at_limit(q, lower, upper):
+    """Tell whether a joint is so near to a limit that the last steps may have stopped there."""
+    for i in range(q.shape[0]):
+        if not lower[i] + NEAREST_STEP < q[i] < upper[i] - NEAREST_STEP:
+            return True
+    return False
+
+
 @part(types.Tuple((f8, b1))(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 
     Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails,
-    and whether no step would come nearer, instead of their number being exhausted.
+    and whether it is sure that no step would come nearer: neither was their number exhausted, nor
+    did the last one stop at a limit, which may be less in the way of another start.
     """
     n = q.shape[0]
     J = np.empty((6, n))
@@ -168,8 +178,9 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             for k in range(n):
                 largest = max(largest, abs(s * g[k]))
                 q[k] += s * g[k]
-            nearest = max(largest, error) < NEAREST_STEP
-            settled = nearest or iteration == NEAREST_ITERATIONS // 2
+            short = max(largest, error) < NEAREST_STEP
+            settled = short or iteration == NEAREST_ITERATIONS // 2
+            nearest = short and not (bounded and _is_at_limit(q, lower, upper))
         for k in range(n):
             for i in range(6):
                 q[k] += J[i, k] * e[i]
