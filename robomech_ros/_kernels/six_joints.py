@@ -1,8 +1,17 @@
 """The solvers of six-joint arms behind one kernel, forwards and from the tip backwards."""
 
-import numpy as np
-
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, b1, i8, inline, kernel, linked
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    b1,
+    i8,
+    inline,
+    kernel,
+    linked,
+    scratch,
+)
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
 from robomech_ros._kernels.inverse_general import call_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
@@ -49,8 +58,7 @@ def six_joint_postures(family, backwards, data, T, seed, q, branch):
     """
     if not backwards:
         return _postures(family, data, T, seed, q, branch)
-    back = np.empty((4, 4))
-    start = np.empty(6)
+    back, start = scratch(4, 4), scratch(6)
     for i in range(3):
         for j in range(3):
             back[i, j] = T[j, i]

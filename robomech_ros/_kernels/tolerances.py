@@ -270,6 +270,9 @@ NEAREST_STEP = 1e-3
 # about as much as lies between samples.
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
+# but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
+# would only lead there.
+APPROACHED_AGAIN = 0.03
 # Error of the pose (rad, m) at which it is good.
 NEAREST_ERROR = 1e-12
 # and steps at most, half of them along the self-motion: those that go well need four to seven.

@@ -1,7 +1,7 @@
 """Which solver an arm gets: decided once for a chain, by its geometry."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,12 +36,20 @@ class Family:
         The constants, as the family's kernel reads them.
     turns : ndarray of int, shape (n,)
         1 for revolute joints.
+    limits : ndarray, shape (2, n)
+        Of the joints (rad or m), lower in front.
     """
 
     name: str
     number: int
     data: Array
     turns: NDArray[np.int64]
+    limits: Array
+
+    @cached_property
+    def arm(self) -> Array:
+        """The arm as ``_kernels.inverse.solve`` reads it."""
+        return np.concatenate(([self.number], self.turns, self.limits.ravel(), self.data))
 
     @property
     def closed_form(self) -> bool:
@@ -53,7 +61,7 @@ class Family:
         """Whether solutions are samples of a self-motion."""
         return self.number == REDUNDANT
 
-    @property
+    @cached_property
     def exact(self) -> bool:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
         if self.number == SHORT:
@@ -80,15 +88,15 @@ def family_of(chain: SerialChain) -> Family:
     for name, number, match in _FAMILIES:
         data = match(chain)
         if data is not None:
-            return Family(name, number, data, _turns(chain))
+            return _family(chain, name, number, data)
     return iterative_family(chain, iterative.iterative_data(chain))
 
 
 def iterative_family(chain: SerialChain, data: Array) -> Family:
     """Give the iterative family with constants made for a request of its own."""
-    return Family("iterative", ITERATIVE, data, _turns(chain))
+    return _family(chain, "iterative", ITERATIVE, data)
 
 
-def _turns(chain: SerialChain) -> NDArray[np.int64]:
-    turns: NDArray[np.int64] = (chain.types == REVOLUTE).astype(np.int64)
-    return turns
+def _family(chain: SerialChain, name: str, number: int, data: Array) -> Family:
+    turns = (chain.types == REVOLUTE).astype(np.int64)
+    return Family(name, number, data, turns, np.stack((chain.lower, chain.upper)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from eaik.IK_Homogeneous import HomogeneousRobot
 from peers import Array, eaik_robot
 from table import Row
-from timing import Work, interleave, summarise
+from timing import Timing, Work, interleave, summarise
 
 from robomech_ros.kinematics import (
     forward_kinematics,
@@ -22,16 +23,17 @@ from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 ARMS = ("puma560", "ur5e")
 POSES = 500
 BATCH = 200
-SINGLES = 40
+SHORT_BATCH = 20
+SINGLES = 10
 REPEATS = 5
 RESIDUAL = 1e-6
-SINGLE_LIMIT = 20.0
+SINGLE_LIMIT = 10.0
 FAMILY_LIMIT = 60.0
 NEAREST_LIMIT = 15.0
 NUMERIC_LIMIT = 50.0
 NUMERIC_ARMS = ("puma560", "ur5e", "general6r")
 SHORT_ARMS = ("planar3r", "scara", "vx300")
-BATCH_RATIO = 1.0
+BATCH_RATIO = 0.5
 # Arms that EAIK refuses: one of random numbers, and one with up to 16 solutions.
 GENERAL_ARMS = ("random", "general6r")
 GENERAL_MEDIAN = 80.0
@@ -198,18 +200,19 @@ def _redundant(name: str) -> tuple[list[Row], str]:
     poses = forward_kinematics(
         chain, np.clip(near + 0.1 * np.sin(postures), chain.lower, chain.upper)
     )
-    times = interleave(
-        {
-            "family": Work(
-                lambda: inverse_kinematics_batch(chain, targets, respect_limits=False), BATCH
-            ),
-            "nearest": Work(
-                lambda: inverse_kinematics_batch(chain, poses, seed=near, max_solutions=1), BATCH
-            ),
-        }
-    )
+    works = {}
+    for k in range(0, BATCH, SHORT_BATCH):
+        some, others = targets[k : k + SHORT_BATCH], poses[k : k + SHORT_BATCH]
+        works[f"family {k}"] = Work(
+            lambda T=some: inverse_kinematics_batch(chain, T, respect_limits=False), SHORT_BATCH
+        )
+        works[f"nearest {k}"] = Work(
+            lambda T=others: inverse_kinematics_batch(chain, T, seed=near, max_solutions=1),
+            SHORT_BATCH,
+        )
+    times = interleave(works, rounds=101)
     _, count, _ = inverse_kinematics_batch(chain, targets, respect_limits=False)
-    family, nearest = times["family"], times["nearest"]
+    family, nearest = _mean(times, "family"), _mean(times, "nearest")
     remark = f"{name}: {count.mean():.1f} solutions a pose, {count.min()} at least"
     return [
         Row(f"{name}, sampled family, batch, a pose", family.median, spread=family.spread,
@@ -217,6 +220,15 @@ def _redundant(name: str) -> tuple[list[Row], str]:
         Row(f"{name}, nearest solution, batch, a pose", nearest.median, spread=nearest.spread,
             limit=NEAREST_LIMIT),
     ], remark  # fmt: skip
+
+
+def _mean(times: Mapping[str, Timing], kind: str) -> Timing:
+    """Average the parts of a batch that is too long to be timed at once."""
+    parts = [timing for name, timing in times.items() if name.startswith(kind)]
+    return Timing(
+        sum(part.median for part in parts) / len(parts),
+        sum(part.spread for part in parts) / len(parts),
+    )
 
 
 def _short() -> list[Row]:
