@@ -19,9 +19,10 @@ TARGET_BEHIND = 1
 
 FORMS = 0  # how many forms follow, the best first
 SIZE = 1  # length of the arm (m), the unit of all lengths below
-BASE = 2  # 3x4: inverse of C_0; its origin over the size
-TIP = 14  # 3x4: inverse of C_6, likewise
-PACKED = 26  # the packed chain, 7 rows of 13
+CLEAN = 2  # part of some random poses that the first form alone solves with nothing in doubt
+BASE = 3  # 3x4: inverse of C_0; its origin over the size
+TIP = 15  # 3x4: inverse of C_6, likewise
+PACKED = 27  # the packed chain, 7 rows of 13
 HEAD = PACKED + 7 * 13
 
 # Within each form:

@@ -9,7 +9,7 @@ from robomech_ros._kernels import short_layout as at
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polishing import call_polish
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE, SHORT_CONTINUUM, SHORT_SLACK
 
 __all__ = ["solve_short"]
@@ -64,7 +64,7 @@ def solve_short(data, T, seed, q, branch):
 
     Where the completed arm is singular and the arm itself need not be, solutions are sought from
     several values of what is free there; very many that are found so are a continuum.  Returns how
-    many there are.
+    many there are, plus DOUBT where the list may lack one.
     """
     n = int(data[at.JOINTS])
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
@@ -73,6 +73,7 @@ def solve_short(data, T, seed, q, branch):
     marks = np.empty(MAX_SOLUTIONS, np.int64)
     start = np.empty(6)
     count = ZERO
+    doubt = ZERO
     singular = False
     for attempt in range(_FREE_VALUES):
         turn = 2.0 * math.pi * attempt / _FREE_VALUES
@@ -85,7 +86,8 @@ def solve_short(data, T, seed, q, branch):
         total = call_six_joints(
             int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks
         )
-        for k in range(total):
+        doubt |= total & DOUBT
+        for k in range(total % DOUBT):
             free = marks[k] & bit.CONTINUUM != 0
             singular = singular or free
             if count < q.shape[0] and (free or _stays(data, found[k])):
@@ -96,4 +98,4 @@ def solve_short(data, T, seed, q, branch):
         branch[k] = bit.UNNAMED
         if singular and count > SHORT_CONTINUUM:
             branch[k] |= bit.SHOULDER_SINGULAR
-    return count
+    return count | doubt

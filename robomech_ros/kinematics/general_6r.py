@@ -57,10 +57,11 @@ def match(chain: SerialChain) -> Array | None:
         return None
     head = _head(chain, size)
     loop = _loop(chain, size)
-    forms = _best_first(chain, head, [_form(loop, start, sense) for start, sense in _WALKS])
+    forms, clean = _best_first(chain, head, [_form(loop, start, sense) for start, sense in _WALKS])
     if not forms:
         return None
     head[at.FORMS] = len(forms)
+    head[at.CLEAN] = clean
     data = np.concatenate((head, *forms))
     data.setflags(write=False)
     return data
@@ -147,8 +148,13 @@ def _left_side(links: list[Array]) -> Array:
     return coefficients
 
 
-def _best_first(chain: SerialChain, head: Array, forms: list[Array]) -> list[Array]:
-    """Try the forms on some poses: those that work for most of them, in order of how often."""
+def _best_first(
+    chain: SerialChain, head: Array, forms: list[Array]
+) -> tuple[list[Array], float]:
+    """Try the forms on some poses: those that work for most of them, in order of how often.
+
+    Returns the part of the poses that the first one solves, too.
+    """
     q, branch = np.empty((MAX_SOLUTIONS, 6)), np.empty(MAX_SOLUTIONS, np.int64)
     target = np.empty((4, 4))
     alone = head.copy()
@@ -160,4 +166,5 @@ def _best_first(chain: SerialChain, head: Array, forms: list[Array]) -> list[Arr
             data = np.concatenate((alone, form))
             good[k] += solve_general(data, target, posture, q, branch) < DOUBT
     order = sorted(range(len(forms)), key=lambda k: -good[k])
-    return [forms[k] for k in order if good[k] >= _TRIALS // 2]
+    kept = [forms[k] for k in order if good[k] >= _TRIALS // 2]
+    return kept, float(good[order[0]]) / _TRIALS

@@ -11,7 +11,7 @@ from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
 from robomech_ros._kernels.polishing import polish
 from robomech_ros._kernels.serial import forward_one
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, six_joint_postures
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     SELF_MOTION_APART,
@@ -122,7 +122,7 @@ class Tracer:
         seed = self._seed[first : first + 6].copy()
         backwards = self.data[at.BACKWARDS] != 0.0
         family = int(self.data[at.SIX])
-        count = six_joint_postures(family, backwards, rest, target, seed, found, branch)
+        count = six_joint_postures(family, backwards, rest, target, seed, found, branch) % DOUBT
         q = np.tile(locked, (count, 1))
         q[:, first : first + 6] = found[:count]
         if self.data[at.POLISH] != 0.0:
