@@ -80,21 +80,25 @@ def demanded(data, T, pose, back):
 
 
 @inline
-def right_side(before, behind, X, V):
+def right_side(before, behind, slides, X, V):
     """Write the fourteen quantities in front of joint 2: cosine, sine and constant part in joint 1.
 
-    ``before`` (12,) is the inverse of the link before joint 1, ``behind`` that of the one behind
-    it; X (14, 3), and V (3, 14) is working space.  Three values of joint 1 tell all.
+    Where joint 1 ``slides`` these are the parts of its square, itself and 1.  ``before`` (12,) is
+    the inverse of the link before joint 1, ``behind`` that of the one behind it; X (14, 3), and V
+    (3, 14) is working space.  Three values of joint 1 tell all.
     """
     for k in range(3):
         c = 1.0 if k == 0 else -0.5
         s = 0.0 if k == 0 else (-_HALF_ROOT if k == 1 else _HALF_ROOT)
+        d = 0.0
+        if slides:
+            c, s, d = 1.0, 0.0, (0.0 if k == 0 else 1.0 if k == 1 else -1.0)
         lx = c * before[2] - s * before[6]
         ly = s * before[2] + c * before[6]
         lz = before[10]
         px = c * before[3] - s * before[7]
         py = s * before[3] + c * before[7]
-        pz = before[11]
+        pz = before[11] - d
         closure_quantities(
             behind[0] * lx + behind[1] * ly + behind[2] * lz,
             behind[4] * lx + behind[5] * ly + behind[6] * lz,
@@ -105,6 +109,11 @@ def right_side(before, behind, X, V):
             V[k],
         )
     for r in range(14):
+        if slides:
+            X[r, 0] = 0.5 * (V[1, r] + V[2, r]) - V[0, r]
+            X[r, 1] = 0.5 * (V[1, r] - V[2, r])
+            X[r, 2] = V[0, r]
+            continue
         X[r, 0] = (2.0 * V[0, r] - V[1, r] - V[2, r]) / 3.0
         X[r, 1] = (V[1, r] - V[2, r]) / (2.0 * _HALF_ROOT)
         X[r, 2] = (V[0, r] + V[1, r] + V[2, r]) / 3.0
@@ -180,7 +189,7 @@ def _complex_equation(K, X, E):
 
 
 @inline
-def _real_equations(K, X, E, W, Z):
+def _real_equations(K, X, slide, E, W, Z):
     """Write the four equations free of joint 1 among those without joint 2 to rows 2 .. 5 of E.
 
     Two Householder reflections take the columns of joint 1, in Z (6, 2), to their first rows.
@@ -201,11 +210,14 @@ def _real_equations(K, X, E, W, Z):
     for i in range(6):
         for j in range(at.N_COLUMNS):
             W[i, j] = K[8 + i, j]
-        # 1 is the sum of the first and the last monomial of either joint.
+        # 1 is the sum of the first and the last monomial of either joint, of a slide the last one.
         constant = X[8 + i, 2]
-        W[i, 18] -= constant
-        W[i, 20] -= constant
-        W[i, 24] -= constant
+        if slide != at.THIRD:
+            W[i, 20] -= constant
+            if slide != at.FOURTH:
+                W[i, 18] -= constant
+        if slide != at.FOURTH:
+            W[i, 24] -= constant
         W[i, 26] -= constant
     pivots = 1.0
     for c in range(2):
@@ -241,13 +253,15 @@ def _real_equations(K, X, E, W, Z):
     return pivots / norms if norms > 0.0 else 0.0
 
 
-@part(f8(IN2, IN2, OUT2))
-def free_equations(K, X, E):
+@part(f8(IN2, IN2, i8, OUT2))
+def free_equations(K, X, slide, E):
     """Write six equations E (6, 27) in the last three joints only.
+
+    ``slide`` is the part that a slide plays, -1 where there is none.
 
     Returns how independent the eliminated unknowns are, 1 at best.  Where they depend on each
     other the equations are right all the same, but more could be had.
     """
     W = np.empty((6, at.N_COLUMNS))
     Z = np.empty((6, 2))
-    return min(_complex_equation(K, X, E), _real_equations(K, X, E, W, Z))
+    return min(_complex_equation(K, X, E), _real_equations(K, X, slide, E, W, Z))

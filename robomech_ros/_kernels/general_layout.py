@@ -1,9 +1,13 @@
 """Where the constants of a general six-joint arm stand in its data array.
 
-A form is one way to eliminate.  It walks round the closed loop of the six joints and of the
+A form is one way to the solutions.  With one slide at most it is an elimination.  It walks round the closed loop of the six joints and of the
 target pose in one sense, from one of two starts, and so fixes the parts that the joints play:
 FIRST and SECOND are eliminated linearly, HIDDEN is the unknown of the determinant, THIRD and
-FOURTH are eliminated with it, LAST turns about an axis that no equation sees.
+FOURTH are eliminated with it, LAST turns about an axis that no equation sees.  A slide plays FIRST,
+THIRD or FOURTH.
+
+With two or three slides (see ``general_slides``) a form is a place in the loop to begin at: with two,
+that of the joint that is hidden.
 """
 
 FIRST = 0
@@ -20,20 +24,28 @@ TARGET_BEHIND = 1
 FORMS = 0  # how many forms follow, the best first
 SIZE = 1  # length of the arm (m), the unit of all lengths below
 CLEAN = 2  # part of some random poses that the first form alone solves with nothing in doubt
-BASE = 3  # 3x4: inverse of C_0; its origin over the size
-TIP = 15  # 3x4: inverse of C_6, likewise
-PACKED = 27  # the packed chain, 7 rows of 13
+SLIDES = 3  # number of prismatic joints
+BASE = 4  # 3x4: inverse of C_0; its origin over the size
+TIP = 16  # 3x4: inverse of C_6, likewise
+PACKED = 28  # the packed chain, 7 rows of 13
 HEAD = PACKED + 7 * 13
 
-# Within each form:
+# Within each form of an arm with one slide at most:
 TARGET = 0  # TARGET_BEFORE or TARGET_BEHIND
 SENSE = 1  # 1.0 in the sense of the chain, -1.0 against it
 JOINTS = 2  # six joint numbers: FIRST .. LAST
 OFFSETS = 8  # what is added to the angles of THIRD and FOURTH, so that 0 and pi are no round values
 FIXED = 10  # 3x4: inverse of the constant one of the two links next to FIRST
 LINKS = 22  # four times 3x4: the links behind SECOND, HIDDEN, THIRD and FOURTH
-EQUATIONS = 70  # 14 x 3 x 9: cosine, sine and constant part in HIDDEN, monomials of the next two
+SLIDE = 70  # which part the slide plays, -1.0 where there is none
+EQUATIONS = 71  # 14 x 3 x 9: cosine, sine and constant part in HIDDEN, monomials of the next two
 N_EQUATIONS = 14
 N_COLUMNS = 27
 FORM = EQUATIONS + N_EQUATIONS * N_COLUMNS
+
+# Within each form of an arm with two or three slides, with JOINTS in the order of the loop:
+TARGET_LINK = 0  # which of the links carries the target
+KINDS = 8  # of the six joints: 1.0 for a slide
+LOOP = 14  # six times 3x4: the links behind the joints, the target's not used
+
 MOST_FORMS = 4

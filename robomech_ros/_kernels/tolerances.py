@@ -224,6 +224,10 @@ GENERAL_WIDTH = 1e-6
 GENERAL_HALVINGS = 600
 GENERAL_SAMPLINGS = 16
 
+# Below this (of squares of sines) the axes about which two joints turn line up, for another form to
+# be asked.
+SLIDES_REGULAR = 1e-8
+
 # --- General six-joint arms: postures ---
 # Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
 GENERAL_STEPS = 12

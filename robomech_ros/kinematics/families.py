@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
 from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, ITERATIVE
-from robomech_ros.kinematics import general_6r, iterative, redundant, short
+from robomech_ros.kinematics import general, iterative, redundant, short
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
@@ -28,8 +28,8 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"redundant"``, ``"short"`` or
-        ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
+        ``"short"`` or ``"iterative"``.
     number : int
         The family in the kernels.
     data : ndarray
@@ -61,9 +61,15 @@ class Family:
         return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
+
+def _match_revolute(chain: SerialChain) -> Array | None:
+    return None if chain.types.any() else general.match(chain)
+
+
 _FAMILIES = (
     *CLOSED_FORMS,
-    ("general-6r", GENERAL, general_6r.match),
+    ("general-6r", GENERAL, _match_revolute),
+    ("general-6", GENERAL, general.match),
     ("redundant", REDUNDANT, redundant.match),
     ("short", SHORT, short.match),
 )

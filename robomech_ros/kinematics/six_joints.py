@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels import general_layout
 from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, THREE_PARALLEL
-from robomech_ros.kinematics import decoupled, general_6r, three_parallel
+from robomech_ros.kinematics import decoupled, general, three_parallel
 from robomech_ros.robots.chain import SerialChain, pack_chain
 
 __all__ = [
@@ -92,7 +92,7 @@ def match_general(
     """
     best: tuple[float, int, SixJointArm] | None = None
     for number, (transforms, types) in enumerate(candidates):
-        data = general_6r.match(chain_of(transforms, types))
+        data = general.match(chain_of(transforms, types))
         if data is None:
             continue
         clean = float(data[general_layout.CLEAN])

@@ -1,13 +1,17 @@
-"""Any other arm of six revolute joints: its closure equations, made once for a chain.
+"""Any other arm of six joints: its closure equations, made once for a chain.
 
 A form of elimination (see ``_kernels.general_layout``) needs nothing of the target in its left
 side where the target is one of the two links next to joint FIRST.  Four of the twelve forms are
 so, with joints 3, 4, 2 and 5 hidden; each fails for other arms with special geometry, such as
 parallel or meeting neighbouring axes.  Which of them are good for an arm is found by trying.
+A slide can be among them where it is joint FIRST, THIRD or FOURTH, as it is in one form at least.
+
+With two or three slides there are as many forms as revolute joints to begin the loop at.
 """
 
 import itertools
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +21,7 @@ from robomech_ros._kernels.general_equations import quantities
 from robomech_ros._kernels.inverse_general import DOUBT, MAX_SOLUTIONS, solve_general
 from robomech_ros._kernels.serial import forward_one
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 
 __all__ = ["match"]
 
@@ -26,7 +30,7 @@ Array = NDArray[np.float64]
 # Start of the walk round the loop, and its sense.
 _WALKS = ((0, 1), (0, -1), (5, 1), (5, -1))
 # Added to the angles of joints THIRD and FOURTH: irrational parts of a turn.
-_OFFSETS = (1.0, 0.7)
+_OFFSETS = {at.THIRD: 1.0, at.FOURTH: 0.7}
 _TRIALS = 12
 
 _THIRDS = 2.0 * math.pi / 3.0 * np.arange(3)
@@ -34,11 +38,13 @@ _THIRDS = 2.0 * math.pi / 3.0 * np.arange(3)
 _PARTS = np.array([2.0 * np.cos(_THIRDS), 2.0 * np.sin(_THIRDS), np.ones(3)]) / 3.0
 # From these to the coefficients of s s, s c, c c of the half angle, and of s s, sqrt(2) s c, c c.
 _HALF = np.array([[-1.0, 0.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
-_EVEN_HALF = _HALF / np.array([[1.0], [math.sqrt(2.0)], [1.0]])
+_EVEN = np.array([[1.0], [math.sqrt(2.0)], [1.0]])
+# From values of a slide at 0, 1, -1 to the coefficients of its square, itself and 1.
+_SLIDE = np.array([[-1.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1.0, 0.0, 0.0]])
 
 
 def match(chain: SerialChain) -> Array | None:
-    """Make the constants of an arm of six revolute joints.
+    """Make the constants of an arm of six joints.
 
     Parameters
     ----------
@@ -50,14 +56,14 @@ def match(chain: SerialChain) -> Array | None:
         The constants that ``_kernels.inverse_general`` reads; None for other chains, arms that
         cannot move in all directions, and arms for which no form of elimination works.
     """
-    if chain.n != 6 or chain.types.any():
+    if chain.n != 6:
         return None
     size = arm_size(chain)
     if not moves_in_all_directions(chain, size):
         return None
     head = _head(chain, size)
     loop = _loop(chain, size)
-    forms, clean = _best_first(chain, head, [_form(loop, start, sense) for start, sense in _WALKS])
+    forms, clean = _best_first(chain, head, list(_forms(chain, loop)))
     if not forms:
         return None
     head[at.FORMS] = len(forms)
@@ -69,7 +75,7 @@ def match(chain: SerialChain) -> Array | None:
 
 def _head(chain: SerialChain, size: float) -> Array:
     head = np.zeros(at.HEAD)
-    head[at.SIZE] = size
+    head[at.SIZE], head[at.SLIDES] = size, chain.types.sum()
     for place, row in ((at.BASE, 0), (at.TIP, 6)):
         pose = _pose(chain.packed[row], size)
         head[place : place + 12] = np.linalg.inv(pose)[:3].ravel()
@@ -103,48 +109,93 @@ def _turn(angle: float) -> Array:
     return pose
 
 
-def _form(loop: Array, start: int, sense: int) -> Array:
-    """Lay out one form."""
-    joints = list(range(6))
+def _forms(chain: SerialChain, loop: Array) -> Iterator[Array]:
+    """Lay out the forms that suit the types of the joints."""
+    slides = np.flatnonzero(chain.types).tolist()
+    if len(slides) > 1:
+        for first in np.flatnonzero(chain.types == REVOLUTE).tolist():
+            yield _slide_form(chain, loop, first)
+        return
+    for start, sense in _WALKS:
+        joints = _joints(start, sense)
+        slide = joints.index(slides[0]) if slides else -1
+        if slide in (-1, at.FIRST, at.THIRD, at.FOURTH):
+            yield _form(loop, start, sense, slide)
+
+
+def _joints(start: int, sense: int) -> list[int]:
+    """List the joints in the order of a walk."""
+    joints = list(range(6))[::sense]
+    return joints[start:] + joints[:start]
+
+
+def _slide_form(chain: SerialChain, loop: Array, first: int) -> Array:
+    """Lay out a form of an arm with two or three slides, from a revolute joint on."""
+    order = [(first + k) % 6 for k in range(6)]
+    form = np.zeros(at.FORM)
+    form[at.TARGET_LINK] = order.index(5)
+    form[at.JOINTS : at.JOINTS + 6] = order
+    form[at.KINDS : at.KINDS + 6] = chain.types[order]
+    form[at.LOOP : at.LOOP + 72] = loop[order, :3].ravel()
+    return form
+
+
+def _shift(way: float) -> Array:
+    pose = np.eye(4)
+    pose[2, 3] = way
+    return pose
+
+
+def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
+    """Lay out a form of elimination, with a slide in a part, or -1."""
     links = list(loop)
     if sense < 0:
         # J_6^-1 L_5^-1 J_5^-1 ... L_1^-1 J_1^-1 L_6^-1 = 1
-        joints.reverse()
         links = [_inverse(links[(4 - k) % 6]) for k in range(6)]
-    joints = joints[start:] + joints[:start]
     links = links[start:] + links[:start]
-    links[2] = links[2] @ _turn(_OFFSETS[0])
-    links[3] = links[3] @ _turn(_OFFSETS[1])
+    offsets = [0.0 if slide == role else _OFFSETS[role] for role in (at.THIRD, at.FOURTH)]
+    links[2] = links[2] @ _turn(offsets[0])
+    links[3] = links[3] @ _turn(offsets[1])
     behind_target = start == 5
     form = np.zeros(at.FORM)
     form[at.TARGET] = at.TARGET_BEHIND if behind_target else at.TARGET_BEFORE
     form[at.SENSE] = sense
-    form[at.JOINTS : at.JOINTS + 6] = joints
-    form[at.OFFSETS : at.OFFSETS + 2] = _OFFSETS
+    form[at.SLIDE] = slide
+    form[at.JOINTS : at.JOINTS + 6] = _joints(start, sense)
+    form[at.OFFSETS : at.OFFSETS + 2] = offsets
     fixed = _inverse(links[5] if behind_target else links[0])
     form[at.FIXED : at.FIXED + 12] = fixed[:3].ravel()
     for k in range(4):
         form[at.LINKS + 12 * k : at.LINKS + 12 * (k + 1)] = links[k + 1][:3].ravel()
-    form[at.EQUATIONS :] = _left_side(links).ravel()
+    form[at.EQUATIONS :] = _left_side(links, slide).ravel()
     return form
 
 
-def _left_side(links: list[Array]) -> Array:
+def _left_side(links: list[Array], slide: int) -> Array:
     """Coefficients of the fourteen quantities, shape (14, 3, 9), from their values.
 
-    They are linear in cosine, sine and 1 of three joints, so three values of each tell all.
+    They are linear in cosine, sine and 1 of three joints, quadratic in a slide, so three values of
+    each tell all.
     """
+    motions, parts = [], []
+    for role in (at.HIDDEN, at.THIRD, at.FOURTH):
+        moved = [_turn(angle) for angle in _THIRDS]
+        if role == slide:
+            moved = [_shift(way) for way in (0.0, 1.0, -1.0)]
+        motions.append(moved)
+        part = _PARTS if role == at.HIDDEN else _SLIDE if role == slide else _HALF @ _PARTS
+        parts.append(part / _EVEN if role == at.FOURTH else part)
     values = np.empty((3, 3, 3, at.N_EQUATIONS))
     out = np.empty(at.N_EQUATIONS)
     for i, j, k in itertools.product(range(3), repeat=3):
-        pose = links[1]
-        for angle, link in zip((_THIRDS[i], _THIRDS[j], _THIRDS[k]), links[2:5], strict=True):
-            pose = pose @ _turn(angle) @ link
+        pose = links[1] @ motions[0][i] @ links[2] @ motions[1][j] @ links[3] @ motions[2][k]
+        pose = pose @ links[4]
         quantities(pose[:3, 2].copy(), pose[:3, 3].copy(), out)
         values[i, j, k] = out
-    parts = np.einsum("ai,pb,bj,qc,ck,ijkr->rapq", _PARTS, _HALF, _PARTS, _EVEN_HALF, _PARTS,
-                      values, optimize=True)  # fmt: skip
-    coefficients: Array = parts.reshape(at.N_EQUATIONS, 3, 9)
+    for part in parts:
+        # Each time the next joint comes last of the three.
+        values = np.moveaxis(np.tensordot(part, values, (1, 0)), 0, 2)
+    coefficients: Array = np.moveaxis(values, 3, 0).reshape(at.N_EQUATIONS, 3, 9)
     return coefficients
 
 
@@ -160,7 +211,9 @@ def _best_first(
     alone = head.copy()
     alone[at.FORMS] = 1.0
     good = np.zeros(len(forms), int)
-    for posture in np.random.default_rng(0).uniform(-math.pi, math.pi, (_TRIALS, 6)):
+    postures = np.random.default_rng(0).uniform(-math.pi, math.pi, (_TRIALS, 6))
+    postures[:, chain.types == PRISMATIC] *= head[at.SIZE] / math.pi
+    for posture in postures:
         forward_one(chain.packed, posture, target)
         for k, form in enumerate(forms):
             data = np.concatenate((alone, form))
