@@ -35,6 +35,7 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_FREE_VALUES,
     GENERAL_VOID,
+    SLIDES_FARTHEST,
     SLIDES_REGULAR,
 )
 
@@ -108,6 +109,13 @@ def _middle(between, M):
 
 
 @inline
+def _inverse(z):
+    """Invert a complex number; 0 gives no number, where a division would raise an error."""
+    square = z.real * z.real + z.imag * z.imag
+    return complex(z.real / square, -z.imag / square)
+
+
+@inline
 def _turns(between, M, cosine, sine, turns):
     """Write cosine and sine of joints b, c, d to turns (3, 2), complex, given those of c."""
     B, C = between[1], between[2]
@@ -116,7 +124,7 @@ def _turns(between, M, cosine, sine, turns):
     y = sine * C[2] + cosine * C[5]
     u = B[0] * x + B[1] * y + B[2] * C[8]
     v = B[3] * x + B[4] * y + B[5] * C[8]
-    inverse = 1.0 / (u * u + v * v)
+    inverse = _inverse(u * u + v * v)
     turns[0, 0] = (u * M[2] + v * M[5]) * inverse
     turns[0, 1] = (u * M[5] - v * M[2]) * inverse
     turns[1, 0], turns[1, 1] = cosine, sine
@@ -124,7 +132,7 @@ def _turns(between, M, cosine, sine, turns):
     y = B[7] * cosine - B[6] * sine
     u = x * C[0] + y * C[3] + B[8] * C[6]
     v = x * C[1] + y * C[4] + B[8] * C[7]
-    inverse = 1.0 / (u * u + v * v)
+    inverse = _inverse(u * u + v * v)
     turns[2, 0] = (u * M[6] + v * M[7]) * inverse
     turns[2, 1] = (v * M[6] - u * M[7]) * inverse
 
@@ -287,22 +295,41 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
 
 
 @inline
+def _is_far(way, slides):
+    """Tell whether two slides are parallel where the loop does not close: it does so nowhere near."""
+    across, along = 0.0, 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        u, v, w = slides[0], slides[1], way
+        across += abs(u[j].real * v[k].real - u[k].real * v[j].real)
+        along += abs(u[j].real * w[k].real - u[k].real * w[j].real)
+        along += abs(v[j].real * w[k].real - v[k].real * w[j].real)
+    return across * SLIDES_FARTHEST < along
+
+
+@inline
 def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
-    """Write the better of the two postures with a value of joint a; return whether there is one."""
+    """Write the better of the two postures with a value of joint a.
+
+    Returns how many there are near the arm, -1 where there is none with real angles.
+    """
     _demanded(between, cosine, sine, M)
     k, c, s = _middle(between, M)
     if not c * c + s * s >= k * k:
-        return False
-    least = math.inf
-    for number in range(2):
-        p, q = _root(k, c, s, 1.0 - 2.0 * number)
+        return -1
+    sign, least = 1.0, math.inf
+    for number in range(3):
+        # The better one is the last that is looked at.
+        p, q = _root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
         _turns(between, M, p, q, turns)
         _round(data, form, loop, turns, way, slides)
         off = abs(_triple(way, slides[0], slides[1]))
-        if off < least:
-            least = off
-            _enter(data, form, cosine, sine, turns, way, slides, trial)
-    return least < math.inf
+        if off < least and number < 2:
+            least, sign = off, 1.0 - 2.0 * number
+    if not least < math.inf:
+        return -1
+    _enter(data, form, cosine, sine, turns, way, slides, trial)
+    return 0 if _is_far(way, slides) else 1
 
 
 @inline
@@ -355,8 +382,7 @@ def slide_postures(data, form, back, seed, trials):
     for k in range(min(zeros, MAX_TRIALS)):
         hidden = 0.5 * (roots[k, 0] + roots[k, 1])
         c, s = math.cos(hidden), math.sin(hidden)
-        if _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count]):
-            count += 1
-        else:
-            clean = False
+        near = _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count])
+        clean = clean and near >= 0
+        count += max(near, 0)
     return count, clean, void

@@ -227,6 +227,8 @@ GENERAL_SAMPLINGS = 16
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to
 # be asked.
 SLIDES_REGULAR = 1e-8
+# Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
+SLIDES_FARTHEST = 1e6
 
 # --- General six-joint arms: postures ---
 # Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
