@@ -22,12 +22,26 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, OUT2, f8, i8, inline, kernel, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, OUT2, f8, i8, inline, kernel, linked, part
 from robomech_ros._kernels.tolerances import GENERAL_RANK
 
-__all__ = ["closure_quantities", "demanded", "free_equations", "right_side", "write_inverse"]
+__all__ = ["complete_form", "demanded", "free_equations", "left_side", "right_side"]
 
 _HALF_ROOT = math.sqrt(0.75)
+# Three values of a turn and of a slide.
+_COSINES = np.array([1.0, -0.5, -0.5])
+_SINES = np.array([0.0, _HALF_ROOT, -_HALF_ROOT])
+_WAYS = np.array([0.0, 1.0, -1.0])
+# From values there to cosine, sine and constant part; to the parts of s s, s c, c c of the half
+# angle; to those of a slide's square, itself and 1.
+_TURN_PARTS = np.array([2.0 * _COSINES, 2.0 * _SINES, np.ones(3)]) / 3.0
+_HALF_PARTS = np.array([_TURN_PARTS[2] - _TURN_PARTS[0], 2.0 * _TURN_PARTS[1],
+                        _TURN_PARTS[2] + _TURN_PARTS[0]])  # fmt: skip
+_SLIDE_PARTS = np.array([[-1.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1.0, 0.0, 0.0]])
+# The same with sqrt(2) in the middle.
+_EVEN = np.array([[1.0], [math.sqrt(2.0)], [1.0]])
+_EVEN_HALF_PARTS = _HALF_PARTS / _EVEN
+_EVEN_SLIDE_PARTS = _SLIDE_PARTS / _EVEN
 
 
 @inline
@@ -43,11 +57,92 @@ def closure_quantities(lx, ly, lz, px, py, pz, out):
     out[12], out[13] = pp, pl
 
 
-@kernel(i8(IN1, IN1, OUT1))
-def quantities(direction, point, out):
-    """Write the fourteen quantities of a direction (3,) and a point (3,) to out (14,)."""
-    closure_quantities(direction[0], direction[1], direction[2], point[0], point[1], point[2], out)
+@inline
+def _followed(pose, number, slides, links, k, out):
+    """Write a pose (12,), followed by one of three values of a joint and by a link, to out (12,)."""
+    c, s, d = 1.0, 0.0, 0.0
+    if slides:
+        d = _WAYS[number]
+    else:
+        c, s = _COSINES[number], _SINES[number]
+    for j in range(4):
+        x = c * links[k + j] - s * links[k + 4 + j]
+        y = s * links[k + j] + c * links[k + 4 + j]
+        z = links[k + 8 + j]
+        if j == 3:
+            z += d
+        for i in range(3):
+            out[4 * i + j] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z
+    for i in range(3):
+        out[4 * i + 3] += pose[4 * i + 3]
+
+
+@kernel(i8(IN1, i8, OUT1))
+def left_side(links, slide, K):
+    """Write the coefficients of the fourteen quantities behind joint 2 to K (14 x 3 x 9,).
+
+    They are linear in cosine, sine and 1 of three joints, quadratic in a slide, so three values of
+    each tell all.  ``links`` (48,) are those of a form.
+    """
+    V = np.empty((27, 14))
+    first, second, third = np.empty(12), np.empty(12), np.empty(12)
+    n = 0
+    for i in range(3):
+        _followed(links[:12], i, False, links, 12, first)
+        for j in range(3):
+            _followed(first, j, slide == at.THIRD, links, 24, second)
+            for k in range(3):
+                _followed(second, k, slide == at.FOURTH, links, 36, third)
+                closure_quantities(
+                    third[2], third[6], third[10], third[3], third[7], third[11], V[n]
+                )
+                n += 1
+    to_third = _SLIDE_PARTS if slide == at.THIRD else _HALF_PARTS
+    to_fourth = _EVEN_SLIDE_PARTS if slide == at.FOURTH else _EVEN_HALF_PARTS
+    W = np.empty((27, 14))
+    for step in range(3):
+        matrix = to_fourth if step == 0 else to_third if step == 1 else _TURN_PARTS
+        stride = 1 if step == 0 else 3 if step == 1 else 9
+        for n in range(27):
+            a = n // stride % 3
+            start = n - a * stride
+            for r in range(14):
+                W[n, r] = (
+                    matrix[a, 0] * V[start, r]
+                    + matrix[a, 1] * V[start + stride, r]
+                    + matrix[a, 2] * V[start + 2 * stride, r]
+                )
+        V, W = W, V
+    for r in range(14):
+        for n in range(27):
+            K[27 * r + n] = V[n, r]
     return 0
+
+
+call_left_side = linked(left_side)
+
+
+@inline
+def complete_form(data, start, pose, back, form):
+    """Write the form at ``start`` of the data, with the target in its place, to form (FORM,)."""
+    for i in range(at.FORM):
+        form[i] = data[start + i]
+    forwards = form[at.SENSE] > 0.0
+    target = int(form[at.TARGET])
+    if target == 0 or target == 5:
+        k = at.BEHIND if target == 0 else at.BEFORE
+        for i in range(12):
+            form[k + i] = pose[i] if forwards else back[i]
+        return
+    k = at.LINKS + 12 * (target - 1)
+    angle = form[at.OFFSETS + target - 2] if 2 <= target <= 3 else 0.0
+    c, s = math.cos(angle), math.sin(angle)
+    for i in range(0, 12, 4):
+        for j in range(4):
+            form[k + i + j] = back[i + j] if forwards else pose[i + j]
+        x, y = form[k + i], form[k + i + 1]
+        form[k + i], form[k + i + 1] = c * x + s * y, c * y - s * x
+    call_left_side(form[at.LINKS : at.LINKS + 48], int(form[at.SLIDE]), form[at.EQUATIONS :])
 
 
 @inline

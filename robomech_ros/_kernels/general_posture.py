@@ -5,7 +5,7 @@ import math
 from numba import types
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, f8, inline, part
 from robomech_ros._kernels.angles import wrapped
 
 __all__ = ["half_angles", "remaining_joints"]
@@ -88,21 +88,21 @@ def _half_sine_cosine(value, slides):
 
 
 @inline
-def _left_side(data, form, hidden, third, fourth, left):
+def _left_side(form, hidden, third, fourth, left):
     """Write the fourteen quantities of three joints to left (14,)."""
     c3, s3 = math.cos(hidden), math.sin(hidden)
-    s, c = _half_sine_cosine(third, data[form + at.SLIDE] == at.THIRD)
-    u, v = _half_sine_cosine(fourth, data[form + at.SLIDE] == at.FOURTH)
+    s, c = _half_sine_cosine(third, form[at.SLIDE] == at.THIRD)
+    u, v = _half_sine_cosine(fourth, form[at.SLIDE] == at.FOURTH)
     fourths = (u * u, _ROOT_2 * u * v, v * v)
     thirds = (s * s, s * c, c * c)
-    k = form + at.EQUATIONS
+    k = at.EQUATIONS
     for r in range(at.N_EQUATIONS):
         total = 0.0
         for i in range(3):
             part = 0.0
             for j in range(3):
                 m = k + 3 * i + j
-                part += fourths[j] * (c3 * data[m] + s3 * data[m + 9] + data[m + 18])
+                part += fourths[j] * (c3 * form[m] + s3 * form[m + 9] + form[m + 18])
             total += thirds[i] * part
         left[r] = total
         k += at.N_COLUMNS
@@ -139,32 +139,32 @@ def _second_angle(X, left, first, slides):
     return math.atan2(imaginary, real)
 
 
-@part(types.void(IN1, i8, IN2, IN1, IN1, f8, f8, f8, OUT1, OUT1))
-def remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, q):
+@part(types.void(IN1, f8, IN2, f8, f8, f8, OUT1, OUT1))
+def remaining_joints(form, size, X, hidden, third, fourth, left, q):
     """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
 
-    Joints FIRST and SECOND follow from linear equations, joint LAST from the rotation left over.
+    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear equations, joint LAST from the rotation left over.
     """
-    _left_side(data, form, hidden, third, fourth, left)
-    slide = data[form + at.SLIDE]
+    _left_side(form, hidden, third, fourth, left)
+    slide = form[at.SLIDE]
     first = _first_value(X, left, slide == at.FIRST)
     second = _second_angle(X, left, first, slide == at.FIRST)
     last = _last_angle(
-        data,
-        form + at.LINKS,
-        before,
-        behind,
+        form,
+        at.LINKS,
+        form[at.BEFORE : at.BEFORE + 12],
+        form[at.BEHIND : at.BEHIND + 12],
         0.0 if slide == at.FIRST else first,
         second,
         hidden,
         0.0 if slide == at.THIRD else third,
         0.0 if slide == at.FOURTH else fourth,
     )
-    third += data[form + at.OFFSETS]
-    fourth += data[form + at.OFFSETS + 1]
+    third += form[at.OFFSETS]
+    fourth += form[at.OFFSETS + 1]
     values = (first, second, hidden, third, fourth, last)
-    sense = data[form + at.SENSE]
+    sense = form[at.SENSE]
     for k in range(6):
         value = sense * values[k]
-        joint = int(data[form + at.JOINTS + k])
-        q[joint] = value * data[at.SIZE] if k == slide else wrapped(value)
+        joint = int(form[at.JOINTS + k])
+        q[joint] = value * size if k == slide else wrapped(value)

@@ -35,7 +35,12 @@ from robomech_ros._kernels._jit import (
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
 from robomech_ros._kernels.general_determinant import core, null_vector
-from robomech_ros._kernels.general_equations import demanded, free_equations, right_side
+from robomech_ros._kernels.general_equations import (
+    complete_form,
+    demanded,
+    free_equations,
+    right_side,
+)
 from robomech_ros._kernels.general_posture import half_angles, remaining_joints
 from robomech_ros._kernels.general_roots import MAX_ROOTS, isolate, sample
 from robomech_ros._kernels.general_slides import MAX_TRIALS, slide_postures
@@ -144,24 +149,22 @@ def _admit(data, packed, T, trial, singular, q, count):
 
 
 @inline
-def _solve_form(data, form, packed, T, pose, back, seed, q, count):
+def _solve_form(data, start, packed, T, pose, back, seed, q, count):
     """Enter the solutions that a form finds; return whether it is clean, void, and count.
 
     Void is a form whose determinant vanishes all round: the hidden joint may be free.  It is then
     given the seed's value, or the next of some others with which there is a posture.
     """
-    constant = data[form + at.FIXED : form + at.FIXED + 12]
-    moving = pose if data[form + at.SENSE] > 0.0 else back
-    before, behind = constant, moving
-    if data[form + at.TARGET] == at.TARGET_BEFORE:
-        before, behind = moving, constant
+    form = np.empty(at.FORM)
+    complete_form(data, start, pose, back, form)
+    before = form[at.BEFORE : at.BEFORE + 12]
+    behind = form[at.BEHIND : at.BEHIND + 12]
     X = np.empty((14, 3))
     V = np.empty((3, 14))
-    slide = int(data[form + at.SLIDE])
+    slide = int(form[at.SLIDE])
     right_side(before, behind, slide == at.FIRST, X, V)
     E = np.empty((6, at.N_COLUMNS))
-    start = form + at.EQUATIONS
-    K = data[start : start + at.N_EQUATIONS * at.N_COLUMNS].reshape(at.N_EQUATIONS, at.N_COLUMNS)
+    K = form[at.EQUATIONS :].reshape(at.N_EQUATIONS, at.N_COLUMNS)
     clean = free_equations(K, X, slide, E) > GENERAL_MARGIN
     A = np.empty((6, 9))
     B = np.empty((6, 9))
@@ -173,10 +176,10 @@ def _solve_form(data, form, packed, T, pose, back, seed, q, count):
     if void:
         clean = False
         zeros = GENERAL_FREE_VALUES
-        start = data[form + at.SENSE] * seed[int(data[form + at.JOINTS + at.HIDDEN])]
+        given = form[at.SENSE] * seed[int(form[at.JOINTS + at.HIDDEN])]
         for k in range(zeros):
             away = 2.0 * math.pi * ((k + 1) // 2) / zeros
-            roots[k, 0] = start + (away if k % 2 == 1 else -away)
+            roots[k, 0] = given + (away if k % 2 == 1 else -away)
             roots[k, 1] = roots[k, 0]
     else:
         zeros, whole = isolate(E, shape, noise, GENERAL_SAMPLINGS, A, B, S, roots)
@@ -192,7 +195,7 @@ def _solve_form(data, form, packed, T, pose, back, seed, q, count):
         core(E, math.cos(hidden), math.sin(hidden), A, B, S)
         null_vector(S, x, order)
         third, fourth = half_angles(x, slide)
-        remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, trial)
+        remaining_joints(form, data[at.SIZE], X, hidden, third, fourth, left, trial)
         row, count = _admit(data, packed, T, trial, False, q, count)
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:

@@ -3,21 +3,21 @@
 A form of elimination (see ``_kernels.general_layout``) needs nothing of the target in its left
 side where the target is one of the two links next to joint FIRST.  Four of the twelve forms are
 so, with joints 3, 4, 2 and 5 hidden; each fails for other arms with special geometry, such as
-parallel or meeting neighbouring axes.  Which of them are good for an arm is found by trying.
-A slide can be among them where it is joint FIRST, THIRD or FOURTH, as it is in one form at least.
+parallel or meeting neighbouring axes.  Which of them are good for an arm is found by trying; the
+other eight are tried where too few are.  A slide has to be joint FIRST, THIRD or FOURTH, as it is
+in six of the twelve.
 
 With two or three slides there are as many forms as revolute joints to begin the loop at.
 """
 
-import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels.general_equations import quantities
+from robomech_ros._kernels.general_equations import left_side
 from robomech_ros._kernels.inverse_general import DOUBT, MAX_SOLUTIONS, solve_general
 from robomech_ros._kernels.serial import forward_one
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
@@ -26,21 +26,16 @@ from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 __all__ = ["match"]
 
 Array = NDArray[np.float64]
+Walks = tuple[tuple[int, int], ...]
 
-# Start of the walk round the loop, and its sense.
+# Start of the walk round the loop, and its sense; with the target next to joint FIRST, and others.
 _WALKS = ((0, 1), (0, -1), (5, 1), (5, -1))
+_OTHER_WALKS = tuple((start, sense) for start in range(1, 5) for sense in (1, -1))
+# So many good forms among the former are enough.
+_ENOUGH = 2
 # Added to the angles of joints THIRD and FOURTH: irrational parts of a turn.
 _OFFSETS = {at.THIRD: 1.0, at.FOURTH: 0.7}
 _TRIALS = 12
-
-_THIRDS = 2.0 * math.pi / 3.0 * np.arange(3)
-# From values at three equally spaced angles to cosine, sine and constant part.
-_PARTS = np.array([2.0 * np.cos(_THIRDS), 2.0 * np.sin(_THIRDS), np.ones(3)]) / 3.0
-# From these to the coefficients of s s, s c, c c of the half angle, and of s s, sqrt(2) s c, c c.
-_HALF = np.array([[-1.0, 0.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
-_EVEN = np.array([[1.0], [math.sqrt(2.0)], [1.0]])
-# From values of a slide at 0, 1, -1 to the coefficients of its square, itself and 1.
-_SLIDE = np.array([[-1.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1.0, 0.0, 0.0]])
 
 
 def match(chain: SerialChain) -> Array | None:
@@ -63,12 +58,18 @@ def match(chain: SerialChain) -> Array | None:
         return None
     head = _head(chain, size)
     loop = _loop(chain, size)
-    forms, clean = _best_first(chain, head, list(_forms(chain, loop)))
-    if not forms:
+    if chain.types.sum() > 1:
+        good = _tried(chain, head, _slide_forms(chain, loop))
+    else:
+        good = _tried(chain, head, _forms(chain, loop, _WALKS))
+        if len(good) < _ENOUGH:
+            good += _tried(chain, head, _forms(chain, loop, _OTHER_WALKS))
+    if not good:
         return None
-    head[at.FORMS] = len(forms)
-    head[at.CLEAN] = clean
-    data = np.concatenate((head, *forms))
+    good.sort(key=lambda one: -one[0])
+    good = good[: at.MOST_FORMS]
+    head[at.FORMS], head[at.CLEAN] = len(good), good[0][0] / _TRIALS
+    data = np.concatenate((head, *(form for _, form in good)))
     data.setflags(write=False)
     return data
 
@@ -109,14 +110,10 @@ def _turn(angle: float) -> Array:
     return pose
 
 
-def _forms(chain: SerialChain, loop: Array) -> Iterator[Array]:
-    """Lay out the forms that suit the types of the joints."""
+def _forms(chain: SerialChain, loop: Array, walks: Walks) -> Iterator[Array]:
+    """Lay out the forms of elimination that suit the types of the joints."""
     slides = np.flatnonzero(chain.types).tolist()
-    if len(slides) > 1:
-        for first in np.flatnonzero(chain.types == REVOLUTE).tolist():
-            yield _slide_form(chain, loop, first)
-        return
-    for start, sense in _WALKS:
+    for start, sense in walks:
         joints = _joints(start, sense)
         slide = joints.index(slides[0]) if slides else -1
         if slide in (-1, at.FIRST, at.THIRD, at.FOURTH):
@@ -129,21 +126,16 @@ def _joints(start: int, sense: int) -> list[int]:
     return joints[start:] + joints[:start]
 
 
-def _slide_form(chain: SerialChain, loop: Array, first: int) -> Array:
-    """Lay out a form of an arm with two or three slides, from a revolute joint on."""
-    order = [(first + k) % 6 for k in range(6)]
-    form = np.zeros(at.FORM)
-    form[at.TARGET_LINK] = order.index(5)
-    form[at.JOINTS : at.JOINTS + 6] = order
-    form[at.KINDS : at.KINDS + 6] = chain.types[order]
-    form[at.LOOP : at.LOOP + 72] = loop[order, :3].ravel()
-    return form
-
-
-def _shift(way: float) -> Array:
-    pose = np.eye(4)
-    pose[2, 3] = way
-    return pose
+def _slide_forms(chain: SerialChain, loop: Array) -> Iterator[Array]:
+    """Lay out the forms of an arm with two or three slides, from each revolute joint on."""
+    for first in np.flatnonzero(chain.types == REVOLUTE).tolist():
+        order = [(first + k) % 6 for k in range(6)]
+        form = np.zeros(at.FORM)
+        form[at.TARGET_LINK] = order.index(5)
+        form[at.JOINTS : at.JOINTS + 6] = order
+        form[at.KINDS : at.KINDS + 6] = chain.types[order]
+        form[at.LOOP : at.LOOP + 72] = loop[order, :3].ravel()
+        yield form
 
 
 def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
@@ -156,68 +148,35 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
     offsets = [0.0 if slide == role else _OFFSETS[role] for role in (at.THIRD, at.FOURTH)]
     links[2] = links[2] @ _turn(offsets[0])
     links[3] = links[3] @ _turn(offsets[1])
-    behind_target = start == 5
     form = np.zeros(at.FORM)
-    form[at.TARGET] = at.TARGET_BEHIND if behind_target else at.TARGET_BEFORE
+    form[at.TARGET] = (5 - start) % 6
     form[at.SENSE] = sense
     form[at.SLIDE] = slide
     form[at.JOINTS : at.JOINTS + 6] = _joints(start, sense)
     form[at.OFFSETS : at.OFFSETS + 2] = offsets
-    fixed = _inverse(links[5] if behind_target else links[0])
-    form[at.FIXED : at.FIXED + 12] = fixed[:3].ravel()
-    for k in range(4):
-        form[at.LINKS + 12 * k : at.LINKS + 12 * (k + 1)] = links[k + 1][:3].ravel()
-    form[at.EQUATIONS :] = _left_side(links, slide).ravel()
+    form[at.BEFORE : at.BEFORE + 12] = _inverse(links[5])[:3].ravel()
+    form[at.BEHIND : at.BEHIND + 12] = _inverse(links[0])[:3].ravel()
+    form[at.LINKS : at.LINKS + 48] = np.array(links)[1:5, :3].ravel()
+    if (start, sense) in _WALKS:
+        left_side(form[at.LINKS : at.LINKS + 48], slide, form[at.EQUATIONS :])
     return form
 
 
-def _left_side(links: list[Array], slide: int) -> Array:
-    """Coefficients of the fourteen quantities, shape (14, 3, 9), from their values.
-
-    They are linear in cosine, sine and 1 of three joints, quadratic in a slide, so three values of
-    each tell all.
-    """
-    motions, parts = [], []
-    for role in (at.HIDDEN, at.THIRD, at.FOURTH):
-        moved = [_turn(angle) for angle in _THIRDS]
-        if role == slide:
-            moved = [_shift(way) for way in (0.0, 1.0, -1.0)]
-        motions.append(moved)
-        part = _PARTS if role == at.HIDDEN else _SLIDE if role == slide else _HALF @ _PARTS
-        parts.append(part / _EVEN if role == at.FOURTH else part)
-    values = np.empty((3, 3, 3, at.N_EQUATIONS))
-    out = np.empty(at.N_EQUATIONS)
-    for i, j, k in itertools.product(range(3), repeat=3):
-        pose = links[1] @ motions[0][i] @ links[2] @ motions[1][j] @ links[3] @ motions[2][k]
-        pose = pose @ links[4]
-        quantities(pose[:3, 2].copy(), pose[:3, 3].copy(), out)
-        values[i, j, k] = out
-    for part in parts:
-        # Each time the next joint comes last of the three.
-        values = np.moveaxis(np.tensordot(part, values, (1, 0)), 0, 2)
-    coefficients: Array = np.moveaxis(values, 3, 0).reshape(at.N_EQUATIONS, 3, 9)
-    return coefficients
-
-
-def _best_first(
-    chain: SerialChain, head: Array, forms: list[Array]
-) -> tuple[list[Array], float]:
-    """Try the forms on some poses: those that work for most of them, in order of how often.
-
-    Returns the part of the poses that the first one solves, too.
-    """
+def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tuple[int, Array]]:
+    """Try forms on some poses; give those that work for most of them, with how many."""
     q, branch = np.empty((MAX_SOLUTIONS, 6)), np.empty(MAX_SOLUTIONS, np.int64)
     target = np.empty((4, 4))
     alone = head.copy()
     alone[at.FORMS] = 1.0
-    good = np.zeros(len(forms), int)
     postures = np.random.default_rng(0).uniform(-math.pi, math.pi, (_TRIALS, 6))
     postures[:, chain.types == PRISMATIC] *= head[at.SIZE] / math.pi
-    for posture in postures:
-        forward_one(chain.packed, posture, target)
-        for k, form in enumerate(forms):
-            data = np.concatenate((alone, form))
-            good[k] += solve_general(data, target, posture, q, branch) < DOUBT
-    order = sorted(range(len(forms)), key=lambda k: -good[k])
-    kept = [forms[k] for k in order if good[k] >= _TRIALS // 2]
-    return kept, float(good[order[0]]) / _TRIALS
+    good = []
+    for form in forms:
+        data = np.concatenate((alone, form))
+        count = 0
+        for posture in postures:
+            forward_one(chain.packed, posture, target)
+            count += solve_general(data, target, posture, q, branch) < DOUBT
+        if count >= _TRIALS // 2:
+            good.append((count, form))
+    return good

@@ -155,14 +155,26 @@ def test_bad_requests_are_refused():
         optimal_posture(panda, T, criterion="speed")
 
 
-@pytest.mark.slow
-def test_a_redundant_arm_of_any_geometry(pose_errors):
+def test_a_redundant_arm_of_any_geometry(pose_errors, apart):
     chain = load_robot("general7r")
-    T = forward_kinematics(chain, [0.3, -0.5, 0.7, 0.9, -0.4, 0.6, 0.2])
+    q = np.array([0.3, -0.5, 0.7, 0.9, -0.4, 0.6, 0.2])
+    T = forward_kinematics(chain, q)
     motion = self_motion(chain, T)
     assert motion.branches and "joint_7" in motion.parameter_name
     for branch in motion.branches:
-        assert pose_errors(chain, T, branch.q).max() < 1e-8
+        assert pose_errors(chain, T, branch.q).max() < 1e-9
+    for posture in (q, *inverse_kinematics(chain, T, seed=q).q):
+        assert min(apart(chain, branch.q, posture).min() for branch in motion.branches) < 0.3
+    best = optimal_posture(chain, T)
+    assert best.status is Status.SUCCESS and pose_errors(chain, T, best.q).max() < 1e-9
+    margin = np.minimum(best.q - chain.lower, chain.upper - best.q).min()
+    assert margin >= np.minimum(q - chain.lower, chain.upper - q).min()
+
+
+def test_a_redundant_arm_without_six_joints_that_move_in_all_directions(pose_errors):
+    """Four parallel axes: any six neighbours have three of them and one joint too many."""
+    chain = load_robot("general7r")
+    assert chain.n == 7
 
 
 @pytest.mark.parametrize("function", [self_motion, track])
