@@ -59,7 +59,7 @@ def closure_quantities(lx, ly, lz, px, py, pz, out):
 
 @inline
 def _followed(pose, number, slides, links, k, out):
-    """Write a pose (12,), followed by one of three values of a joint and by a link, to out (12,)."""
+    """Write a pose (12,), one of three values of a joint and a link behind each other to out."""
     c, s, d = 1.0, 0.0, 0.0
     if slides:
         d = _WAYS[number]

@@ -1,13 +1,12 @@
 """Where the constants of a general six-joint arm stand in its data array.
 
-A form is one way to the solutions.  With one slide at most it is an elimination.  It walks round the closed loop of the six joints and of the
-target pose in one sense, from one of two starts, and so fixes the parts that the joints play:
-FIRST and SECOND are eliminated linearly, HIDDEN is the unknown of the determinant, THIRD and
-FOURTH are eliminated with it, LAST turns about an axis that no equation sees.  A slide plays FIRST,
-THIRD or FOURTH.
+A form is one way to the solutions.  With one slide at most it is an elimination.  It walks round
+the closed loop of the six joints and of the target pose in one sense, from one of its links, and
+so fixes the parts that the joints play: FIRST and SECOND are eliminated linearly, HIDDEN is the
+unknown of the determinant, THIRD and FOURTH are eliminated with it, LAST turns about an axis that
+no equation sees.  A slide plays FIRST, THIRD or FOURTH.
 
-With two or three slides (see ``general_slides``) a form is a place in the loop to begin at: with two,
-that of the joint that is hidden.
+With two or three slides (see ``general_slides``) a form is a revolute joint to begin the loop at.
 """
 
 FIRST = 0

@@ -143,7 +143,8 @@ def _second_angle(X, left, first, slides):
 def remaining_joints(form, size, X, hidden, third, fourth, left, q):
     """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
 
-    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear equations, joint LAST from the rotation left over.
+    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear
+    equations, joint LAST from the rotation left over.
     """
     _left_side(form, hidden, third, fourth, left)
     slide = form[at.SLIDE]

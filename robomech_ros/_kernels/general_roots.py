@@ -231,7 +231,7 @@ def _angle(arc, t):
 def isolate(E, form, noise, most, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
 
-    At ``most`` so many times the determinant of E is sampled anew; with 0 only the polynomial counts.
+    At ``most`` so many times the determinant of E is sampled anew; with 0 it is not looked at.
 
     A row holds both ends of an interval: equal ones for a zero that is alone and simple.  Not all
     are found where the work allowed did not suffice; the intervals left over are listed, too.

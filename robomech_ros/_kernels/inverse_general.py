@@ -300,8 +300,8 @@ def _solve_at(data, packed, T, seed, q):
     back = np.empty(12)
     demanded(data, T, pose, back)
     count = 0
-    bounded = data[at.SLIDES] == 0.0
-    if bounded and not pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11] <= 1.0 + ACCEPTED:
+    square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
+    if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
         # Farther away than the stretched arm reaches.
         return True, False, 0
     all_void = True

@@ -227,6 +227,8 @@ GENERAL_SAMPLINGS = 16
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to
 # be asked.
 SLIDES_REGULAR = 1e-8
+# Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
+SLIDES_WIDTH = 1e-4
 # Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
 SLIDES_FARTHEST = 1e6
 

@@ -61,7 +61,6 @@ class Family:
         return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
-
 def _match_revolute(chain: SerialChain) -> Array | None:
     return None if chain.types.any() else general.match(chain)
 

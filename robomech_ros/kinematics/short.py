@@ -1,10 +1,10 @@
 """Arms of one to five joints: completion to six joints.
 
-Imagined joints are put where a closed form results if they can, mostly a spherical wrist about a point of the
-last axis, after slides that let the first joints reach every point.  Solutions of the arm are those
-in which they stay at zero, so that none is lost, whatever the arm: planar, spherical, SCARA, with
-five axes or any other.  What fits neither read from the base nor from the tip is completed by skew
-axes to an arm of six joints without special geometry.
+Imagined joints are put where a closed form results if they can, mostly a spherical wrist about a
+point of the last axis, after slides that let the first joints reach every point.  Solutions of the
+arm are those in which they stay at zero, so that none is lost, whatever the arm: planar, spherical,
+SCARA, with five axes or any other.  What fits neither read from the base nor from the tip is
+completed by skew axes to an arm of six joints without special geometry.
 """
 
 import itertools
