@@ -36,6 +36,8 @@ _ENOUGH = 2
 # Added to the angles of joints THIRD and FOURTH: irrational parts of a turn.
 _OFFSETS = {at.THIRD: 1.0, at.FOURTH: 0.7}
 _TRIALS = 12
+# A form that solves none of so many is given up.
+_HOPELESS = 3
 
 
 def match(chain: SerialChain) -> Array | None:
@@ -174,7 +176,10 @@ def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tupl
     for form in forms:
         data = np.concatenate((alone, form))
         count = 0
-        for posture in postures:
+        for number, posture in enumerate(postures):
+            if count == 0 and number == _HOPELESS:
+                # What is in doubt takes ten times as long as what is not.
+                break
             forward_one(chain.packed, posture, target)
             count += solve_general(data, target, posture, q, branch) < DOUBT
         if count >= _TRIALS // 2:

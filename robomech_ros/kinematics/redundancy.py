@@ -92,7 +92,11 @@ class Tracer:
             raise BadValueError("number of joints", chain.n, "7, one more than conditions")
         family = family_of(chain)
         self.chain, self.T = chain, T
-        self.data = family.data if family.redundant else locked_anyway(chain)
+        data = family.data if family.redundant else locked_anyway(chain)
+        if data is None:
+            expected = "an arm of which the first or the last six joints move in all directions"
+            raise BadValueError("chain", chain.name, expected)
+        self.data = data
         self._seed = chain.midrange()
         self._turns = chain.types != PRISMATIC
         own = at.PARTS + 13 * 8
@@ -196,8 +200,9 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     Parameters
     ----------
     chain : SerialChain
-        Of seven joints. Where no six of them have a closed form, the last one is locked and the
-        others are searched for iteratively, which takes long and proves nothing complete.
+        Of seven joints, of which the first or the last six move in all directions. Where no six
+        of them are solved completely, the last one (else the first) is locked and the others are
+        searched for iteratively, which takes long and proves nothing complete.
     T : array_like, shape (4, 4)
         ``T_base_tip`` (m).
 
@@ -209,7 +214,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A chain with another number of joints, or a target that is none.
+        A chain with another number of joints or without such six, or a target that is none.
     """
     check_chain(chain)
     target = as_targets(T)[0]

@@ -23,6 +23,7 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.kinematics.decoupled import common_point, transforms, wrist_constants
 from robomech_ros.kinematics.iterative import iterative_data
+from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.kinematics.six_joints import (
     SixJointArm,
     chain_of,
@@ -89,8 +90,8 @@ def _locked(
     return data
 
 
-def locked_anyway(chain: SerialChain) -> Array:
-    """Lay out seven joints of which the last is locked and the others are searched for.
+def locked_anyway(chain: SerialChain) -> Array | None:
+    """Lay out seven joints of which the last or the first is locked and the others searched for.
 
     Parameters
     ----------
@@ -99,15 +100,18 @@ def locked_anyway(chain: SerialChain) -> Array:
 
     Returns
     -------
-    ndarray
-        As :func:`match` gives it.
+    ndarray or None
+        As :func:`match` gives it; None where the others do not move in all directions.
     """
-    six = transforms(chain)[:7]
-    six[0] = six[6] = np.eye(4)
-    rest = iterative_data(chain_of(six, chain.types[:6].tolist()), respect_limits=False)
-    data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
-    data[at.SIX] = ITERATIVE
-    return data
+    C = transforms(chain)
+    for first in (0, 1):
+        part = chain_of(*_six(chain, C, first))
+        if moves_in_all_directions(part, arm_size(part)):
+            rest = iterative_data(part, respect_limits=False)
+            data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
+            data[at.FIRST], data[at.SIX] = first, ITERATIVE
+            return data
+    return None
 
 
 def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
