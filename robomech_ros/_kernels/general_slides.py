@@ -30,8 +30,6 @@ from robomech_ros._kernels import general_layout as at
 from robomech_ros._kernels._jit import IN1, OUT2, b1, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.circle_tables import (
-    SAMPLE_COSINES,
-    SAMPLE_SINES,
     SAMPLES,
     TO_COSINES,
     TO_SINES,
@@ -60,6 +58,10 @@ __all__ = ["MAX_TRIALS", "slide_postures"]
 MAX_TRIALS = 16
 _ORDER = 4
 _ORDER_SQUARED = 6
+# Added to equally spaced samples, so that none is a multiple of 45 degrees, where axes line up.
+_OFFSET = math.pi / (8 * SAMPLES)
+_COSINES = np.cos(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
+_SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
 
 
 @inline
@@ -147,7 +149,7 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
     noise = 0.0
     for j in range(SAMPLES):
         values[j], others, factors[j] = _evaluate(
-            data, form, loop, between, SAMPLE_COSINES[j], SAMPLE_SINES[j], M, turns, way, slides
+            data, form, loop, between, _COSINES[j], _SINES[j], M, turns, way, slides
         )
         noise = max(noise, DETERMINANT_NOISE * others)
     shape = np.empty((2, 9))
@@ -169,6 +171,9 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
         return GENERAL_FREE_VALUES, False, True
     unused = np.empty((0, 0))
     count, whole = isolate(unused, shape, noise, 0, unused, unused, unused, roots)
+    for k in range(count):
+        roots[k, 0] += _OFFSET
+        roots[k, 1] += _OFFSET
     return count, whole, False
 
 
