@@ -9,6 +9,7 @@ from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 
 __all__ = [
+    "BACKWARDS",
     "DECOUPLED",
     "DOUBT",
     "GENERAL",
@@ -23,6 +24,8 @@ THREE_PARALLEL = 1
 ITERATIVE = 2
 # 3 and 4 are arms of more and of fewer joints.
 GENERAL = 5
+# Added to the number of a family whose constants are those of the inverse motion.
+BACKWARDS = 16
 
 MAX_SOLUTIONS = 16
 
