@@ -187,8 +187,8 @@ def _is_complex(between, hidden, M):
 
 
 @inline
-def _is_far(way, slides):
-    """Tell whether two slides are so parallel that the loop closes nowhere near the arm."""
+def _nearness(way, slides):
+    """Tell where two slides close the loop: 1 near the arm, 0 nowhere, -1 anywhere, if parallel."""
     across, along = 0.0, 0.0
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -196,14 +196,16 @@ def _is_far(way, slides):
         across += abs(u[j].real * v[k].real - u[k].real * v[j].real)
         along += abs(u[j].real * w[k].real - u[k].real * w[j].real)
         along += abs(v[j].real * w[k].real - v[k].real * w[j].real)
-    return across * SLIDES_FARTHEST < along
+    if across * SLIDES_FARTHEST < along:
+        return 0
+    return 1 if across > SLIDES_REGULAR else -1
 
 
 @inline
 def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
     """Write the better of the two postures with a value of joint a.
 
-    Returns how many there are near the arm, -1 where there is none with real angles.
+    Returns how many there are near the arm, -1 where that is not clear.
     """
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
@@ -221,7 +223,7 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
     if not least < math.inf:
         return -1
     _enter(data, form, cosine, sine, turns, way, slides, trial)
-    return 0 if _is_far(way, slides) else 1
+    return _nearness(way, slides)
 
 
 @inline
@@ -242,6 +244,9 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
         p, q = root(k, c, s, sign)
         turns_of(between, M, p, q, turns)
         round_loop(data, form, loop, turns, way, slides)
+        if not abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR:
+            # In one plane they may move while the tip stays.
+            return number, False
         _enter(data, form, 1.0, 0.0, turns, way, slides, trials[number])
     return 2, simple
 
