@@ -48,6 +48,7 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_FREE_VALUES,
     GENERAL_VOID,
+    SLIDES_DOUBLE,
     SLIDES_FARTHEST,
     SLIDES_REGULAR,
     SLIDES_WIDTH,
@@ -237,7 +238,7 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
         return 0, False
     if room < -SLIDES_REGULAR * square:
         return 0, True
-    simple = room > SLIDES_REGULAR * square
+    simple = room > SLIDES_DOUBLE * square
     room = max(room, 0.0)
     for number in range(2):
         sign = 1.0 - 2.0 * number

@@ -142,6 +142,16 @@ def test_a_pose_that_cannot_be_taken():
     assert missed
 
 
+def test_two_postures_that_are_nearly_one(apart):
+    """Near a fold of an arm with three slides both are given, down to 1e-4 rad of each other."""
+    chain = arm("RPPRRP", 1)
+    q = random_postures(chain, 200, 1)[166]
+    result = inverse_kinematics(chain, forward_kinematics(chain, q), respect_limits=False)
+    assert len(result) == 2 and result.complete
+    assert apart(chain, result.q, q).min() < 1e-7
+    assert 1e-5 < apart(chain, *result.q) < 1e-2
+
+
 def test_same_request_same_bytes():
     chain = arm("RRPRRR")
     T = forward_kinematics(chain, random_postures(chain, 30, 8))
