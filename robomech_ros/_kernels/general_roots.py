@@ -42,7 +42,6 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_ANEW,
     GENERAL_HALVINGS,
-    GENERAL_SAMPLINGS,
     GENERAL_WIDTH,
 )
 
@@ -228,9 +227,11 @@ def _angle(arc, t):
     return CENTRES[arc] + 2.0 * math.atan(ARC_TANGENT * t)
 
 
-@part(types.Tuple((i8, b1))(IN2, IN2, f8, OUT2, OUT2, OUT2, OUT2))
-def isolate(E, form, noise, A, B, K, roots):
+@part(types.Tuple((i8, b1))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
+def isolate(E, form, noise, most, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
+
+    At ``most`` so many times the determinant of E is sampled anew; with 0 it is not looked at.
 
     A row holds both ends of an interval: equal ones for a zero that is alone and simple.  Not all
     are found where the work allowed did not suffice; the intervals left over are listed, too.
@@ -279,7 +280,7 @@ def isolate(E, form, noise, A, B, K, roots):
                 top -= 1
                 continue
             unsure = vague and max(highest, -lowest) < GENERAL_ANEW * tolerance
-            if unsure and (level < 0 or level >= _LAST) and samplings < GENERAL_SAMPLINGS:
+            if unsure and (level < 0 or level >= _LAST) and samplings < most:
                 samplings += 1
                 fresh = _anew(E, arc, low, high, A, B, K, values, b)
                 gained = fresh < 0.1 * spans[top, _NOISE]

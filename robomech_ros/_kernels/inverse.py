@@ -25,6 +25,7 @@ from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.inverse_short import solve_short
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 from robomech_ros._kernels.six_joints import (
+    BACKWARDS,
     DECOUPLED,
     GENERAL,
     ITERATIVE,
@@ -72,7 +73,6 @@ STATE = 5
 _FREE_VALUES = 96
 # Limits hold; typed, so that numba does not compile a function anew for a literal.
 _BOUNDED = np.bool_(True)
-_FORWARDS = np.bool_(False)
 
 
 @lean
@@ -129,6 +129,18 @@ def _add_missing(
 
 
 @lean
+def _number(branch):
+    """Give numbers to postures that were solved backwards, whose names belong to other joints."""
+    for k in range(branch.shape[0]):
+        number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
+        if branch[k] & bit.ARM_NUMBERED:
+            arm = (branch[k] & bit.ARM_MASK) >> bit.ARM_SHIFT
+            number = 2 * arm + (1 if branch[k] & bit.WRIST_FLIP else 0)
+        marks = bit.SELF_MOTION if branch[k] & bit.CONTINUUM else branch[k] & bit.BOUNDARY
+        branch[k] = bit.POSTURE_NUMBERED | marks | (number << bit.ARM_SHIFT & bit.ARM_MASK)
+
+
+@lean
 def _clear(rows, first):
     """Fill the rows from ``first`` on with NaN."""
     for k in range(first, rows.shape[0]):
@@ -149,6 +161,7 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
     NONE_EXISTS where there is no solution even outside the limits.  Where limits exclude a
     representative of a continuum, others are tried, with other values of the free joints.
+    BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
 
     Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
     row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
@@ -182,7 +195,9 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
             if family == SHORT:
                 total = solve_short(data, T[m], start, p, b)
             else:
-                total = call_six_joints(family, _FORWARDS, data, T[m], start, p, b)
+                total = call_six_joints(
+                    family % BACKWARDS, family >= BACKWARDS, data, T[m], start, p, b
+                )
             unproven = total & DOUBT
             total -= unproven
             if bounded:
@@ -236,6 +251,9 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
                 start[i] = free_value(lower[i], upper[i], seed[i], k + 1, _FREE_VALUES)
         for i in range(n):
             start[i] = seed[i]
+        if family >= BACKWARDS:
+            _number(branch[:found])
+            _number(names[: state[RANKED]])
         counts[m] = state[RANKED] if found > 0 else NONE_EXISTS
         _clear(ranked[m], state[RANKED])
         state[BARE] = found

@@ -35,9 +35,15 @@ from robomech_ros._kernels._jit import (
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
 from robomech_ros._kernels.general_determinant import core, null_vector
-from robomech_ros._kernels.general_equations import demanded, free_equations, right_side
+from robomech_ros._kernels.general_equations import (
+    complete_form,
+    demanded,
+    free_equations,
+    right_side,
+)
 from robomech_ros._kernels.general_posture import half_angles, remaining_joints
 from robomech_ros._kernels.general_roots import MAX_ROOTS, isolate, sample
+from robomech_ros._kernels.general_slides import MAX_TRIALS, slide_postures
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
@@ -48,6 +54,7 @@ from robomech_ros._kernels.tolerances import (
     GENERAL_MARGIN,
     GENERAL_MULTIPLE,
     GENERAL_REGULAR,
+    GENERAL_SAMPLINGS,
     GENERAL_SINGULAR,
     GENERAL_STEPS,
     GENERAL_STEPS_SINGULAR,
@@ -78,10 +85,14 @@ _IS_CLEAN = 1 << 16
 
 
 @inline
-def _distance(a, b):
+def _distance(data, packed, a, b):
+    """Give the largest difference of a joint (rad, of a slide over the size)."""
     apart = 0.0
     for j in range(6):
-        apart = max(apart, abs(wrapped(a[j] - b[j])))
+        if packed[j, 0] == 0.0:
+            apart = max(apart, abs(wrapped(a[j] - b[j])))
+        else:
+            apart = max(apart, abs(a[j] - b[j]) / data[at.SIZE])
     return apart
 
 
@@ -97,7 +108,8 @@ def _regularity(data, packed, q, direction):
     inverse = 1.0 / data[at.SIZE]
     for i in range(3, 6):
         for j in range(6):
-            J[i, j] *= inverse
+            if packed[j, 0] == 0.0:
+                J[i, j] *= inverse
     order = np.empty(6, np.int64)
     _, last = null_vector(J, direction, order)
     return last
@@ -120,9 +132,10 @@ def _admit(data, packed, T, trial, singular, q, count):
         ratio = _regularity(data, packed, trial, direction)
         same = SAME_MULTIPLE if ratio < GENERAL_MULTIPLE else SAME_SINGULAR
     for j in range(6):
-        trial[j] = wrapped(trial[j])
+        if packed[j, 0] == 0.0:
+            trial[j] = wrapped(trial[j])
     for k in range(count):
-        if _distance(q[k], trial) < same:
+        if _distance(data, packed, q[k], trial) < same:
             if same == SAME_MULTIPLE and _regularity(data, packed, q[k], direction) > ratio:
                 # The more singular of the two is the nearer to where they have become one.
                 for j in range(6):
@@ -136,24 +149,23 @@ def _admit(data, packed, T, trial, singular, q, count):
 
 
 @inline
-def _solve_form(data, form, packed, T, pose, back, seed, q, count):
+def _solve_form(data, start, packed, T, pose, back, seed, q, count):
     """Enter the solutions that a form finds; return whether it is clean, void, and count.
 
     Void is a form whose determinant vanishes all round: the hidden joint may be free.  It is then
     given the seed's value, or the next of some others with which there is a posture.
     """
-    constant = data[form + at.FIXED : form + at.FIXED + 12]
-    moving = pose if data[form + at.SENSE] > 0.0 else back
-    before, behind = constant, moving
-    if data[form + at.TARGET] == at.TARGET_BEFORE:
-        before, behind = moving, constant
+    form = np.empty(at.FORM)
+    complete_form(data, start, pose, back, form)
+    before = form[at.BEFORE : at.BEFORE + 12]
+    behind = form[at.BEHIND : at.BEHIND + 12]
     X = np.empty((14, 3))
     V = np.empty((3, 14))
-    right_side(before, behind, X, V)
+    slide = int(form[at.SLIDE])
+    right_side(before, behind, slide == at.FIRST, X, V)
     E = np.empty((6, at.N_COLUMNS))
-    start = form + at.EQUATIONS
-    K = data[start : start + at.N_EQUATIONS * at.N_COLUMNS].reshape(at.N_EQUATIONS, at.N_COLUMNS)
-    clean = free_equations(K, X, E) > GENERAL_MARGIN
+    K = form[at.EQUATIONS :].reshape(at.N_EQUATIONS, at.N_COLUMNS)
+    clean = free_equations(K, X, slide, E) > GENERAL_MARGIN
     A = np.empty((6, 9))
     B = np.empty((6, 9))
     S = np.empty((6, 6))
@@ -164,13 +176,13 @@ def _solve_form(data, form, packed, T, pose, back, seed, q, count):
     if void:
         clean = False
         zeros = GENERAL_FREE_VALUES
-        start = data[form + at.SENSE] * seed[int(data[form + at.JOINTS + at.HIDDEN])]
+        given = form[at.SENSE] * seed[int(form[at.JOINTS + at.HIDDEN])]
         for k in range(zeros):
             away = 2.0 * math.pi * ((k + 1) // 2) / zeros
-            roots[k, 0] = start + (away if k % 2 == 1 else -away)
+            roots[k, 0] = given + (away if k % 2 == 1 else -away)
             roots[k, 1] = roots[k, 0]
     else:
-        zeros, whole = isolate(E, shape, noise, A, B, S, roots)
+        zeros, whole = isolate(E, shape, noise, GENERAL_SAMPLINGS, A, B, S, roots)
         clean = clean and whole
     x = np.empty(6)
     order = np.empty(6, np.int64)
@@ -182,9 +194,25 @@ def _solve_form(data, form, packed, T, pose, back, seed, q, count):
         hidden = 0.5 * (roots[k, 0] + roots[k, 1])
         core(E, math.cos(hidden), math.sin(hidden), A, B, S)
         null_vector(S, x, order)
-        third, fourth = half_angles(x)
-        remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, trial)
+        third, fourth = half_angles(x, slide)
+        remaining_joints(form, data[at.SIZE], X, hidden, third, fourth, left, trial)
         row, count = _admit(data, packed, T, trial, False, q, count)
+        clean = clean and row >= 0 and not rows >> row & 1
+        if row >= 0:
+            rows |= 1 << row
+            if void:
+                break
+    return clean, void, count
+
+
+@inline
+def _solve_slides(data, form, packed, T, back, seed, q, count):
+    """Do for a form of an arm with two or three slides what :func:`_solve_form` does."""
+    trials = np.empty((MAX_TRIALS, 6))
+    found, clean, void = slide_postures(data, form, back, seed, trials)
+    rows = 0
+    for k in range(found):
+        row, count = _admit(data, packed, T, trials[k], False, q, count)
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:
             rows |= 1 << row
@@ -228,7 +256,8 @@ def _follow_back(data, packed, T, number, trial, q, count):
         # Where many solutions become one, Newton steps stop short of it.  Such postures are those
         # at which links line up or stand square.
         for j in range(6):
-            trial[j] = _EIGHTH * math.floor(trial[j] / _EIGHTH + 0.5)
+            if packed[j, 0] == 0.0:
+                trial[j] = _EIGHTH * math.floor(trial[j] / _EIGHTH + 0.5)
         row, count = _admit(data, packed, T, trial, True, q, count)
     return row, count
 
@@ -251,9 +280,11 @@ def _classify(data, packed, T, q, branch, count):
             u = _NUDGES[number // 2]
             for j in range(6):
                 move = u[j] if number % 2 == 0 else u[5 - j]
+                if packed[j, 0] != 0.0:
+                    move *= data[at.SIZE]
                 trial[j] = q[k, j] + CONTINUUM_STEP * move / u[6]
             error = call_polish(packed, T, trial, GENERAL_STEPS_SINGULAR)
-            if error <= ACCEPTED and _distance(trial, q[k]) > CONTINUUM_KEPT:
+            if error <= ACCEPTED and _distance(data, packed, trial, q[k]) > CONTINUUM_KEPT:
                 bit = SELF_MOTION
         branch[k] |= bit
     return regular
@@ -269,13 +300,17 @@ def _solve_at(data, packed, T, seed, q):
     back = np.empty(12)
     demanded(data, T, pose, back)
     count = 0
-    if not pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11] <= 1.0 + ACCEPTED:
+    square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
+    if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
         # Farther away than the stretched arm reaches.
         return True, False, 0
     all_void = True
     for k in range(int(data[at.FORMS])):
         form = at.HEAD + k * at.FORM
-        clean, void, count = _solve_form(data, form, packed, T, pose, back, seed, q, count)
+        if data[at.SLIDES] <= 1.0:
+            clean, void, count = _solve_form(data, form, packed, T, pose, back, seed, q, count)
+        else:
+            clean, void, count = _solve_slides(data, form, packed, T, back, seed, q, count)
         all_void = all_void and void
         if clean:
             return True, False, count

@@ -30,7 +30,7 @@ from robomech_ros._kernels.nearest import approach
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.ranking import distance_from, insert, place
 from robomech_ros._kernels.serial import forward_body
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     APPROACHED,
@@ -116,7 +116,8 @@ def _locked_postures(data, T, seed, locked, q, branch):
         branch,
     )
     count = ZERO
-    for k in range(total):
+    # Of a continuum no list is complete, so that a doubt about this one changes nothing.
+    for k in range(total % DOUBT):
         if data[at.POLISH] != 0.0:
             if not call_polish(six, target, found[k], _STEPS) <= ACCEPTED:
                 continue

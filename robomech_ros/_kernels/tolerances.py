@@ -224,6 +224,17 @@ GENERAL_WIDTH = 1e-6
 GENERAL_HALVINGS = 600
 GENERAL_SAMPLINGS = 16
 
+# Below this (of squares of sines) the axes about which two joints turn line up, for another form to
+# be asked.
+SLIDES_REGULAR = 1e-8
+# Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
+# leaves them where they are.
+SLIDES_DOUBLE = 1e-11
+# Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
+SLIDES_WIDTH = 1e-4
+# Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
+SLIDES_FARTHEST = 1e6
+
 # --- General six-joint arms: postures ---
 # Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
 GENERAL_STEPS = 12

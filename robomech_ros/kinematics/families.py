@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
-from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, ITERATIVE
-from robomech_ros.kinematics import general_6r, iterative, redundant, short
-from robomech_ros.kinematics.six_joints import CLOSED_FORMS
+from robomech_ros._kernels.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
+from robomech_ros.kinematics import decoupled, general, iterative, redundant, short
+from robomech_ros.kinematics.six_joints import CLOSED_FORMS, chain_of, reversed_transforms
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
@@ -28,10 +28,10 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"redundant"``, ``"short"`` or
-        ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
+        ``"short"`` or ``"iterative"``.
     number : int
-        The family in the kernels.
+        The family in the kernels, BACKWARDS added where the data is that of the inverse motion.
     data : ndarray
         The constants, as the family's kernel reads them.
     turns : ndarray of int, shape (n,)
@@ -66,12 +66,26 @@ class Family:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
         if self.number == SHORT:
             return bool(self.data[short_layout.EXACT])
-        return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+        return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+
+
+def _match_backwards(chain: SerialChain) -> Array | None:
+    """Recognise an arm whose first three axes meet: read from its tip it has a spherical wrist."""
+    if chain.n != 6:
+        return None
+    links = reversed_transforms(decoupled.transforms(chain))
+    return decoupled.match(chain_of(links, chain.types[::-1].tolist()))
+
+
+def _match_revolute(chain: SerialChain) -> Array | None:
+    return None if chain.types.any() else general.match(chain)
 
 
 _FAMILIES = (
     *CLOSED_FORMS,
-    ("general-6r", GENERAL, general_6r.match),
+    ("decoupled", BACKWARDS + DECOUPLED, _match_backwards),
+    ("general-6r", GENERAL, _match_revolute),
+    ("general-6", GENERAL, general.match),
     ("redundant", REDUNDANT, redundant.match),
     ("short", SHORT, short.match),
 )
