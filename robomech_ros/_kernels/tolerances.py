@@ -219,33 +219,70 @@ GENERAL_VOID = 1e3
 GENERAL_ANEW = 1e4
 # Least width of an interval (of half an arc): the square root of the rounding.
 GENERAL_WIDTH = 1e-6
+# An interval sampled anew is not halved on where all coefficients are within so many roundings.
+GENERAL_ROUNDING = 4.0
+# Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
+# (its square root, with room) has made complex.
+GENERAL_NEAR_ZERO = 0.3
 # Halvings and samplings allowed for one determinant: ten times what any pose of the arms tested
 # needs that is not singular.
 GENERAL_HALVINGS = 600
 GENERAL_SAMPLINGS = 16
 
+# --- General six-joint arms: singular matrices ---
+# So many times the width of a cluster of zeros (rad) the next pivot of the matrix (of the first)
+# must be, for all postures of the cluster to be one, or merged ones nearer than can be told.
+CLUSTER_GAP = 100.0
+# Least of the same where the cluster is narrower than rounding lets a pivot be.
+CLUSTER_LEAST_GAP = 1e-6
+# Below this pivot (of the first) two postures are looked for.
+CLUSTER_PENCIL = 5e-2
+# Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
+PENCIL_VOID = 1e-4
+# Value of these equations below which a vector may belong to a posture.
+PENCIL_IS_PRODUCT = 5e-2
+
 # --- General six-joint arms: postures ---
-# Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
+# Newton steps for a posture from a simple zero.
 GENERAL_STEPS = 12
-GENERAL_STEPS_SINGULAR = 60
 # Ratio of pivots of a Jacobian (lengths over the size) below which a posture counts as singular,
-# as one where three or more solutions may have become one, and above which as far from singular.
+# and above which as far from singular.
 GENERAL_SINGULAR = 1e-6
-GENERAL_MULTIPLE = 1e-5
 GENERAL_REGULAR = 2e-2
+# The same ratio of the last pivot but one below which it has lost two ranks.
+GENERAL_CORANK = 1e-4
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
 # Postures nearer to each other than this (rad) are one where Newton steps converge slowly: the
-# square root of the pose's rounding, with room, and a higher root of ACCEPTED.
+# square root of the pose's rounding, with room; and where both are as singular as that, a higher
+# root of it.
 SAME_SINGULAR = 1e-5
-SAME_MULTIPLE = 5e-2
-# Parts of a nudge in which a solution is followed back, to where Newton steps take over: at a
-# posture of multiplicity m it comes nearer by the m-th root of them only.
+SAME_MULTIPLE = 5e-3
+GENERAL_MULTIPLE = 1e-5
+# Solutions that are entered for the continua of one pose: room is left for the others.
+MOST_CONTINUA = 6
+# A regular solution is not farther (rad) from its nudged one.
+NUDGED_AWAY = 0.2
+# A nudged posture is followed back in these parts where it does not settle at once.
 NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
-# A step (rad) away from a singular posture, and how much of it must be left after polishing, to
-# tell a continuum.
-CONTINUUM_STEP = 3e-2
-CONTINUUM_KEPT = 3e-3
+
+# --- General six-joint arms: settling at singular postures ---
+# Steps at most, and the least part of the squared error that eight steps may leave.
+SETTLING_STEPS = 80
+SETTLING_STALLED = 0.3
+# Damping over the squared error: at first, at least, and (times it) where nothing helps any more.
+SETTLING_DAMPING = 0.1
+SETTLING_LEAST_DAMPING = 1e-4
+SETTLING_FAILED = 100.0
+# Longest step of a joint (rad) before it is lengthened.
+SETTLING_STEP = 0.5
+# Squared error (rad, and lengths over the size) of a pose known to rounding.
+SETTLED = 1e-29
+# A step (rad) away from a singular posture, the error that may be left after settling, and how
+# much of the step must be left, to tell a continuum.
+CONTINUUM_STEP = 5e-2
+CONTINUUM_ERROR = 1e-12
+CONTINUUM_KEPT = 2e-2
 
 # --- Redundant arms ---
 # The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
