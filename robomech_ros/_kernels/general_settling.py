@@ -1,7 +1,13 @@
 """Singular postures of a six-joint arm: how to get there, and whether joints can move on.
 
-Where m solutions have become one, a Newton step covers only 1/m of the way.  Steps are therefore
-lengthened as long as that helps, which makes convergence quick at a fold and bearable at worse.
+Where m solutions have become one, Newton steps shrink by the factor 1 - 1/m only, all in the same
+direction, and the error may grow on the way.  So the error is not asked to sink at every step, and
+steps that have settled to such a sequence are summed up.
+
+References
+----------
+Decker, Keller and Kelley, Convergence rates for Newton's method at singular points, SIAM J.
+Numerical Analysis 20 (1983), pp. 296-314.
 """
 
 import math
@@ -9,7 +15,6 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._dense import cholesky_solve
 from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.general_determinant import null_space
@@ -21,17 +26,18 @@ from robomech_ros._kernels.tolerances import (
     CONTINUUM_STEP,
     GENERAL_CORANK,
     SETTLED,
+    SETTLING_ASIDE,
     SETTLING_DAMPING,
-    SETTLING_FAILED,
-    SETTLING_LEAST_DAMPING,
-    SETTLING_STALLED,
+    SETTLING_GAIN,
+    SETTLING_LEAST_FACTOR,
+    SETTLING_MOST_FACTOR,
+    SETTLING_PATIENCE,
+    SETTLING_ROUNDING,
     SETTLING_STEP,
     SETTLING_STEPS,
 )
 
 __all__ = ["distance", "is_in_continuum", "regularity", "settle"]
-
-_LENGTHENINGS = 5
 
 
 @inline
@@ -44,26 +50,68 @@ def distance(a, b):
 
 
 @inline
-def _square(e, weight):
+def _square(e, unit):
     angular = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
-    return angular + weight * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
+    return angular + unit * unit * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
 
 
 @inline
-def _newton_step(J, e, weight, damping, A, step):
-    """Write the damped step of least squares to step (6,); False where that fails."""
+def _newton_step(J, e, unit, damping, A, step):
+    """Write the least-squares solution of J step = e, damped, to step (6,).
+
+    Lengths count ``unit`` times.  Householder reflections of A (12, 7), J above a multiple of 1,
+    keep digits that the normal equations would lose near a singular posture.
+    """
+    root = math.sqrt(damping)
     for i in range(6):
-        value = 0.0
-        for k in range(3):
-            value += J[k, i] * e[k] + weight * J[3 + k, i] * e[3 + k]
-        step[i] = value
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(3):
-                value += J[k, i] * J[k, j] + weight * J[3 + k, i] * J[3 + k, j]
-            A[i, j] = value
-        A[i, i] += damping
-    return cholesky_solve(A, step, 6)
+        factor = 1.0 if i < 3 else unit
+        for j in range(6):
+            A[i, j] = factor * J[i, j]
+            A[6 + i, j] = 0.0
+        A[6 + i, i] = root
+        A[i, 6] = factor * e[i]
+        A[6 + i, 6] = 0.0
+    for k in range(6):
+        # Below row 6 + k column k is still zero.
+        square = 0.0
+        for i in range(k, 7 + k):
+            square += A[i, k] * A[i, k]
+        length = math.sqrt(square)
+        if A[k, k] > 0.0:
+            length = -length
+        head = A[k, k] - length
+        factor = 1.0 / (length * head) if length * head != 0.0 else 0.0
+        for j in range(k + 1, 7):
+            value = head * A[k, j]
+            for i in range(k + 1, 7 + k):
+                value += A[i, k] * A[i, j]
+            value *= factor
+            A[k, j] += value * head
+            for i in range(k + 1, 7 + k):
+                A[i, j] += value * A[i, k]
+        A[k, k] = length
+    for i in range(5, -1, -1):
+        value = A[i, 6]
+        for j in range(i + 1, 6):
+            value -= A[i, j] * step[j]
+        step[i] = value / A[i, i] if A[i, i] != 0.0 else 0.0
+
+
+@inline
+def _lengthening(step, last):
+    """Give the sum of a sequence of steps that shrink by a factor, over the first; 1 if none."""
+    square, along, before = 0.0, 0.0, 0.0
+    for i in range(6):
+        square += step[i] * step[i]
+        along += step[i] * last[i]
+        before += last[i] * last[i]
+    if before == 0.0:
+        return 1.0
+    factor = along / before
+    aside = square - factor * along
+    if not SETTLING_LEAST_FACTOR < factor < SETTLING_MOST_FACTOR or aside > SETTLING_ASIDE * square:
+        return 1.0
+    return 1.0 / (1.0 - factor)
 
 
 @part(f8(IN1, IN2, OUT1))
@@ -74,57 +122,47 @@ def settle(data, T, q):
     stay short.  Returns the remaining error, the larger of rad and m.
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
-    weight = 1.0 / (data[at.SIZE] * data[at.SIZE])
+    unit = 1.0 / data[at.SIZE]
     J = np.empty((6, 6))
     current = np.empty((4, 4))
-    A = np.empty((6, 6))
+    A = np.empty((12, 7))
     step = np.empty(6)
-    trial = np.empty(6)
+    last = np.zeros(6)
     e = np.empty(6)
-    factor = SETTLING_DAMPING
-    jacobian_body(packed, q, J, current)
-    pose_difference(T, current, e)
-    error = _square(e, weight)
-    checkpoint = error
-    for number in range(SETTLING_STEPS):
-        if error <= SETTLED or not error <= 1e3:
-            break
-        if number % 8 == 7:
-            if error > SETTLING_STALLED * checkpoint:
-                break
-            checkpoint = error
-        taken = 0.0
-        best = error
-        if _newton_step(J, e, weight, factor * error + 1e-18, A, step):
-            longest = 0.0
-            for i in range(6):
-                longest = max(longest, abs(step[i]))
-            scale = min(1.0, SETTLING_STEP / longest) if longest > 0.0 else 1.0
-            for _ in range(_LENGTHENINGS):
-                for i in range(6):
-                    trial[i] = q[i] + scale * step[i]
-                forward_body(packed, trial, current)
-                pose_difference(T, current, e)
-                found = _square(e, weight)
-                if not found < best:
-                    break
-                best = found
-                taken = scale
-                if found < 1e-4 * error:
-                    break
-                scale *= 2.0
-        if taken == 0.0:
-            factor *= 10.0
-            if factor * error > SETTLING_FAILED:
-                break
-        else:
-            factor = max(0.1 * factor, SETTLING_LEAST_DAMPING)
-            for i in range(6):
-                q[i] += taken * step[i]
-            error = best
-        jacobian_body(packed, q, J, current)
+    x = np.empty(6)
+    for i in range(6):
+        x[i] = q[i]
+    least = math.inf
+    remaining = math.inf
+    idle = 0
+    for _ in range(SETTLING_STEPS):
+        jacobian_body(packed, x, J, current)
         pose_difference(T, current, e)
-    return largest_error(e)
+        error = _square(e, unit)
+        if not error < math.inf:
+            break
+        idle = 0 if error < SETTLING_GAIN * least else idle + 1
+        if error < least:
+            least = error
+            remaining = largest_error(e)
+            for i in range(6):
+                q[i] = x[i]
+        if least <= SETTLED or idle > SETTLING_PATIENCE:
+            break
+        _newton_step(J, e, unit, SETTLING_DAMPING * error + SETTLING_ROUNDING, A, step)
+        scale = _lengthening(step, last)
+        longest = 0.0
+        for i in range(6):
+            longest = max(longest, abs(step[i]))
+        whole = scale == 1.0
+        if scale * longest > SETTLING_STEP:
+            scale = SETTLING_STEP / longest
+            whole = False
+        for i in range(6):
+            x[i] += scale * step[i]
+            # Only whole steps tell how they shrink.
+            last[i] = step[i] if whole else 0.0
+    return remaining
 
 
 @inline

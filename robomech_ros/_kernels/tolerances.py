@@ -267,17 +267,22 @@ NUDGED_AWAY = 0.2
 NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
 # --- General six-joint arms: settling at singular postures ---
-# Steps at most, and the least part of the squared error that eight steps may leave.
-SETTLING_STEPS = 80
-SETTLING_STALLED = 0.3
-# Damping over the squared error: at first, at least, and (times it) where nothing helps any more.
-SETTLING_DAMPING = 0.1
-SETTLING_LEAST_DAMPING = 1e-4
-SETTLING_FAILED = 100.0
-# Longest step of a joint (rad) before it is lengthened.
-SETTLING_STEP = 0.5
+# Steps at most, and how many may pass without the squared error sinking by this factor.
+SETTLING_STEPS = 60
+SETTLING_PATIENCE = 6
+SETTLING_GAIN = 0.25
+# Damping over the squared error, and what is always there: the rounding of a Jacobian, squared.
+SETTLING_DAMPING = 1e-2
+SETTLING_ROUNDING = 1e-31
+# Longest step of a joint (rad).
+SETTLING_STEP = 0.3
+# Steps are summed up that shrink by a factor between these, 1/2 at a fold, and are parallel but for
+# this part (squared).
+SETTLING_LEAST_FACTOR = 0.3
+SETTLING_MOST_FACTOR = 0.95
+SETTLING_ASIDE = 0.04
 # Squared error (rad, and lengths over the size) of a pose known to rounding.
-SETTLED = 1e-29
+SETTLED = 1e-30
 # A step (rad) away from a singular posture, the error that may be left after settling, and how
 # much of the step must be left, to tell a continuum.
 CONTINUUM_STEP = 5e-2
