@@ -27,6 +27,7 @@ from robomech_ros._kernels.tolerances import (
     CLUSTER_GAP,
     CLUSTER_LEAST_GAP,
     CLUSTER_PENCIL,
+    GENERAL_ERROR,
     GENERAL_FREE_VALUES,
     GENERAL_MARGIN,
     GENERAL_MULTIPLE,
@@ -89,7 +90,7 @@ def admit(data, T, trial, singular, q, marks, state):
         error = settle(data, T, trial)
     else:
         error = call_polish(packed, T, trial, GENERAL_STEPS)
-    if not error <= ACCEPTED:
+    if not error <= min(ACCEPTED, GENERAL_ERROR * max(1.0, data[at.SIZE])):
         return -1
     for j in range(6):
         trial[j] = wrapped(trial[j])
@@ -216,6 +217,8 @@ def solve_form(data, form, T, pose, back, seed, q, marks, state, loose):
         null_space(S, vectors[0], vectors[1], vectors[2], order)
         _posture(data, form, X, before, behind, hidden, vectors[0], left, trial)
         row = admit(data, T, trial, False, q, marks, state)
+        if row < 0 and not void:
+            row = admit(data, T, trial, True, q, marks, state)
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:
             rows |= 1 << row

@@ -5,11 +5,11 @@ from robomech_ros._kernels._jit import inline
 
 __all__ = ["N_NUDGED", "nudged"]
 
-# Rotation (rad), and translation over the size.  Each is used both ways; the first is sure to leave
-# a degenerate pose, the second stays near all regular solutions.
+# Rotation (rad), and translation over the size.  Each is used both ways; the first stays near
+# all solutions, the others are sure to leave a degenerate pose.
 _NUDGES = (
-    (1.1e-3, -0.7e-3, 0.8e-3, 0.9e-3, 0.5e-3, -1.2e-3),
     (-0.5e-4, 0.8e-4, 0.4e-4, 0.3e-4, -0.9e-4, 0.6e-4),
+    (1.1e-3, -0.7e-3, 0.8e-3, 0.9e-3, 0.5e-3, -1.2e-3),
     (1.5e-2, 0.9e-2, -1.2e-2, 0.7e-2, -1.6e-2, 1.0e-2),
 )
 # The pose itself is number 0.

@@ -31,6 +31,7 @@ from robomech_ros._kernels.tolerances import (
     SETTLING_GAIN,
     SETTLING_LEAST_FACTOR,
     SETTLING_MOST_FACTOR,
+    SETTLING_NEAR,
     SETTLING_PATIENCE,
     SETTLING_ROUNDING,
     SETTLING_STEP,
@@ -147,7 +148,8 @@ def settle(data, T, q):
             remaining = largest_error(e)
             for i in range(6):
                 q[i] = x[i]
-        if least <= SETTLED or idle > SETTLING_PATIENCE:
+        patience = SETTLING_PATIENCE if least > SETTLING_NEAR else 2 * SETTLING_PATIENCE
+        if least <= SETTLED or idle > patience:
             break
         _newton_step(J, e, unit, SETTLING_DAMPING * error + SETTLING_ROUNDING, A, step)
         scale = _lengthening(step, last)

@@ -130,9 +130,12 @@ def _solve_at(data, T, seed, q, marks, state, loose):
     return False, all_void
 
 
-@part(b1(IN1, IN2, IN1, OUT2, IOUT1, IOUT1))
-def _solve_nudged(data, T, seed, q, marks, state):
-    """Enter the solutions that are reached from neighbouring poses; return whether they are all."""
+@part(b1(IN1, IN2, IN1, b1, OUT2, IOUT1, IOUT1))
+def _solve_nudged(data, T, seed, void, q, marks, state):
+    """Enter the solutions that are reached from neighbouring poses; return whether they are all.
+
+    Nothing is claimed where every form is ``void`` at T itself: then more neighbours are asked.
+    """
     near = np.empty((4, 4))
     trial = np.empty(6)
     others = np.empty((MAX_SOLUTIONS, 6))
@@ -161,7 +164,10 @@ def _solve_nudged(data, T, seed, q, marks, state):
         wanted = _IS_CLEAN | _classify(data, T, q, marks, state)
         if reached[number] & reached[number - 1] & wanted == wanted:
             # Both ways led to all regular solutions that are known.
-            return True
+            if not void:
+                return True
+            if number > 2:
+                return False
     return False
 
 
@@ -176,8 +182,7 @@ def solve_general(data, T, seed, q, branch):
     state[LOOSE] = -1
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if not clean:
-        clean = _solve_nudged(data, T, seed, q, marks, state)
-        clean = clean and not void and state[COUNT] > 0
+        clean = _solve_nudged(data, T, seed, void, q, marks, state) and state[COUNT] > 0
         _classify(data, T, q, marks, state)
     elif state[CROWDED]:
         _classify(data, T, q, marks, state)

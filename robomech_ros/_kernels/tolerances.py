@@ -245,6 +245,9 @@ PENCIL_IS_PRODUCT = 5e-2
 # --- General six-joint arms: postures ---
 # Newton steps for a posture from a simple zero.
 GENERAL_STEPS = 12
+# Error (rad, and lengths over a size beyond a metre) that may remain: far less than ACCEPTED, since
+# where m solutions have become one the posture is off by the m-th root of it.
+GENERAL_ERROR = 1e-11
 # Ratio of pivots of a Jacobian (lengths over the size) below which a posture counts as singular,
 # and above which as far from singular.
 GENERAL_SINGULAR = 1e-6
@@ -258,7 +261,7 @@ GENERAL_FREE_VALUES = 16
 # root of it.
 SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-3
-GENERAL_MULTIPLE = 1e-5
+GENERAL_MULTIPLE = 1e-8
 # Solutions that are entered for the continua of one pose: room is left for the others.
 MOST_CONTINUA = 6
 # A regular solution is not farther (rad) from its nudged one.
@@ -268,8 +271,10 @@ NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
 # --- General six-joint arms: settling at singular postures ---
 # Steps at most, and how many may pass without the squared error sinking by this factor.
-SETTLING_STEPS = 60
-SETTLING_PATIENCE = 6
+# Twice as many may where it is below a bound.
+SETTLING_STEPS = 80
+SETTLING_PATIENCE = 12
+SETTLING_NEAR = 1e-12
 SETTLING_GAIN = 0.25
 # Damping over the squared error, and what is always there: the rounding of a Jacobian, squared.
 SETTLING_DAMPING = 1e-2
