@@ -20,7 +20,13 @@ from robomech_ros._kernels.general_equations import free_equations, right_side
 from robomech_ros._kernels.general_pencil import MOST_VECTORS, pencil_vectors
 from robomech_ros._kernels.general_posture import half_angles, remaining_joints
 from robomech_ros._kernels.general_roots import MAX_ROOTS, isolate, near_zeros, sample
-from robomech_ros._kernels.general_settling import distance, is_in_continuum, regularity, settle
+from robomech_ros._kernels.general_settling import (
+    distance,
+    is_between,
+    is_in_continuum,
+    regularity,
+    settle,
+)
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
@@ -30,7 +36,6 @@ from robomech_ros._kernels.tolerances import (
     GENERAL_ERROR,
     GENERAL_FREE_VALUES,
     GENERAL_MARGIN,
-    GENERAL_MULTIPLE,
     GENERAL_SINGULAR,
     GENERAL_STEPS,
     GENERAL_VOID,
@@ -87,7 +92,7 @@ def admit(data, T, trial, singular, q, marks, state):
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     if singular:
-        error = settle(data, T, trial)
+        error = settle(data, T, trial, False)
     else:
         error = call_polish(packed, T, trial, GENERAL_STEPS)
     if not error <= min(ACCEPTED, GENERAL_ERROR * max(1.0, data[at.SIZE])):
@@ -107,14 +112,13 @@ def admit(data, T, trial, singular, q, marks, state):
         apart = distance(q[k], trial)
         if apart < SAME_SINGULAR:
             return k
-        if apart < SAME_MULTIPLE and ratio < GENERAL_MULTIPLE:
+        if apart < SAME_MULTIPLE and is_between(data, T, q[k], trial, w):
             _, other = regularity(data, packed, q[k], w, x)
-            if other < GENERAL_MULTIPLE:
-                if ratio < other:
-                    # The more singular of the two is the nearer to where they have become one.
-                    for j in range(6):
-                        q[k, j] = trial[j]
-                return k
+            if ratio < other:
+                # The more singular of the two is the nearer to where they have become one.
+                for j in range(6):
+                    q[k, j] = trial[j]
+            return k
     if ratio > GENERAL_SINGULAR:
         return _entered(trial, 0, q, marks, state)
     if not is_in_continuum(data, T, trial, u, v, fifth):

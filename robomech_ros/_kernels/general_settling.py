@@ -27,6 +27,7 @@ from robomech_ros._kernels.tolerances import (
     GENERAL_CORANK,
     SETTLED,
     SETTLING_ASIDE,
+    SETTLING_CALM_STEPS,
     SETTLING_DAMPING,
     SETTLING_GAIN,
     SETTLING_LEAST_FACTOR,
@@ -38,7 +39,7 @@ from robomech_ros._kernels.tolerances import (
     SETTLING_STEPS,
 )
 
-__all__ = ["distance", "is_in_continuum", "regularity", "settle"]
+__all__ = ["distance", "is_between", "is_in_continuum", "regularity", "settle"]
 
 
 @inline
@@ -115,12 +116,13 @@ def _lengthening(step, last):
     return 1.0 / (1.0 - factor)
 
 
-@part(f8(IN1, IN2, OUT1))
-def settle(data, T, q):
+@part(f8(IN1, IN2, OUT1, b1))
+def settle(data, T, q, calm):
     """Improve q (6,) in place towards the pose T, also where the Jacobian is singular.
 
-    Damping goes with the squared error (lengths over the size), so that steps along a continuum
-    stay short.  Returns the remaining error, the larger of rad and m.
+    Damping goes with the squared error (lengths over the size), which hinders no step.  ``calm``
+    ones go to the nearest posture of a continuum: their damping goes with the error itself, which
+    makes them slow where there is none.  Returns the remaining error, the larger of rad and m.
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     unit = 1.0 / data[at.SIZE]
@@ -136,7 +138,7 @@ def settle(data, T, q):
     least = math.inf
     remaining = math.inf
     idle = 0
-    for _ in range(SETTLING_STEPS):
+    for _ in range(SETTLING_CALM_STEPS if calm else SETTLING_STEPS):
         jacobian_body(packed, x, J, current)
         pose_difference(T, current, e)
         error = _square(e, unit)
@@ -151,7 +153,8 @@ def settle(data, T, q):
         patience = SETTLING_PATIENCE if least > SETTLING_NEAR else 2 * SETTLING_PATIENCE
         if least <= SETTLED or idle > patience:
             break
-        _newton_step(J, e, unit, SETTLING_DAMPING * error + SETTLING_ROUNDING, A, step)
+        damping = SETTLING_DAMPING * (math.sqrt(error) if calm else error)
+        _newton_step(J, e, unit, damping + SETTLING_ROUNDING, A, step)
         scale = _lengthening(step, last)
         longest = 0.0
         for i in range(6):
@@ -191,6 +194,17 @@ def regularity(data, packed, q, u, v):
 
 
 @inline
+def is_between(data, T, p, q, trial):
+    """Tell whether there is a posture about halfway from p (6,) to q (6,), too."""
+    for j in range(6):
+        trial[j] = p[j] + 0.5 * wrapped(q[j] - p[j])
+    if not settle(data, T, trial, True) <= CONTINUUM_ERROR * max(1.0, data[at.SIZE]):
+        return False
+    apart = distance(p, q)
+    return 0.2 * apart < min(distance(trial, p), distance(trial, q)) < 0.8 * apart
+
+
+@inline
 def _moved_on(data, T, q, direction, length, trial):
     """Move on by ``length`` (rad) and settle; tell how far from q that ends, 0 for nowhere."""
     largest = 0.0
@@ -198,7 +212,7 @@ def _moved_on(data, T, q, direction, length, trial):
         largest = max(largest, abs(direction[j]))
     for j in range(6):
         trial[j] = q[j] + length / largest * direction[j]
-    if not settle(data, T, trial) <= CONTINUUM_ERROR:
+    if not settle(data, T, trial, True) <= CONTINUUM_ERROR * max(1.0, data[at.SIZE]):
         return 0.0
     return distance(trial, q)
 
@@ -213,10 +227,9 @@ def is_in_continuum(data, T, q, u, v, fifth):
     """
     trial = np.empty(6)
     direction = np.empty(6)
-    for k in range(2 if fifth > GENERAL_CORANK else 8):
-        sign = 1.0 if k % 2 == 0 else -1.0
-        a = sign * (0.0 if k // 2 == 1 else 1.0)
-        b = sign * (0.0 if k // 2 == 0 else -1.0 if k // 2 == 3 else 1.0)
+    for k in range(1 if fifth > GENERAL_CORANK else 4):
+        a = 0.0 if k == 1 else 1.0
+        b = 0.0 if k == 0 else -1.0 if k == 3 else 1.0
         for j in range(6):
             direction[j] = a * u[j] + b * v[j]
         far = _moved_on(data, T, q, direction, CONTINUUM_STEP, trial)

@@ -147,6 +147,9 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
         nudged(data, T, number, 1.0, near)
         for k in range(STATE):
             there[k] = 0
+        if number > 4:
+            # So far away the determinant tells little about this pose.
+            there[LOOSE] = -1
         clean, _ = _solve_at(data, near, seed, others, other_marks, there, loose)
         rows = 0
         for k in range(there[COUNT]):

@@ -223,7 +223,7 @@ GENERAL_WIDTH = 1e-6
 GENERAL_ROUNDING = 4.0
 # Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
 # (its square root, with room) has made complex.
-GENERAL_NEAR_ZERO = 0.3
+GENERAL_NEAR_ZERO = 0.2
 # Halvings and samplings allowed for one determinant: ten times what any pose of the arms tested
 # needs that is not singular.
 GENERAL_HALVINGS = 600
@@ -256,12 +256,10 @@ GENERAL_REGULAR = 2e-2
 GENERAL_CORANK = 1e-4
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
-# Postures nearer to each other than this (rad) are one where Newton steps converge slowly: the
-# square root of the pose's rounding, with room; and where both are as singular as that, a higher
-# root of it.
+# Singular postures nearer to each other than this (rad) are one: the square root of the pose's
+# rounding, with room; and up to a higher root of it where there is one halfway, too.
 SAME_SINGULAR = 1e-5
-SAME_MULTIPLE = 5e-3
-GENERAL_MULTIPLE = 1e-8
+SAME_MULTIPLE = 5e-2
 # Solutions that are entered for the continua of one pose: room is left for the others.
 MOST_CONTINUA = 6
 # A regular solution is not farther (rad) from its nudged one.
@@ -271,12 +269,13 @@ NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
 # --- General six-joint arms: settling at singular postures ---
 # Steps at most, and how many may pass without the squared error sinking by this factor.
-# Twice as many may where it is below a bound.
+# Twice as many may where it is below a bound; towards a continuum convergence is quadratic.
 SETTLING_STEPS = 80
+SETTLING_CALM_STEPS = 10
 SETTLING_PATIENCE = 12
 SETTLING_NEAR = 1e-12
 SETTLING_GAIN = 0.25
-# Damping over the squared error, and what is always there: the rounding of a Jacobian, squared.
+# Damping over the squared error (towards a continuum: over the error), and what is always there: the rounding of a Jacobian, squared.
 SETTLING_DAMPING = 1e-2
 SETTLING_ROUNDING = 1e-31
 # Longest step of a joint (rad).
@@ -288,11 +287,11 @@ SETTLING_MOST_FACTOR = 0.95
 SETTLING_ASIDE = 0.04
 # Squared error (rad, and lengths over the size) of a pose known to rounding.
 SETTLED = 1e-30
-# A step (rad) away from a singular posture, the error that may be left after settling, and how
+# A step (rad) away from a singular posture, the error (as above) that may be left then, and how
 # much of the step must be left, to tell a continuum.
 CONTINUUM_STEP = 5e-2
-CONTINUUM_ERROR = 1e-12
-CONTINUUM_KEPT = 2e-2
+CONTINUUM_ERROR = 1e-14
+CONTINUUM_KEPT = 3e-2
 
 # --- Redundant arms ---
 # The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
