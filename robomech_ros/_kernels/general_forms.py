@@ -217,6 +217,13 @@ def solve_form(data, form, T, pose, back, seed, q, marks, state, loose):
                 row = admit(data, T, trial, True, q, marks, state)
                 proven = proven and (row >= 0 or not first <= i < end)
             clean = clean and proven
+            for i in range(2 if found > 1 else 0):
+                # Postures that have nearly merged, or share nearly the same hidden angle.
+                hidden = roots[k, i]
+                core(E, math.cos(hidden), math.sin(hidden), A, B, S)
+                null_space(S, vectors[0], vectors[1], vectors[2], order)
+                _posture(data, form, X, before, behind, hidden, vectors[0], left, trial)
+                admit(data, T, trial, True, q, marks, state)
             continue
         null_space(S, vectors[0], vectors[1], vectors[2], order)
         _posture(data, form, X, before, behind, hidden, vectors[0], left, trial)

@@ -120,7 +120,7 @@ def polish(packed, T, q, max_iterations):
                 damping = max(1e-2 * damping, POLISH_DAMPING)
                 for i in range(n):
                     q[i] = trial[i]
-                if slow and residual < 1e3 * POLISHED:
+                if residual <= POLISHED or (slow and residual < 1e3 * POLISHED):
                     break
                 jacobian_body(packed, q, J, current)
                 pose_difference(T, current, e)
