@@ -44,6 +44,7 @@ from robomech_ros._kernels.tolerances import (
     GENERAL_ANEW,
     GENERAL_HALVINGS,
     GENERAL_NEAR_ZERO,
+    GENERAL_ROUGH_WIDTH,
     GENERAL_ROUNDING,
     GENERAL_SAMPLINGS,
     GENERAL_WIDTH,
@@ -276,8 +277,9 @@ def isolate(E, form, noise, A, B, K, roots):
             spent = halvings >= GENERAL_HALVINGS or top + 2 >= _DEPTH
             unsure = vague and max(highest, -lowest) < GENERAL_ANEW * tolerance
             rounding = max(highest, -lowest) < GENERAL_ROUNDING * tolerance
-            settled = level >= _LAST - 1 or samplings >= GENERAL_SAMPLINGS
-            if high - low < GENERAL_WIDTH or spent or (rounding and settled):
+            known = high - low < GENERAL_ROUGH_WIDTH or samplings >= GENERAL_SAMPLINGS
+            done = rounding and known and level >= _LAST - 1
+            if high - low < GENERAL_WIDTH or spent or done:
                 whole = whole and not spent
                 start, end = _angle(arc, low), _angle(arc, high)
                 joined = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH

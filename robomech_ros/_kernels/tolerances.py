@@ -219,7 +219,9 @@ GENERAL_VOID = 1e3
 GENERAL_ANEW = 1e4
 # Least width of an interval (of half an arc): the square root of the rounding.
 GENERAL_WIDTH = 1e-6
-# An interval sampled anew is not halved on where all coefficients are within so many roundings.
+# An interval this short is not halved on where all coefficients are within so many roundings: a
+# zero of multiplicity eight is not known better; a longer one may be, once sampled anew.
+GENERAL_ROUGH_WIDTH = 5e-2
 GENERAL_ROUNDING = 4.0
 # Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
 # (its square root, with room) has made complex.
