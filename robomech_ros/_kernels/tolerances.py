@@ -143,6 +143,9 @@ VANISHING = 1e-12
 # Wrist axes that pass each other by no more than this are taken as meeting: angles written with
 # five digits, as 1.5708, move an axis by some 4e-6.  The polish on the true pose makes up for it.
 CONCURRENT = 1e-5
+# Beyond this, two solutions beside a singular wrist differ by more than the polish can be trusted
+# to tell (its square root): a whole arm of six revolute joints is then solved as a general one.
+CONCURRENT_WHOLE = 1e-8
 # Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.
 CONCURRENT_EXACT = 1e-11
 # Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
@@ -166,7 +169,7 @@ PARALLEL_AXES = 1e-11
 # Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
 # from parallel the axes may then be found.
 ARM_ROUNDING = 1e-14
-PARALLEL_AT_FOLD = 3e-6
+PARALLEL_AT_FOLD = 3e-5
 
 # Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
 # two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
 from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, ITERATIVE
-from robomech_ros.kinematics import general_6r, iterative, redundant, short
+from robomech_ros.kinematics import decoupled, general_6r, iterative, redundant, short
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
@@ -73,14 +73,21 @@ _FAMILIES = (
 def family_of(chain: SerialChain) -> Family:
     """Find the first family whose geometry a chain has; the iterative one takes what is left.
 
+    An arm whose wrist axes meet but for some micrometres is a general one, where it can be.
+
     Parameters
     ----------
     chain : SerialChain
     """
     for name, number, match in _FAMILIES:
         data = match(chain)
-        if data is not None:
-            return Family(name, number, data, _turns(chain))
+        if data is None:
+            continue
+        if number == DECOUPLED and not decoupled.polishes_well(chain):
+            general = general_6r.match(chain)
+            if general is not None:
+                return Family("general-6r", GENERAL, general, _turns(chain))
+        return Family(name, number, data, _turns(chain))
     return iterative_family(chain, iterative.iterative_data(chain))
 
 
