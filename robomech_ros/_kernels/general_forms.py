@@ -171,7 +171,7 @@ def solve_form(data, form, T, pose, back, seed, q, marks, state, loose):
 
     ``pose`` (12,) and ``back`` (12,) are what T demands of the joints, and its inverse.  Void is a
     form whose determinant vanishes all round: the hidden joint may be free.  It is then given the
-    seed's value, or the next of some others with which there is a posture.  Postures at which the
+    seed's value, and others, until there is a continuum.  Postures at which the
     determinant only comes near zero go to ``loose`` (MOST_LOOSE, 6) where that is wanted.
     """
     constant = data[form + at.FIXED : form + at.FIXED + 12]
@@ -225,16 +225,22 @@ def solve_form(data, form, T, pose, back, seed, q, marks, state, loose):
                 _posture(data, form, X, before, behind, hidden, vectors[0], left, trial)
                 admit(data, T, trial, True, q, marks, state)
             continue
+        if void:
+            found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
+            for i in range(found):
+                _posture(data, form, X, before, behind, hidden, vectors[i], left, trial)
+                admit(data, T, trial, True, q, marks, state)
+            if state[CONTINUA] > 0:
+                break
+            continue
         null_space(S, vectors[0], vectors[1], vectors[2], order)
         _posture(data, form, X, before, behind, hidden, vectors[0], left, trial)
         row = admit(data, T, trial, False, q, marks, state)
-        if row < 0 and not void:
+        if row < 0:
             row = admit(data, T, trial, True, q, marks, state)
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:
             rows |= 1 << row
-            if void:
-                break
     if state[LOOSE] >= 0 and not void:
         zeros = near_zeros(shape, roots[:, 0])
         for k in range(zeros):

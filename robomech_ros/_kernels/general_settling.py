@@ -41,6 +41,9 @@ from robomech_ros._kernels.tolerances import (
 
 __all__ = ["distance", "is_between", "is_in_continuum", "regularity", "settle"]
 
+# Directions in a pencil that are tried for a continuum.
+_DIRECTIONS = 4
+
 
 @inline
 def distance(a, b):
@@ -227,9 +230,9 @@ def is_in_continuum(data, T, q, u, v, fifth):
     """
     trial = np.empty(6)
     direction = np.empty(6)
-    for k in range(1 if fifth > GENERAL_CORANK else 4):
-        a = 0.0 if k == 1 else 1.0
-        b = 0.0 if k == 0 else -1.0 if k == 3 else 1.0
+    count = 1 if fifth > GENERAL_CORANK else _DIRECTIONS
+    for k in range(count):
+        a, b = math.cos(math.pi * k / count), math.sin(math.pi * k / count)
         for j in range(6):
             direction[j] = a * u[j] + b * v[j]
         far = _moved_on(data, T, q, direction, CONTINUUM_STEP, trial)

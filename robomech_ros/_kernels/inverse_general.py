@@ -14,6 +14,8 @@ and both led to all solutions that are far from singular; but not where the dete
 form vanishes all round, as it does where a joint is free.
 """
 
+import math
+
 import numpy as np
 from numba import types
 
@@ -31,6 +33,7 @@ from robomech_ros._kernels._jit import (
     linked,
     part,
 )
+from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
 from robomech_ros._kernels.general_equations import demanded
 from robomech_ros._kernels.general_forms import (
@@ -50,6 +53,7 @@ from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     GENERAL_REGULAR,
     GENERAL_SINGULAR,
+    GENERAL_STARTS,
     GENERAL_STEPS,
     NUDGE_PARTS,
     NUDGED_AWAY,
@@ -60,6 +64,9 @@ __all__ = ["DOUBT", "MAX_SOLUTIONS", "solve_general"]
 # Added to the number of solutions where the list may lack one.
 DOUBT = 1 << 8
 
+# Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
+# x^7 = x + 1.
+_SPREAD = tuple(1.1127756842787055 ** -(j + 1) for j in range(6))
 # Beside the rows reached, as bits.
 _IS_CLEAN = 1 << 16
 
@@ -174,6 +181,17 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
     return False
 
 
+@part(types.void(IN1, IN2, IN1, OUT2, IOUT1, IOUT1))
+def _search(data, T, seed, q, marks, state):
+    """Settle from the seed and from evenly spread starts, until there is a posture."""
+    trial = np.empty(6)
+    for k in range(GENERAL_STARTS):
+        for j in range(6):
+            trial[j] = wrapped(seed[j] + 2.0 * math.pi * k * _SPREAD[j])
+        if admit(data, T, trial, True, q, marks, state) >= 0:
+            break
+
+
 @kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_general(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
@@ -185,7 +203,10 @@ def solve_general(data, T, seed, q, branch):
     state[LOOSE] = -1
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if not clean:
-        clean = _solve_nudged(data, T, seed, void, q, marks, state) and state[COUNT] > 0
+        clean = _solve_nudged(data, T, seed, void, q, marks, state)
+        if state[COUNT] == 0:
+            clean = False
+            _search(data, T, seed, q, marks, state)
         _classify(data, T, q, marks, state)
     elif state[CROWDED]:
         _classify(data, T, q, marks, state)

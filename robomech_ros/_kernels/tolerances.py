@@ -265,6 +265,8 @@ GENERAL_FREE_VALUES = 16
 # rounding, with room; and up to a higher root of it where there is one halfway, too.
 SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-2
+# Starts of a search where nothing has been found and nothing is proved.
+GENERAL_STARTS = 32
 # Solutions that are entered for the continua of one pose: room is left for the others.
 MOST_CONTINUA = 6
 # A regular solution is not farther (rad) from its nudged one.
