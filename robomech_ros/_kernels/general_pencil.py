@@ -1,8 +1,8 @@
 """Null vectors of a general arm's determinant where two postures share the hidden angle.
 
 There the matrix loses two ranks, and its null vectors are a pencil ``a u + b v``.  Those of
-postures are products: ``s c (s, c)`` of one half angle times ``(s s, sqrt(2) s c, c c)`` of another.
-That a vector is such a product takes six quadratic equations, which on a pencil are quadratic
+postures are products, ``s c (s, c)`` of one half angle times ``(s s, sqrt(2) s c, c c)`` of
+another.  That a vector is such a product takes six quadratic equations, which on a pencil are quadratic
 equations in a : b.  A common zero is a zero of the largest of them; two at most are left.
 """
 

@@ -15,11 +15,11 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.general_determinant import null_space
 from robomech_ros._kernels.polishing import largest_error, pose_difference
-from robomech_ros._kernels.serial import forward_body, jacobian_body
+from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
     CONTINUUM_ERROR,
     CONTINUUM_KEPT,

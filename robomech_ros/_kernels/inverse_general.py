@@ -24,7 +24,6 @@ from robomech_ros._kernels._jit import (
     IN1,
     IN2,
     IOUT1,
-    OUT1,
     OUT2,
     b1,
     i8,

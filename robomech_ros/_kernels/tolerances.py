@@ -282,7 +282,8 @@ SETTLING_CALM_STEPS = 10
 SETTLING_PATIENCE = 12
 SETTLING_NEAR = 1e-12
 SETTLING_GAIN = 0.25
-# Damping over the squared error (towards a continuum: over the error), and what is always there: the rounding of a Jacobian, squared.
+# Damping over the squared error (towards a continuum: over the error), and what is always there:
+# the rounding of a Jacobian, squared.
 SETTLING_DAMPING = 1e-2
 SETTLING_ROUNDING = 1e-31
 # Longest step of a joint (rad).

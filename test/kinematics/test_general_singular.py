@@ -26,7 +26,9 @@ RESIDUAL = 1e-9
 AT_FOLD = 1e-5
 AT_MULTIPLE = 2e-2
 FAST = ("general6r", "fanuc_arcmate", "crx10ia", "slanted-wrist")
-SLOW = tuple(name for name in (*ROBOTS, *TABLES, *SQUARES, "random-0", "random-1") if name not in FAST)
+SLOW = tuple(
+    name for name in (*ROBOTS, *TABLES, *SQUARES, "random-0", "random-1") if name not in FAST
+)
 
 
 def each(names, *marks):
