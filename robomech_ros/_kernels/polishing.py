@@ -121,7 +121,7 @@ def polish(packed, T, q, max_iterations):
                 damping = max(1e-2 * damping, POLISH_DAMPING)
                 for i in range(n):
                     q[i] = trial[i]
-                if slow and residual < 1e3 * POLISHED:
+                if residual <= POLISHED or (slow and residual < 1e3 * POLISHED):
                     break
                 J, other_J = other_J, J
                 e, other_e = other_e, e

@@ -69,16 +69,23 @@ class Family:
         return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
+def _from_tip(chain: SerialChain) -> SerialChain:
+    links = reversed_transforms(decoupled.transforms(chain))
+    return chain_of(links, chain.types[::-1].tolist())
+
+
 def _match_backwards(chain: SerialChain) -> Array | None:
     """Recognise an arm whose first three axes meet: read from its tip it has a spherical wrist."""
-    if chain.n != 6:
-        return None
-    links = reversed_transforms(decoupled.transforms(chain))
-    return decoupled.match(chain_of(links, chain.types[::-1].tolist()))
+    return decoupled.match(_from_tip(chain)) if chain.n == 6 else None
 
 
 def _match_revolute(chain: SerialChain) -> Array | None:
     return None if chain.types.any() else general.match(chain)
+
+
+def _polishes_well(chain: SerialChain, number: int) -> bool:
+    """Tell whether the axes of a decoupled arm meet so nearly that its solutions are all."""
+    return decoupled.polishes_well(chain if number < BACKWARDS else _from_tip(chain))
 
 
 _FAMILIES = (
@@ -95,14 +102,21 @@ _FAMILIES = (
 def family_of(chain: SerialChain) -> Family:
     """Find the first family whose geometry a chain has; the iterative one takes what is left.
 
+    An arm whose wrist axes meet but for some micrometres is a general one, where it can be.
+
     Parameters
     ----------
     chain : SerialChain
     """
     for name, number, match in _FAMILIES:
         data = match(chain)
-        if data is not None:
-            return _family(chain, name, number, data)
+        if data is None:
+            continue
+        if number % BACKWARDS == DECOUPLED and not _polishes_well(chain, number):
+            others = _match_revolute(chain)
+            if others is not None:
+                return _family(chain, "general-6r", GENERAL, others)
+        return _family(chain, name, number, data)
     return iterative_family(chain, iterative.iterative_data(chain))
 
 
