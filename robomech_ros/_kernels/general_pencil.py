@@ -74,8 +74,8 @@ def pencil_vectors(u, v, slack, vectors):
     """Write the vectors of the pencil that postures may have to ``vectors`` (MOST_VECTORS, 6).
 
     ``slack`` is the uncertainty of the equations, with which a discriminant below zero may yet
-    mean a double zero; u (6,) and v (6,) are made orthonormal.  Returns how many there are, and whether there can be
-    no others; there can where every vector of the pencil is a product.
+    mean a double zero; u (6,) and v (6,) are made orthonormal.  Returns how many there are, and
+    whether there can be no others; there can where every vector of the pencil is a product.
     """
     _orthonormal(u, v)
     p, h, r, norm = 0.0, 0.0, 0.0, 0.0
