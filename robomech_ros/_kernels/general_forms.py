@@ -34,6 +34,7 @@ from robomech_ros._kernels.tolerances import (
     CLUSTER_GAP,
     CLUSTER_LEAST_GAP,
     CLUSTER_PENCIL,
+    CLUSTER_WIDTH,
     GENERAL_ERROR,
     GENERAL_FREE_VALUES,
     GENERAL_MARGIN,
@@ -143,13 +144,14 @@ def _cluster_vectors(width, S, vectors, order):
     u, v = np.empty(6), np.empty(6)
     fourth, fifth, _ = null_space(S, vectors[0], u, v, order)
     gap = CLUSTER_GAP * width + CLUSTER_LEAST_GAP
+    narrow = width < CLUSTER_WIDTH
     if fifth > max(gap, CLUSTER_PENCIL):
-        return 1, 0, 1, True
+        return 1, 0, 1, narrow
     slack = 10.0 * width / max(fourth, CLUSTER_LEAST_GAP) + CLUSTER_LEAST_GAP
     found, whole = pencil_vectors(u, v, slack, vectors[1:])
     if fifth > gap:
-        return 1 + found, 0, 1, True
-    return 1 + found, 1, 1 + found, whole and fourth > gap
+        return 1 + found, 0, 1, narrow
+    return 1 + found, 1, 1 + found, narrow and whole and fourth > gap
 
 
 @inline
@@ -219,7 +221,7 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
                 row = admit(data, T, trial, True, q, marks, state)
                 proven = proven and (row >= 0 or not first <= i < end)
             clean = clean and proven
-            for i in range(2 if found > 1 else 0):
+            for i in range(2 if found > 1 or width > CLUSTER_WIDTH else 0):
                 # Postures that have nearly merged, or share nearly the same hidden angle.
                 hidden = roots[k, i]
                 core(E, math.cos(hidden), math.sin(hidden), A, B, S)

@@ -73,9 +73,9 @@ def _violation(u, v, a, b):
 def pencil_vectors(u, v, slack, vectors):
     """Write the vectors of the pencil that postures may have to ``vectors`` (MOST_VECTORS, 6).
 
-    ``slack`` is how far (relative) a discriminant may be below zero and yet mean a double zero;
-    u (6,) and v (6,) are made orthonormal.  Returns how many there are, and whether there can be
-    no others; there can where every vector of the pencil is a product.
+    ``slack`` is the uncertainty of the equations, with which a discriminant below zero may yet
+    mean a double zero; u (6,) and v (6,) are made orthonormal.  Returns how many there are, and
+    whether there can be no others; there can where every vector of the pencil is a product.
     """
     _orthonormal(u, v)
     p, h, r, norm = 0.0, 0.0, 0.0, 0.0
@@ -90,7 +90,7 @@ def pencil_vectors(u, v, slack, vectors):
             vectors[2, i], vectors[3, i] = u[i] + v[i], u[i] - v[i]
         return 4, False
     discriminant = h * h - p * r
-    if discriminant < -slack * norm:
+    if discriminant < -slack * math.sqrt(norm):
         return 0, True
     root = math.sqrt(max(discriminant, 0.0))
     t = -h - root if h >= 0.0 else root - h

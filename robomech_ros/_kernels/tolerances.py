@@ -251,6 +251,8 @@ SLIDES_FARTHEST = 1e6
 CLUSTER_GAP = 100.0
 # Least of the same where the cluster is narrower than rounding lets a pivot be.
 CLUSTER_LEAST_GAP = 1e-6
+# Widest cluster (rad) of which that can be told; a fold's is some 1e-5.
+CLUSTER_WIDTH = 5e-5
 # Below this pivot (of the first) two postures are looked for.
 CLUSTER_PENCIL = 5e-2
 # Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
