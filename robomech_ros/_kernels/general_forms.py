@@ -216,6 +216,8 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
         if width > 0.0:
             state[CROWDED] = 1
             found, first, end, proven = _cluster_vectors(width, S, vectors, order)
+            # With a slide some of the zeros may be at infinity, of which the matrix tells nothing.
+            proven = proven and slide < 0
             for i in range(found):
                 _posture(form, size, X, hidden, vectors[i], left, trial)
                 row = admit(data, T, trial, True, q, marks, state)
@@ -267,6 +269,8 @@ def solve_slides(data, form, T, back, seed, q, marks, state):
     rows = 0
     for k in range(found):
         row = admit(data, T, trials[k], False, q, marks, state)
+        if row < 0 and not void:
+            row = admit(data, T, trials[k], True, q, marks, state)
         clean = clean and row >= 0 and not rows >> row & 1
         if row >= 0:
             rows |= 1 << row

@@ -113,9 +113,10 @@ def family_of(chain: SerialChain) -> Family:
         if data is None:
             continue
         if number % BACKWARDS == DECOUPLED and not _polishes_well(chain, number):
-            others = _match_revolute(chain)
-            if others is not None:
-                return _family(chain, "general-6r", GENERAL, others)
+            whole = general.match(chain)
+            if whole is not None:
+                name = "general-6" if chain.types.any() else "general-6r"
+                return _family(chain, name, GENERAL, whole)
         return _family(chain, name, number, data)
     return iterative_family(chain, iterative.iterative_data(chain))
 
