@@ -143,10 +143,9 @@ VANISHING = 1e-12
 # Wrist axes that pass each other by no more than this are taken as meeting: angles written with
 # five digits, as 1.5708, move an axis by some 4e-6.  The polish on the true pose makes up for it.
 CONCURRENT = 1e-5
-# Beyond this, two solutions beside a singular wrist differ by more than the polish can be trusted
-# to tell (its square root): a whole arm of six revolute joints is then solved as a general one.
-CONCURRENT_WHOLE = 1e-8
-# Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.
+# Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.  Beyond, two
+# solutions near a singular posture may be taken for one: a whole arm of six joints is then solved
+# as a general one, where it can be.
 CONCURRENT_EXACT = 1e-11
 # Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
 # the general equations lose as many digits; the posture is improved afterwards.

@@ -11,13 +11,12 @@ from robomech_ros._kernels.tolerances import (
     CANDIDATE_SLACK,
     CONCURRENT,
     CONCURRENT_EXACT,
-    CONCURRENT_WHOLE,
     IDEALISED_SLACK,
     NEARLY_SPECIAL,
 )
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 
-__all__ = ["common_point", "match", "polishes_well", "transforms", "wrist_constants"]
+__all__ = ["common_point", "match", "transforms", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -80,19 +79,6 @@ def match(chain: SerialChain) -> Array | None:
     data[at.NAMED] = _side(chain.types[:3], links, data)
     data.setflags(write=False)
     return data
-
-
-def polishes_well(chain: SerialChain) -> bool:
-    """Tell whether the wrist's axes meet so nearly that its solutions, polished, are all.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        One that :func:`match` has recognised.
-    """
-    C = transforms(chain)
-    centre = common_point(C[4], C[5])
-    return centre is not None and centre[2] <= CONCURRENT_WHOLE * _size(C, centre[0])
 
 
 def transforms(chain: SerialChain) -> Array:

@@ -83,11 +83,6 @@ def _match_revolute(chain: SerialChain) -> Array | None:
     return None if chain.types.any() else general.match(chain)
 
 
-def _polishes_well(chain: SerialChain, number: int) -> bool:
-    """Tell whether the axes of a decoupled arm meet so nearly that its solutions are all."""
-    return decoupled.polishes_well(chain if number < BACKWARDS else _from_tip(chain))
-
-
 _FAMILIES = (
     *CLOSED_FORMS,
     ("decoupled", BACKWARDS + DECOUPLED, _match_backwards),
@@ -112,7 +107,7 @@ def family_of(chain: SerialChain) -> Family:
         data = match(chain)
         if data is None:
             continue
-        if number % BACKWARDS == DECOUPLED and not _polishes_well(chain, number):
+        if number % BACKWARDS == DECOUPLED and not data[decoupled_layout.EXACT]:
             whole = general.match(chain)
             if whole is not None:
                 name = "general-6" if chain.types.any() else "general-6r"
