@@ -22,6 +22,8 @@ from robomech_ros._kernels.polishing import largest_error, pose_difference
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
     CONTINUUM_ERROR,
+    CONTINUUM_FAR_KEPT,
+    CONTINUUM_FAR_STEP,
     CONTINUUM_KEPT,
     CONTINUUM_STEP,
     GENERAL_CORANK,
@@ -242,25 +244,38 @@ def _moved_on(data, T, q, direction, length, trial):
     return distance(data, trial, q)
 
 
+@inline
+def _goes_on(data, T, q, direction, step, kept, trial):
+    """Tell whether steps of a length and of half of it (rad) end on a continuum through q."""
+    far = _moved_on(data, T, q, direction, step, trial)
+    if far < kept:
+        return False
+    near = _moved_on(data, T, q, direction, 0.5 * step, trial)
+    return 0.3 * far < near < 0.8 * far
+
+
 @part(b1(IN1, IN2, IN1, OUT1, OUT1, f8))
 def is_in_continuum(data, T, q, u, v, fifth):
     """Tell whether the joints can move on from a singular posture q (6,) while the tip stays.
 
     u, v and ``fifth`` are those of :func:`regularity`.  From a place beside an isolated posture,
     of whatever multiplicity, one settles back to it; on a continuum one stays, at half the step
-    half as far away.
+    half as far away.  Where two ranks are lost or more, the way on need not be in the pencil of u
+    and v; then each joint is moved, farther, since it is only a part of that way.
     """
     trial = np.empty(6)
     direction = np.empty(6)
-    count = 1 if fifth > GENERAL_CORANK else _DIRECTIONS
+    pencil = fifth <= GENERAL_CORANK
+    count = _DIRECTIONS if pencil else 1
     for k in range(count):
         a, b = math.cos(math.pi * k / count), math.sin(math.pi * k / count)
         for j in range(6):
             direction[j] = a * u[j] + b * v[j]
-        far = _moved_on(data, T, q, direction, CONTINUUM_STEP, trial)
-        if far < CONTINUUM_KEPT:
-            continue
-        near = _moved_on(data, T, q, direction, 0.5 * CONTINUUM_STEP, trial)
-        if 0.3 * far < near < 0.8 * far:
+        if _goes_on(data, T, q, direction, CONTINUUM_STEP, CONTINUUM_KEPT, trial):
+            return True
+    for k in range(6 if pencil else 0):
+        for j in range(6):
+            direction[j] = 1.0 if j == k else 0.0
+        if _goes_on(data, T, q, direction, CONTINUUM_FAR_STEP, CONTINUUM_FAR_KEPT, trial):
             return True
     return False

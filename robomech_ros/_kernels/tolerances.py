@@ -312,6 +312,9 @@ SETTLED = 1e-30
 CONTINUUM_STEP = 5e-2
 CONTINUUM_ERROR = 1e-14
 CONTINUUM_KEPT = 3e-2
+# The same of one joint alone, where two ranks are lost.
+CONTINUUM_FAR_STEP = 0.3
+CONTINUUM_FAR_KEPT = 6e-2
 
 # --- Redundant arms ---
 # The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
