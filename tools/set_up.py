@@ -26,8 +26,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TextIO
 
-import compat
 import machine
+import wire_types
 
 ROOT = Path(__file__).resolve().parent.parent
 REQUIREMENTS = ROOT / "requirements"
@@ -144,7 +144,7 @@ class Environment:
 
     def install_compat(self, source: Path, key: str) -> None:
         """Install a package of compat/, unless the environment has the real one."""
-        if self.succeeds("-c", compat.IS_REAL, source.name):
+        if self.succeeds("-c", wire_types.IS_REAL, source.name):
             say(f"{source.name}: already installed, left as it is")
         else:
             self.install_wheel(source, key)
@@ -207,8 +207,8 @@ def set_up(env: Environment, with_compat: bool) -> None:
 
 def add_compat(env: Environment) -> None:
     """Install the packages of compat/, each after those whose messages it contains."""
-    shared = [compat.FOLDER / "wire_types.cmake", *env.pins]
-    for source in compat.packages():
+    shared = [wire_types.FOLDER / "wire_types.cmake", *env.pins]
+    for source in wire_types.packages():
         shared += sources(source)
         key = digest(shared, sys.version)
         env.step(source.name, key, lambda s=source, k=key: env.install_compat(s, k))

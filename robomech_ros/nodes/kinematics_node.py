@@ -33,6 +33,7 @@ from robomech_ros.nodes.ik_messages import (
 )
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.pauses import Turns
 from robomech_ros.nodes.reference_axes import reference_axes
@@ -90,9 +91,16 @@ class KinematicsNode(Node):
             (GetJacobian, "~/get_jacobian", self._get_jacobian),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+        moveit = add_moveit_services(
+            self,
+            model,
+            self._monitor,
+            lambda: self._table.settings.state_timeout,
+            self._check_size,
+        )
         self.get_logger().info(
             f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
-            f"inverse kinematics: {family}"
+            f"inverse kinematics: {family}{', compute_ik and compute_fk' if moveit else ''}"
         )
 
     @guarded
