@@ -26,7 +26,6 @@ from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.ik_batch import solve_in_turns
 from robomech_ros.nodes.ik_messages import (
     SolutionPoints,
-    encode_batch,
     encode_result,
     inverse_options,
     is_nearest,
@@ -140,8 +139,8 @@ class KinematicsNode(Node):
             "respect_limits": not request.ignore_limits,
             "max_solutions": 1 if is_nearest(request.mode) else None,
         }
-        found, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
-        encode_batch(chain, T, found, response)
+        lists, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
+        lists.fill(response)
         if done < len(T):
             text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
             return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")

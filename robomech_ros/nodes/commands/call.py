@@ -137,7 +137,7 @@ def _moveit_verdict(code: Any) -> int:
     kind = type(code)
     if code.val == kind.SUCCESS:
         return 0
-    names = {getattr(kind, name): name for name in dir(kind) if name.isupper()}
-    text = getattr(code, "message", "")
-    print(f"error {code.val} {names.get(code.val, 'unknown')}: {text}", file=sys.stderr)
+    constants = (name for name in dir(kind) if name.isupper())
+    name = next((name for name in constants if getattr(kind, name) == code.val), "unknown")
+    print(f"error {code.val} {name}: {getattr(code, 'message', '')}", file=sys.stderr)
     return EXIT_REFUSED
