@@ -121,6 +121,36 @@ def test_call_with_a_time_that_is_none(capfd, timeout):
     assert expected in capfd.readouterr().err
 
 
+def test_plot_draws_all_postures_of_a_pose(capfd, tmp_path):
+    joints = ["-3.1089", "1.8884", "-2.5785", "-0.0994", "-2.8742", "3.1343"]
+    path = str(tmp_path / "all.png")
+    code, out, _ = run(capfd, "plot", "general6r", "--joints", *joints, "--output", path)
+    assert (code, out) == (0, f"{path}: 16 postures; these are all\n")
+    assert (tmp_path / "all.png").stat().st_size > 100_000
+    pose = ["0.4", "0.1", "0.3", "0", "1", "0", "0"]
+    code, out, _ = run(capfd, "plot", "puma560", "--pose", *pose, "--output", path)
+    assert code == 0
+    far = ["9", "0", "0", "0", "0", "0", "1"]
+    code, _, err = run(capfd, "plot", "puma560", "--pose", *far, "--output", path)
+    assert code == 1
+    assert "out of reach" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--pose", *["0", "0", "0", "0", "0", "0", "0"]], "quaternion"),
+        (["--joints", "0.1"], "q has shape"),
+        (["--joints", *["0"] * 6, "--output", "arm.doc"], "png, svg or pdf"),
+        (["--joints", *["0"] * 6, "--azimuth", "inf"], "--azimuth is inf"),
+    ],
+)
+def test_plot_refuses_what_it_cannot_draw(capfd, arguments, words):
+    code, _, err = run(capfd, "plot", "puma560", *arguments)
+    assert code == cli.EXIT_USAGE
+    assert words in err
+
+
 def test_robots_are_listed_with_joints_and_family(capfd):
     code, out, _ = run(capfd, "robots")
     assert code == 0
