@@ -31,6 +31,7 @@ import wire_types
 
 ROOT = Path(__file__).resolve().parent.parent
 REQUIREMENTS = ROOT / "requirements"
+PEERS = "bench.txt"
 
 
 def say(text: str) -> None:
@@ -123,10 +124,21 @@ class Environment:
         self.pip("--no-deps", "--prefer-binary", *lists)
 
     def add_extra(self) -> None:
-        """Install what the environment offers beyond, without moving a pin."""
+        """Install what the environment offers beyond, without moving a pin.
+
+        Of peers to compare with each is welcome, and none is needed.
+        """
         say(f"{self.folder.name}: {self.extra}")
-        chosen = ("-r", str(REQUIREMENTS / self.extra), "-c", str(REQUIREMENTS / "python.txt"))
-        self.pip("--prefer-binary", *chosen)
+        options = ("--prefer-binary", "-c", str(REQUIREMENTS / "python.txt"))
+        if self.extra != PEERS:
+            self.pip(*options, "-r", str(REQUIREMENTS / self.extra))
+            return
+        for line in (REQUIREMENTS / self.extra).read_text(encoding="utf-8").splitlines():
+            if line and not line.startswith("#"):
+                try:
+                    self.pip(*options, line)
+                except SetUpError as error:
+                    say(f"{line} is left out: {error}")
 
     def install_wheel(self, source: Path, key: str) -> None:
         """Build the wheel of a package of interfaces, or take one built before, and install it."""
