@@ -2,12 +2,12 @@
 
 import math
 
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 
 __all__ = ["cholesky_again", "cholesky_solve"]
 
 
-@inline
+@lean
 def cholesky_solve(A, b, n):
     """Solve A x = b for a symmetric positive definite A (n, n), the result in place of b.
 
@@ -36,7 +36,7 @@ def cholesky_solve(A, b, n):
     return True
 
 
-@inline
+@lean
 def _backwards(A, b, n):
     """Solve with the transposed Cholesky factor, the inverses of its diagonal in place of it."""
     for j in range(n - 1, -1, -1):
@@ -46,7 +46,7 @@ def _backwards(A, b, n):
         b[j] = value * A[j, j]
 
 
-@inline
+@lean
 def cholesky_again(A, b, n):
     """Solve once more with the factor that :func:`cholesky_solve` has left in A."""
     for j in range(n):

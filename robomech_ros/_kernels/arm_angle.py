@@ -13,13 +13,23 @@ computation for 7-DOF redundant manipulators with joint limits, IEEE Trans. Robo
 
 import math
 
-import numpy as np
-
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as wrist_at
 from robomech_ros._kernels import redundant_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, f8, i8, inline, kernel, linked
-from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    f8,
+    i8,
+    inline,
+    kernel,
+    linked,
+    scratch,
+)
+from robomech_ros._kernels.angles import angle_of, wrapped
 from robomech_ros._kernels.polynomials import order_one_roots
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 from robomech_ros._kernels.wrist import spherical_wrist
@@ -268,8 +278,8 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
     wrist = _spherical(data, at.WRIST)
     base = _base_triad(parts, d)
     cosine, sine = math.cos(angle), math.sin(angle)
-    firsts = np.empty((2, 3))
-    lasts = np.empty((2, 3))
+    firsts = scratch(2, 3)
+    lasts = scratch(2, 3)
     count = ZERO
     for root in range(roots):
         c, s = (c1, s1) if root == 0 else (c2, s2)
@@ -285,7 +295,7 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
         m, _ = spherical_wrist(
             wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, PARALLEL_AXES, lasts
         )
-        q4 = math.atan2(s, c)
+        q4 = angle_of(s, c)
         for i in range(n):
             for j in range(m):
                 _enter(parts, firsts[i], q4, lasts[j], q[count])

@@ -7,26 +7,29 @@ solved from the tip.  Notation as in :mod:`arm_revolute`; p is where the last jo
 
 import math
 
-import numpy as np
-
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
 from robomech_ros._kernels.arm_revolute import (
-    FREE_1,
-    FREE_2,
-    FREE_3,
     across,
     circle,
     squared_length,
     third_angle,
     turn_to,
 )
+from robomech_ros._kernels.arm_rows import (
+    FREE,
+    FREE_1,
+    FREE_2,
+    FREE_3,
+    enter_slide,
+    enter_turn,
+)
 from robomech_ros._kernels.polynomials import order_one_roots, quadratic_roots, square, value
 
 __all__ = ["prismatic_arm"]
 
 
-@inline
+@lean
 def _through(data, k, x, y, z):
     """Apply the 3x4 transform at k to a point."""
     return (
@@ -36,7 +39,7 @@ def _through(data, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _back(data, k, x, y, z):
     """Apply the inverse of the 3x4 transform at k to a point."""
     x, y, z = x - data[k + 3], y - data[k + 7], z - data[k + 11]
@@ -47,7 +50,7 @@ def _back(data, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
     """Find the angles z at which a slide x satisfies two equations.
 
@@ -66,7 +69,7 @@ def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
     return e, found, free
 
 
-@inline
+@lean
 def _slide_turn_turn(data, c, w, seed, arms):
     """Solve PRR: with g = A^-1 c and n = R^T e_z, g - x n is p turned by y about z."""
     p = circle(data, w)
@@ -77,7 +80,7 @@ def _slide_turn_turn(data, c, w, seed, arms):
     q = squared_length(p[0], p[1], p[2])
     gamma = (gx * gx + gy * gy + gz * gz - q[0], -q[1], -q[2])
     delta = (gz - p[2][0], -p[2][1], -p[2][2])
-    roots = np.empty((7, 3))
+    roots = scratch(7, 2)
     e, found, is_free = _slide_and_angle(data, (beta, 0.0, 0.0), gamma, delta, -nz, seed[2], roots)
     split = data[at.EQUATIONS] == 1.0
     aside = abs(nx * gy - ny * gx)
@@ -92,15 +95,17 @@ def _slide_turn_turn(data, c, w, seed, arms):
         signs, h = across(data, split, value(e, cosz, sinz), -nz, room, radius * radius)
         for _ in range(signs):
             x = h - beta
-            y, any_y = turn_to(px, py, gx - x * nx, gy - x * ny, seed[1])
-            arms[count, 0], arms[count, 1], arms[count, 2] = x, y, roots[i, 2]
-            arms[count, 3] = (FREE_2 if any_y else 0) + (FREE_3 if is_free else 0)
+            cosy, siny, any_y = turn_to(px, py, gx - x * nx, gy - x * ny, seed[1])
+            enter_slide(arms[count], 0, x)
+            enter_turn(arms[count], 1, cosy, siny)
+            enter_turn(arms[count], 2, cosz, sinz)
+            arms[count, FREE] = (FREE_2 if any_y else 0) + (FREE_3 if is_free else 0)
             count += 1
             h = -h
     return count
 
 
-@inline
+@lean
 def _turned(data, j, p):
     """Row j of A applied to the forms of p."""
     x, y, z = data[j], data[j + 1], data[j + 2]
@@ -111,7 +116,7 @@ def _turned(data, j, p):
     )
 
 
-@inline
+@lean
 def _turn_slide_turn(data, c, w, seed, arms):
     """Solve RPR: with v = A p and m = R e_z, v + y m turned by x about z is c."""
     p = circle(data, w)
@@ -125,7 +130,7 @@ def _turn_slide_turn(data, c, w, seed, arms):
     )
     q = squared_length(vx, vy, vz)
     gamma = (q[0] - c[0] * c[0] - c[1] * c[1] - c[2] * c[2], q[1], q[2])
-    roots = np.empty((7, 3))
+    roots = scratch(7, 2)
     e, found, is_free = _slide_and_angle(
         data, beta, gamma, (vz[0] - c[2], vz[1], vz[2]), mz, seed[2], roots
     )
@@ -143,15 +148,17 @@ def _turn_slide_turn(data, c, w, seed, arms):
         signs, h = across(data, split, value(e, cosz, sinz), mz, room, radius * radius)
         for _ in range(signs):
             y = h - b
-            x, any_x = turn_to(ux + y * mx, uy + y * my, c[0], c[1], seed[0])
-            arms[count, 0], arms[count, 1], arms[count, 2] = x, y, roots[i, 2]
-            arms[count, 3] = (FREE_1 if any_x else 0) + (FREE_3 if is_free else 0)
+            cosx, sinx, any_x = turn_to(ux + y * mx, uy + y * my, c[0], c[1], seed[0])
+            enter_turn(arms[count], 0, cosx, sinx)
+            enter_slide(arms[count], 1, y)
+            enter_turn(arms[count], 2, cosz, sinz)
+            arms[count, FREE] = (FREE_1 if any_x else 0) + (FREE_3 if is_free else 0)
             count += 1
             h = -h
     return count
 
 
-@inline
+@lean
 def _second_slide(data):
     """Direction of the third joint's slide in the frame of joint 1."""
     k = at.FIRST
@@ -159,7 +166,7 @@ def _second_slide(data):
     return x - data[k + 3], y - data[k + 7], z - data[k + 11]
 
 
-@inline
+@lean
 def _turn_slide_slide(data, c, w, seed, arms):
     """Solve RPP: c turned back by x lies in the plane that the slides span."""
     k = at.FIRST
@@ -184,14 +191,14 @@ def _turn_slide_slide(data, c, w, seed, arms):
         dz = c[2] - z0
         # Components along the slides a and b by the cross products with the normal.
         ex, ey, ez = (dy * nz - dz * ny), (dz * nx - dx * nz), (dx * ny - dy * nx)
-        arms[i, 0] = seed[0] if free else math.atan2(sinx, cosx)
-        arms[i, 1] = -(bx * ex + by * ey + bz * ez) * inverse
-        arms[i, 2] = (ax * ex + ay * ey + az * ez) * inverse
-        arms[i, 3] = FREE_1 if free else 0
+        enter_turn(arms[i], 0, cosx, sinx)
+        enter_slide(arms[i], 1, -(bx * ex + by * ey + bz * ez) * inverse)
+        enter_slide(arms[i], 2, (ax * ex + ay * ey + az * ez) * inverse)
+        arms[i, FREE] = FREE_1 if free else 0
     return found
 
 
-@inline
+@lean
 def _slide_turn_slide(data, c, w, seed, arms):
     """Solve PRP: g - x n and p + z m have the same height and the same length."""
     k = at.FIRST
@@ -219,13 +226,15 @@ def _slide_turn_slide(data, c, w, seed, arms):
         t = t1 if i == 0 else t2
         x = x0 + u * t
         z = z0 + v * t
-        y, any_y = turn_to(px + z * mx, py + z * my, gx - x * nx, gy - x * ny, seed[1])
-        arms[i, 0], arms[i, 1], arms[i, 2] = x, y, z
-        arms[i, 3] = (FREE_2 if any_y else 0) + (FREE_1 if free else 0)
+        cosy, siny, any_y = turn_to(px + z * mx, py + z * my, gx - x * nx, gy - x * ny, seed[1])
+        enter_slide(arms[i], 0, x)
+        enter_turn(arms[i], 1, cosy, siny)
+        enter_slide(arms[i], 2, z)
+        arms[i, FREE] = (FREE_2 if any_y else 0) + (FREE_1 if free else 0)
     return found
 
 
-@inline
+@lean
 def _slides(data, c, w, arms):
     """Solve PPP: three linear equations."""
     x, y, z = _through(data, at.SECOND, w[0], w[1], w[2])
@@ -233,14 +242,14 @@ def _slides(data, c, w, arms):
     x, y, z = c[0] - x, c[1] - y, c[2] - z
     for i in range(3):
         k = at.SLIDE_INVERSE + 3 * i
-        arms[0, i] = data[k] * x + data[k + 1] * y + data[k + 2] * z
-    arms[0, 3] = 0
+        enter_slide(arms[0], i, data[k] * x + data[k + 1] * y + data[k + 2] * z)
+    arms[0, FREE] = 0
     return 1
 
 
-@part(i8(IN1, F3, F3, F3, OUT2))
+@lean_part(i8(IN1, F3, F3, F3, OUT2))
 def prismatic_arm(data, c, w, seed, arms):
-    """Write candidates for the three joints to ``arms`` (rows x, y, z, free joints).
+    """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
 
     As :func:`arm_revolute.revolute_arm`; slides are in units of SIZE.
     """

@@ -23,17 +23,13 @@ second joint first; the quartic is the same.
 
 import math
 
-import numpy as np
-
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, inline, part
+from robomech_ros._kernels._jit import F3, IN1, OUT2, i8, lean, lean_part, scratch
+from robomech_ros._kernels.arm_rows import FREE, FREE_1, FREE_2, FREE_3, enter_turn
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots, square, value
 from robomech_ros._kernels.tolerances import DOUBLE_ROOT, ON_AXIS
 
 __all__ = [
-    "FREE_1",
-    "FREE_2",
-    "FREE_3",
     "across",
     "circle",
     "revolute_arm",
@@ -41,13 +37,8 @@ __all__ = [
     "turn_to",
 ]
 
-# Joints, in the direction of solution, that a candidate leaves free.
-FREE_1 = 1
-FREE_2 = 2
-FREE_3 = 4
 
-
-@inline
+@lean
 def circle(data, w):
     """Give p(z) = B Rz(z) w: constant, cosine and sine part of each of its three components."""
     k = at.SECOND
@@ -71,7 +62,7 @@ def circle(data, w):
     )
 
 
-@inline
+@lean
 def squared_length(u, v, w):
     """Square of the length of a point on a circle: of first order, as its radii are equal."""
     return (
@@ -81,23 +72,26 @@ def squared_length(u, v, w):
     )
 
 
-@inline
+@lean
 def turn_to(fx, fy, tx, ty, seed):
-    """Angle about z that takes the direction of (fx, fy) to that of (tx, ty).
+    """Cosine and sine of the angle about z that takes the direction of (fx, fy) to (tx, ty).
 
-    Where one of the two has no direction every angle does: then ``seed``, and True.
+    Where one of the two has no direction every angle does: then those of ``seed``, and True.
     """
     if fx * fx + fy * fy <= ON_AXIS * ON_AXIS or tx * tx + ty * ty <= ON_AXIS * ON_AXIS:
-        return seed, True
-    return math.atan2(fx * ty - fy * tx, fx * tx + fy * ty), False
+        return math.cos(seed), math.sin(seed), True
+    c = fx * tx + fy * ty
+    s = fx * ty - fy * tx
+    inverse = 1.0 / math.sqrt(c * c + s * s)
+    return c * inverse, s * inverse, False
 
 
-@inline
+@lean
 def third_angle(data, split, e, room, eta, seed, roots):
     """Solve E = eta h, h^2 = H for the angle z of which E and H are functions.
 
     E is of first, H of second order; with ``split`` the first equation is E = 0.  Rows
-    [cos z, sin z, z] go to ``roots`` (7, 3).  Returns how many, and whether z is free (``seed``).
+    [cos z, sin z] go to ``roots`` (7, 2).  Returns how many, and whether z is free (``seed``).
     """
     if split:
         found, c1, s1, c2, s2 = order_one_roots(e[0], e[1], e[2], data[at.SLACK])
@@ -119,14 +113,12 @@ def third_angle(data, split, e, room, eta, seed, roots):
             roots,
         )
     if found < 0:
-        roots[0, 0], roots[0, 1], roots[0, 2] = math.cos(seed), math.sin(seed), seed
+        roots[0, 0], roots[0, 1] = math.cos(seed), math.sin(seed)
         return 1, True
-    for i in range(found):
-        roots[i, 2] = math.atan2(roots[i, 1], roots[i, 0])
     return found, False
 
 
-@inline
+@lean
 def across(data, split, e, eta, room, scale):
     """Solve E = eta h, h^2 = H at one angle: (how many, h), the second solution being -h.
 
@@ -145,7 +137,7 @@ def across(data, split, e, eta, room, scale):
     return 1 if abs(direct) > 0.5 * abs(other) else 2, other
 
 
-@inline
+@lean
 def _right_sides(data, c, p):
     """Give the constant, cosine and sine parts of M and N."""
     px, py, pz = p
@@ -162,31 +154,29 @@ def _right_sides(data, c, p):
     )
 
 
-@inline
+@lean
 def _combination(a, u, b, v):
     return a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]
 
 
-@inline
+@lean
 def _complete(data, c, px, py, pz, rx, ry, seed, arm):
     """Enter the first two angles of a candidate; which of them are free is returned."""
-    y, any_y = turn_to(px, py, rx, ry, seed[1])
-    cosy = math.cos(y)
-    siny = math.sin(y)
+    cosy, siny, any_y = turn_to(px, py, rx, ry, seed[1])
     rx = cosy * px - siny * py
     ry = siny * px + cosy * py
     k = at.FIRST
     ux = data[k] * rx + data[k + 1] * ry + data[k + 2] * pz + data[k + 3]
     uy = data[k + 4] * rx + data[k + 5] * ry + data[k + 6] * pz + data[k + 7]
-    x, any_x = turn_to(ux, uy, c[0], c[1], seed[0])
-    arm[0] = x
-    arm[1] = y
+    cosx, sinx, any_x = turn_to(ux, uy, c[0], c[1], seed[0])
+    enter_turn(arm, 0, cosx, sinx)
+    enter_turn(arm, 1, cosy, siny)
     return (FREE_1 if any_x else 0) + (FREE_2 if any_y else 0)
 
 
-@part(i8(IN1, F3, F3, F3, OUT2))
+@lean_part(i8(IN1, F3, F3, F3, OUT2))
 def revolute_arm(data, c, w, seed, arms):
-    """Write candidates for the three joints to ``arms`` (rows x, y, z, free joints).
+    """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
 
     Parameters are the layout's ``data``, the two points c and w (lengths in units of SIZE), the
     three angles that free joints take, and room for 16 candidates.  Returns how many.
@@ -206,7 +196,7 @@ def revolute_arm(data, c, w, seed, arms):
         x2[3] + y2[3] - g2[3],
         x2[4] + y2[4] - g2[4],
     )
-    roots = np.empty((7, 3))
+    roots = scratch(7, 2)
     found, is_free = third_angle(data, split, e, room, eta, seed[2], roots)
     count = 0
     for i in range(found):
@@ -220,8 +210,8 @@ def revolute_arm(data, c, w, seed, arms):
             rx = gx * along - gy * h
             ry = gy * along + gx * h
             free = _complete(data, c, px, py, pz, rx, ry, seed, arms[count])
-            arms[count, 2] = roots[i, 2]
-            arms[count, 3] = free + (FREE_3 if is_free else 0)
+            enter_turn(arms[count], 2, cosz, sinz)
+            arms[count, FREE] = free + (FREE_3 if is_free else 0)
             count += 1
             h = -h
     return count

@@ -2,7 +2,7 @@
 
 import math
 
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
 from robomech_ros._kernels.angles import wrapped
 
 __all__ = ["free_value", "settle_wrist"]
@@ -12,7 +12,7 @@ _TURN = 2.0 * math.pi
 _TURNS = 8
 
 
-@inline
+@lean
 def settle_wrist(opposed, lower, upper, seed, q):
     """Turn a spherical wrist whose axes 4 and 6 are parallel into the limits of both joints.
 
@@ -43,7 +43,7 @@ def settle_wrist(opposed, lower, upper, seed, q):
         q[5] = wrapped(value - total if opposed else total - value)
 
 
-@inline
+@lean
 def free_value(lower, upper, seed, k, steps):
     """Give the k-th value, k = 1 .. steps, of a joint's range in order of distance from the seed.
 

@@ -11,10 +11,24 @@ import numpy as np
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import F3, IN1, IOUT1, OUT2, ZERO, f8, i8, inline, part
+from robomech_ros._kernels._jit import F3, IN1, IOUT1, OUT2, ZERO, f8, i8, lean, lean_part, scratch
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_prismatic import prismatic_arm
-from robomech_ros._kernels.arm_revolute import FREE_1, FREE_2, FREE_3, revolute_arm
+from robomech_ros._kernels.arm_revolute import revolute_arm
+from robomech_ros._kernels.arm_rows import (
+    DETERMINANT,
+    FREE,
+    FREE_1,
+    FREE_2,
+    FREE_3,
+    WIDTH,
+    aim,
+    copy_row,
+    cosine_of,
+    enter_turn,
+    measure,
+    sine_of,
+)
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     FOLD_APART,
@@ -25,21 +39,35 @@ from robomech_ros._kernels.tolerances import (
     SHARP,
 )
 
-__all__ = ["MOST_ARMS", "arm_error", "arm_postures", "is_among", "step_aside"]
+__all__ = ["ARM_ROWS", "MOST_ARMS", "arm_error", "arm_postures", "is_among", "step_aside"]
 
 # Postures of the arm that are kept: twice as many as there can be apart from a continuum.
 MOST_ARMS = 8
+# Rows for them, and one more to work in.
+ARM_ROWS = MOST_ARMS + 1
 # Starts from each candidate that had to be improved.
 _STARTS = 8
 # Typed, since numba compiles a function anew for each literal that it is called with.
 _THREE = np.int64(3)
 
 
-@inline
-def _candidates(data, c, seed, shift, arms):
-    """Write the arm's candidates to ``arms`` (16, 4), joints 1 to 3 in order, and how many.
+@lean
+def _reverse(arm):
+    """Turn a posture solved from the tip into one of the arm itself."""
+    arm[0], arm[1], arm[2] = -arm[2], -arm[1], -arm[0]
+    cos1, sin1, cos3, sin3 = cosine_of(arm, 0), sine_of(arm, 0), cosine_of(arm, 2), sine_of(arm, 2)
+    enter_turn(arm, 0, cos3, -sin3)
+    enter_turn(arm, 1, cosine_of(arm, 1), -sine_of(arm, 1))
+    enter_turn(arm, 2, cos1, -sin1)
+    flags = int(arm[FREE])
+    arm[FREE] = (flags & FREE_1) << 2 | (flags & FREE_2) | flags >> 2
 
-    The last column tells the free joints; they take their value from ``seed`` plus ``shift``.
+
+@lean
+def _candidates(data, c, seed, shift, arms):
+    """Write the arm's candidates to ``arms`` (16, WIDTH), joints 1 to 3 in order, and how many.
+
+    Free joints take their value from ``seed`` plus ``shift``.
     """
     unit = 1.0 / data[at.SIZE]
     q1 = seed[0] + shift if data[at.TYPES] == 0.0 else seed[0] * unit
@@ -47,7 +75,7 @@ def _candidates(data, c, seed, shift, arms):
     q3 = seed[2] + shift if data[at.TYPES + 2] == 0.0 else seed[2] * unit
     w = (data[at.WRIST], data[at.WRIST + 1], data[at.WRIST + 2])
     backwards = data[at.FROM_TIP] == 1.0
-    free = (q1, q2, q3)
+    values = free = (q1, q2, q3)
     if backwards:
         c, w = w, c
         free = (-q3, -q2, -q1)
@@ -57,13 +85,13 @@ def _candidates(data, c, seed, shift, arms):
         count = prismatic_arm(data, c, w, free, arms)
     if backwards:
         for i in range(count):
-            arms[i, 0], arms[i, 1], arms[i, 2] = -arms[i, 2], -arms[i, 1], -arms[i, 0]
-            flags = int(arms[i, 3])
-            arms[i, 3] = (flags & FREE_1) << 2 | (flags & FREE_2) | flags >> 2
+            _reverse(arms[i])
+    for i in range(count):
+        measure(data, arms[i], values)
     return count
 
 
-@inline
+@lean
 def arm_error(data, arm, c, J, e):
     """Write what is missing to c, and its derivatives J, in the frame that turned with joint 1.
 
@@ -71,7 +99,7 @@ def arm_error(data, arm, c, J, e):
     """
     x, y, z = data[at.WRIST], data[at.WRIST + 1], data[at.WRIST + 2]
     if data[at.TYPES + 2] == 0.0:
-        a, b = math.cos(arm[2]), math.sin(arm[2])
+        a, b = cosine_of(arm, 2), sine_of(arm, 2)
         x, y = a * x - b * y, b * x + a * y
         d3x, d3y, d3z = -y, x, 0.0
     else:
@@ -90,7 +118,7 @@ def arm_error(data, arm, c, J, e):
     )
     elbow = data[k + 3] * y - data[k + 7] * x
     if data[at.TYPES + 1] == 0.0:
-        a, b = math.cos(arm[1]), math.sin(arm[1])
+        a, b = cosine_of(arm, 1), sine_of(arm, 1)
         x, y = a * x - b * y, b * x + a * y
         d3x, d3y = a * d3x - b * d3y, b * d3x + a * d3y
         d2x, d2y, d2z = -y, x, 0.0
@@ -108,7 +136,7 @@ def arm_error(data, arm, c, J, e):
         J[i, 2] = data[k + 4 * i] * d3x + data[k + 4 * i + 1] * d3y + data[k + 4 * i + 2] * d3z
     shoulder = data[k + 2] * y - data[k + 6] * x
     if data[at.TYPES] == 0.0:
-        a, b = math.cos(arm[0]), math.sin(arm[0])
+        a, b = cosine_of(arm, 0), sine_of(arm, 0)
         J[0, 0], J[1, 0], J[2, 0] = -y, x, 0.0
         e[0], e[1], e[2] = a * c[0] + b * c[1] - x, a * c[1] - b * c[0] - y, c[2] - z
     else:
@@ -120,12 +148,12 @@ def arm_error(data, arm, c, J, e):
     return determinant, shoulder, elbow
 
 
-@inline
+@lean
 def _improve_arm(data, arm, c, J, e, error):
     """Take damped Newton steps on the wrist centre; return the error left (units of SIZE)."""
-    A = np.empty((3, 3))
-    step = np.empty(3)
-    trial = np.empty(3)
+    A = scratch(3, 3)
+    step = scratch(3)
+    trial = scratch(WIDTH)
     damping = 1e-16
     for _ in range(40):
         for i in range(3):
@@ -137,12 +165,15 @@ def _improve_arm(data, arm, c, J, e, error):
             break
         for i in range(3):
             trial[i] = arm[i] + step[i]
+        aim(data, trial)
         arm_error(data, trial, c, J, e)
         found = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         better = found < error
         if better:
             slow = found > 0.9 * error
-            arm[0], arm[1], arm[2] = trial[0], trial[1], trial[2]
+            for i in range(3):
+                arm[i] = trial[i]
+            aim(data, arm)
             error = found
             if slow or error <= POLISH_ABOVE:
                 break
@@ -154,7 +185,7 @@ def _improve_arm(data, arm, c, J, e, error):
     return error
 
 
-@inline
+@lean
 def is_among(data, posture, others, apart):
     """Tell whether the joints of a posture, all or the first three, begin a row of ``others``."""
     for i in range(others.shape[0]):
@@ -169,10 +200,10 @@ def is_among(data, posture, others, apart):
     return False
 
 
-@inline
+@lean
 def _arm_bits(data, k, arm, shoulder, elbow):
     """Name the arm's branch and its singularity."""
-    free = int(arm[3])
+    free = int(arm[FREE])
     branch = 0
     if data[at.NAMED] != 0.0:
         if shoulder * data[at.NAMED] > 0.0:
@@ -185,13 +216,13 @@ def _arm_bits(data, k, arm, shoulder, elbow):
         branch |= bit.SHOULDER_SINGULAR
     if free & (FREE_2 | FREE_3):
         branch |= bit.ELBOW_SINGULAR
-    if not free and arm[4] <= NEAR_DOUBLE:
+    if not free and arm[DETERMINANT] <= NEAR_DOUBLE:
         branch |= bit.BOUNDARY
     return branch
 
 
-@inline
-def step_aside(arm, J, amount):
+@lean
+def step_aside(data, arm, J, amount):
     """Move the arm by ``amount`` where that changes the wrist centre least.
 
     At a double root the error is not felt in the first order; two starts, one on either side,
@@ -211,9 +242,10 @@ def step_aside(arm, J, amount):
         arm[0] += amount * x / best
         arm[1] += amount * y / best
         arm[2] += amount * z / best
+        aim(data, arm)
 
 
-@inline
+@lean
 def _aside(start, error):
     """Give the distance of start 1 and following from a fold with an error of the first order.
 
@@ -226,12 +258,12 @@ def _aside(start, error):
     return math.pi if start == 5 else math.pi * (start - 6.5)
 
 
-@inline
+@lean
 def _length(e):
     return math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
 
 
-@inline
+@lean
 def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
     """Enter the postures that candidate k leads to: one, or both beside a fold."""
     limit = data[at.SLACK]
@@ -240,42 +272,40 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
     first_error = 0.0
     for start in range(_STARTS):
         arm = arms[count]
-        for j in range(4):
-            arm[j] = candidate[j]
+        copy_row(candidate, arm)
         determinant, shoulder, elbow = arm_error(data, arm, c, J, e)
         if start == 0:
             first_error = _length(e)
         else:
-            step_aside(arm, J, _aside(start, first_error))
+            step_aside(data, arm, J, _aside(start, first_error))
             arm_error(data, arm, c, J, e)
         error = _length(e)
         if not error <= POLISH_ABOVE:
             error = _improve_arm(data, arm, c, J, e, error)
             determinant, shoulder, elbow = arm_error(data, arm, c, J, e)
-        arm[4] = abs(determinant) / data[at.REGULAR]
+        arm[DETERMINANT] = abs(determinant) / data[at.REGULAR]
         good = error <= (limit if start == 0 else SHARP)
-        regular = arm[4] > NEAR_SINGULAR and error <= limit
+        regular = arm[DETERMINANT] > NEAR_SINGULAR and error <= limit
         apart = SAME_POSTURE if first_error <= POLISH_ABOVE else FOLD_APART
         if good and not is_among(data, arm[:3], arms[:count], apart):
             bits[count] = _arm_bits(data, k, arm, shoulder, elbow)
             count += 1
         # Beside a good posture of a continuum the next start would find the continuum again.
-        settled = good and candidate[3] > 0.0
+        settled = good and candidate[FREE] > 0.0
         if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
             break
     return count
 
 
-@part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
+@lean_part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
 def arm_postures(data, c, seed, shift, arms, bits):
     """Write the arm's solutions to ``arms`` and their branches to ``bits``; return how many.
 
-    Rows of ``arms`` (MOST_ARMS + 1, 5) are joints 1 to 3, the free ones of them, and the
-    determinant of the Jacobian over the largest.
+    Rows of ``arms`` (ARM_ROWS, WIDTH) are those of :mod:`arm_rows`.
     """
-    J = np.empty((3, 3))
-    e = np.empty(3)
-    candidates = np.empty((16, 4))
+    J = scratch(3, 3)
+    e = scratch(3)
+    candidates = scratch(16, WIDTH)
     found = _candidates(data, c, seed, shift, candidates)
     count = ZERO
     for k in range(found):

@@ -16,7 +16,7 @@ import math
 
 from robomech_ros._kernels._jit import inline
 
-__all__ = ["core", "determinant", "null_vector"]
+__all__ = ["core", "determinant", "null_space"]
 
 _NOTHING = 1e-300
 
@@ -71,14 +71,13 @@ def determinant(E, cosine, sine, A, B, K):
     """Evaluate the determinant; return it, the product of all pivots but the least, and a pivot.
 
     That product, times the rounding of one pivot, is the rounding of the determinant.  Pivots
-    that come late carry the roundings of the earlier ones, divided by the least of these, which
-    is the last that is returned.
+    that come late carry the roundings of the earlier ones, divided by the least of the three by
+    three eliminations and by the least of the rest, the product of which is returned last.
     """
     value, least = core(E, cosine, sine, A, B, K)
-    early = 1.0
+    early = least
+    smallest = 1.0
     for k in range(5):
-        if k == 4:
-            early = min(early, least)
         r = k
         best = abs(K[k, k])
         for i in range(k + 1, 6):
@@ -87,12 +86,14 @@ def determinant(E, cosine, sine, A, B, K):
                 best = size
                 r = i
         if best < _NOTHING:
-            return 0.0, 0.0, early
+            return 0.0, 0.0, max(early * smallest, _NOTHING)
         if r != k:
             for j in range(6):
                 K[k, j], K[r, j] = K[r, j], K[k, j]
             value = -value
         least = min(least, best)
+        if k < 4:
+            smallest = min(smallest, best)
         value *= K[k, k]
         inverse = 1.0 / K[k, k]
         for i in range(k + 1, 6):
@@ -101,16 +102,27 @@ def determinant(E, cosine, sine, A, B, K):
                 K[i, j] -= factor * K[k, j]
     last = abs(K[5, 5])
     others = abs(value) if last <= least else abs(value) * (last / least)
-    return value * K[5, 5], others, early
+    return value * K[5, 5], others, max(min(1.0, early) * smallest, _NOTHING)
 
 
 @inline
-def null_vector(K, x, order):
-    """Write the vector x (6,) that K (6, 6), spoilt, takes nearest to zero.
+def _solve_back(K, order, rank, x):
+    """Complete x (6,), given from row ``rank`` on, from the rows above that of a triangular K."""
+    for i in range(rank - 1, -1, -1):
+        value = 0.0
+        for j in range(i + 1, 6):
+            value -= K[i, j] * x[order[j]]
+        x[order[i]] = value / K[i, i] if abs(K[i, i]) > _NOTHING else 0.0
 
-    Returns the last two pivots of an elimination with complete pivoting, over the first.
+
+@inline
+def null_space(K, x, u, v, order):
+    """Write the vector x (6,) that K (6, 6), spoilt, takes nearest to zero, and u and v.
+
+    Where K has lost two ranks, all vectors of the pencil of u (6,) and v (6,) become zero.  Returns
+    the last three pivots of an elimination with complete pivoting, over the first.
     """
-    first, before = 1.0, 0.0
+    first, fourth, fifth = 1.0, 0.0, 0.0
     for i in range(6):
         order[i] = i
     for k in range(5):
@@ -122,7 +134,8 @@ def null_vector(K, x, order):
                     r, c, best = i, j, size
         if k == 0:
             first = max(best, _NOTHING)
-        before = best
+        fourth = fifth
+        fifth = best
         if r != k:
             for j in range(6):
                 K[k, j], K[r, j] = K[r, j], K[k, j]
@@ -136,9 +149,9 @@ def null_vector(K, x, order):
             for j in range(k + 1, 6):
                 K[i, j] -= factor * K[k, j]
     x[order[5]] = 1.0
-    for i in range(4, -1, -1):
-        value = 0.0
-        for j in range(i + 1, 6):
-            value -= K[i, j] * x[order[j]]
-        x[order[i]] = value / K[i, i] if abs(K[i, i]) > _NOTHING else 0.0
-    return before / first, abs(K[5, 5]) / first
+    _solve_back(K, order, 5, x)
+    u[order[4]], u[order[5]] = 0.0, 1.0
+    _solve_back(K, order, 4, u)
+    v[order[4]], v[order[5]] = 1.0, 0.0
+    _solve_back(K, order, 4, v)
+    return fourth / first, fifth / first, abs(K[5, 5]) / first

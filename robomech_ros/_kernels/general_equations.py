@@ -22,12 +22,26 @@ import math
 import numpy as np
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, OUT2, f8, i8, inline, kernel, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, OUT2, f8, i8, inline, kernel, linked, part
 from robomech_ros._kernels.tolerances import GENERAL_RANK
 
-__all__ = ["closure_quantities", "demanded", "free_equations", "right_side", "write_inverse"]
+__all__ = ["complete_form", "demanded", "free_equations", "left_side", "right_side"]
 
 _HALF_ROOT = math.sqrt(0.75)
+# Three values of a turn and of a slide.
+_COSINES = np.array([1.0, -0.5, -0.5])
+_SINES = np.array([0.0, _HALF_ROOT, -_HALF_ROOT])
+_WAYS = np.array([0.0, 1.0, -1.0])
+# From values there to cosine, sine and constant part; to the parts of s s, s c, c c of the half
+# angle; to those of a slide's square, itself and 1.
+_TURN_PARTS = np.array([2.0 * _COSINES, 2.0 * _SINES, np.ones(3)]) / 3.0
+_HALF_PARTS = np.array([_TURN_PARTS[2] - _TURN_PARTS[0], 2.0 * _TURN_PARTS[1],
+                        _TURN_PARTS[2] + _TURN_PARTS[0]])  # fmt: skip
+_SLIDE_PARTS = np.array([[-1.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1.0, 0.0, 0.0]])
+# The same with sqrt(2) in the middle.
+_EVEN = np.array([[1.0], [math.sqrt(2.0)], [1.0]])
+_EVEN_HALF_PARTS = _HALF_PARTS / _EVEN
+_EVEN_SLIDE_PARTS = _SLIDE_PARTS / _EVEN
 
 
 @inline
@@ -43,11 +57,92 @@ def closure_quantities(lx, ly, lz, px, py, pz, out):
     out[12], out[13] = pp, pl
 
 
-@kernel(i8(IN1, IN1, OUT1))
-def quantities(direction, point, out):
-    """Write the fourteen quantities of a direction (3,) and a point (3,) to out (14,)."""
-    closure_quantities(direction[0], direction[1], direction[2], point[0], point[1], point[2], out)
+@inline
+def _followed(pose, number, slides, links, k, out):
+    """Write a pose (12,), one of three values of a joint and a link behind each other to out."""
+    c, s, d = 1.0, 0.0, 0.0
+    if slides:
+        d = _WAYS[number]
+    else:
+        c, s = _COSINES[number], _SINES[number]
+    for j in range(4):
+        x = c * links[k + j] - s * links[k + 4 + j]
+        y = s * links[k + j] + c * links[k + 4 + j]
+        z = links[k + 8 + j]
+        if j == 3:
+            z += d
+        for i in range(3):
+            out[4 * i + j] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z
+    for i in range(3):
+        out[4 * i + 3] += pose[4 * i + 3]
+
+
+@kernel(i8(IN1, i8, OUT1))
+def left_side(links, slide, K):
+    """Write the coefficients of the fourteen quantities behind joint 2 to K (14 x 3 x 9,).
+
+    They are linear in cosine, sine and 1 of three joints, quadratic in a slide, so three values of
+    each tell all.  ``links`` (48,) are those of a form.
+    """
+    V = np.empty((27, 14))
+    first, second, third = np.empty(12), np.empty(12), np.empty(12)
+    n = 0
+    for i in range(3):
+        _followed(links[:12], i, False, links, 12, first)
+        for j in range(3):
+            _followed(first, j, slide == at.THIRD, links, 24, second)
+            for k in range(3):
+                _followed(second, k, slide == at.FOURTH, links, 36, third)
+                closure_quantities(
+                    third[2], third[6], third[10], third[3], third[7], third[11], V[n]
+                )
+                n += 1
+    to_third = _SLIDE_PARTS if slide == at.THIRD else _HALF_PARTS
+    to_fourth = _EVEN_SLIDE_PARTS if slide == at.FOURTH else _EVEN_HALF_PARTS
+    W = np.empty((27, 14))
+    for step in range(3):
+        matrix = to_fourth if step == 0 else to_third if step == 1 else _TURN_PARTS
+        stride = 1 if step == 0 else 3 if step == 1 else 9
+        for n in range(27):
+            a = n // stride % 3
+            start = n - a * stride
+            for r in range(14):
+                W[n, r] = (
+                    matrix[a, 0] * V[start, r]
+                    + matrix[a, 1] * V[start + stride, r]
+                    + matrix[a, 2] * V[start + 2 * stride, r]
+                )
+        V, W = W, V
+    for r in range(14):
+        for n in range(27):
+            K[27 * r + n] = V[n, r]
     return 0
+
+
+call_left_side = linked(left_side)
+
+
+@inline
+def complete_form(data, start, pose, back, form):
+    """Write the form at ``start`` of the data, with the target in its place, to form (FORM,)."""
+    for i in range(at.FORM):
+        form[i] = data[start + i]
+    forwards = form[at.SENSE] > 0.0
+    target = int(form[at.TARGET])
+    if target == 0 or target == 5:
+        k = at.BEHIND if target == 0 else at.BEFORE
+        for i in range(12):
+            form[k + i] = pose[i] if forwards else back[i]
+        return
+    k = at.LINKS + 12 * (target - 1)
+    angle = form[at.OFFSETS + target - 2] if 2 <= target <= 3 else 0.0
+    c, s = math.cos(angle), math.sin(angle)
+    for i in range(0, 12, 4):
+        for j in range(4):
+            form[k + i + j] = back[i + j] if forwards else pose[i + j]
+        x, y = form[k + i], form[k + i + 1]
+        form[k + i], form[k + i + 1] = c * x + s * y, c * y - s * x
+    call_left_side(form[at.LINKS : at.LINKS + 48], int(form[at.SLIDE]), form[at.EQUATIONS :])
 
 
 @inline
@@ -80,21 +175,25 @@ def demanded(data, T, pose, back):
 
 
 @inline
-def right_side(before, behind, X, V):
+def right_side(before, behind, slides, X, V):
     """Write the fourteen quantities in front of joint 2: cosine, sine and constant part in joint 1.
 
-    ``before`` (12,) is the inverse of the link before joint 1, ``behind`` that of the one behind
-    it; X (14, 3), and V (3, 14) is working space.  Three values of joint 1 tell all.
+    Where joint 1 ``slides`` these are the parts of its square, itself and 1.  ``before`` (12,) is
+    the inverse of the link before joint 1, ``behind`` that of the one behind it; X (14, 3), and V
+    (3, 14) is working space.  Three values of joint 1 tell all.
     """
     for k in range(3):
         c = 1.0 if k == 0 else -0.5
         s = 0.0 if k == 0 else (-_HALF_ROOT if k == 1 else _HALF_ROOT)
+        d = 0.0
+        if slides:
+            c, s, d = 1.0, 0.0, (0.0 if k == 0 else 1.0 if k == 1 else -1.0)
         lx = c * before[2] - s * before[6]
         ly = s * before[2] + c * before[6]
         lz = before[10]
         px = c * before[3] - s * before[7]
         py = s * before[3] + c * before[7]
-        pz = before[11]
+        pz = before[11] - d
         closure_quantities(
             behind[0] * lx + behind[1] * ly + behind[2] * lz,
             behind[4] * lx + behind[5] * ly + behind[6] * lz,
@@ -105,6 +204,11 @@ def right_side(before, behind, X, V):
             V[k],
         )
     for r in range(14):
+        if slides:
+            X[r, 0] = 0.5 * (V[1, r] + V[2, r]) - V[0, r]
+            X[r, 1] = 0.5 * (V[1, r] - V[2, r])
+            X[r, 2] = V[0, r]
+            continue
         X[r, 0] = (2.0 * V[0, r] - V[1, r] - V[2, r]) / 3.0
         X[r, 1] = (V[1, r] - V[2, r]) / (2.0 * _HALF_ROOT)
         X[r, 2] = (V[0, r] + V[1, r] + V[2, r]) / 3.0
@@ -180,7 +284,7 @@ def _complex_equation(K, X, E):
 
 
 @inline
-def _real_equations(K, X, E, W, Z):
+def _real_equations(K, X, slide, E, W, Z):
     """Write the four equations free of joint 1 among those without joint 2 to rows 2 .. 5 of E.
 
     Two Householder reflections take the columns of joint 1, in Z (6, 2), to their first rows.
@@ -201,11 +305,14 @@ def _real_equations(K, X, E, W, Z):
     for i in range(6):
         for j in range(at.N_COLUMNS):
             W[i, j] = K[8 + i, j]
-        # 1 is the sum of the first and the last monomial of either joint.
+        # 1 is the sum of the first and the last monomial of either joint, of a slide the last one.
         constant = X[8 + i, 2]
-        W[i, 18] -= constant
-        W[i, 20] -= constant
-        W[i, 24] -= constant
+        if slide != at.THIRD:
+            W[i, 20] -= constant
+            if slide != at.FOURTH:
+                W[i, 18] -= constant
+        if slide != at.FOURTH:
+            W[i, 24] -= constant
         W[i, 26] -= constant
     pivots = 1.0
     for c in range(2):
@@ -241,13 +348,15 @@ def _real_equations(K, X, E, W, Z):
     return pivots / norms if norms > 0.0 else 0.0
 
 
-@part(f8(IN2, IN2, OUT2))
-def free_equations(K, X, E):
+@part(f8(IN2, IN2, i8, OUT2))
+def free_equations(K, X, slide, E):
     """Write six equations E (6, 27) in the last three joints only.
+
+    ``slide`` is the part that a slide plays, -1 where there is none.
 
     Returns how independent the eliminated unknowns are, 1 at best.  Where they depend on each
     other the equations are right all the same, but more could be had.
     """
     W = np.empty((6, at.N_COLUMNS))
     Z = np.empty((6, 2))
-    return min(_complex_equation(K, X, E), _real_equations(K, X, E, W, Z))
+    return min(_complex_equation(K, X, E), _real_equations(K, X, slide, E, W, Z))

@@ -1,11 +1,11 @@
-"""The six joints of a general arm, once the hidden one and its two neighbours are known."""
+"""The six joints of a general arm, once the hidden one and two of its neighbours are known."""
 
 import math
 
 from numba import types
 
 from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, f8, inline, part
 from robomech_ros._kernels.angles import wrapped
 
 __all__ = ["half_angles", "remaining_joints"]
@@ -14,10 +14,11 @@ _ROOT_2 = math.sqrt(2.0)
 
 
 @inline
-def half_angles(x):
-    """Angles of joints THIRD and FOURTH from a null vector x (6,).
+def half_angles(x, slide):
+    """Values of joints THIRD and FOURTH from a null vector x (6,).
 
     It holds ``s c (s, c)`` of the first half angle times ``(s s, sqrt(2) s c, c c)`` of the other.
+    Of the joint that is a ``slide`` the value takes the place of the tangent s / c.
     """
     first, second, product = 0.0, 0.0, 0.0
     for j in range(3):
@@ -25,20 +26,23 @@ def half_angles(x):
         second += x[3 + j] * x[3 + j]
         product += x[j] * x[3 + j]
     if first >= second:
-        third = 2.0 * math.atan2(first, product)
+        third = _joint_value(first, product, slide == at.THIRD)
         k = 0
     else:
-        third = 2.0 * math.atan2(product, second)
+        third = _joint_value(product, second, slide == at.THIRD)
         k = 3
-    return third, _fourth_angle(x[k], x[k + 1], x[k + 2])
+    product = x[k + 1] / _ROOT_2
+    if abs(x[k]) >= abs(x[k + 2]):
+        return third, _joint_value(x[k], product, slide == at.FOURTH)
+    return third, _joint_value(product, x[k + 2], slide == at.FOURTH)
 
 
 @inline
-def _fourth_angle(square, product, other):
-    """Angle from multiples of ``s s, sqrt(2) s c, c c`` of its half."""
-    if abs(square) >= abs(other):
-        return 2.0 * math.atan2(square, product / _ROOT_2)
-    return 2.0 * math.atan2(product / _ROOT_2, other)
+def _joint_value(sine, cosine, slides):
+    """Angle from multiples of sine and cosine of its half, or the value of a slide, their ratio."""
+    if slides:
+        return sine / cosine
+    return 2.0 * math.atan2(sine, cosine)
 
 
 @inline
@@ -76,29 +80,37 @@ def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
 
 
 @inline
-def _left_side(data, form, hidden, third, fourth, left):
+def _half_sine_cosine(value, slides):
+    """Sine and cosine of half an angle; a slide and 1."""
+    if slides:
+        return value, 1.0
+    return math.sin(0.5 * value), math.cos(0.5 * value)
+
+
+@inline
+def _left_side(form, hidden, third, fourth, left):
     """Write the fourteen quantities of three joints to left (14,)."""
     c3, s3 = math.cos(hidden), math.sin(hidden)
-    s, c = math.sin(0.5 * third), math.cos(0.5 * third)
-    u, v = math.sin(0.5 * fourth), math.cos(0.5 * fourth)
+    s, c = _half_sine_cosine(third, form[at.SLIDE] == at.THIRD)
+    u, v = _half_sine_cosine(fourth, form[at.SLIDE] == at.FOURTH)
     fourths = (u * u, _ROOT_2 * u * v, v * v)
     thirds = (s * s, s * c, c * c)
-    k = form + at.EQUATIONS
+    k = at.EQUATIONS
     for r in range(at.N_EQUATIONS):
         total = 0.0
         for i in range(3):
             part = 0.0
             for j in range(3):
                 m = k + 3 * i + j
-                part += fourths[j] * (c3 * data[m] + s3 * data[m + 9] + data[m + 18])
+                part += fourths[j] * (c3 * form[m] + s3 * form[m + 9] + form[m + 18])
             total += thirds[i] * part
         left[r] = total
         k += at.N_COLUMNS
 
 
 @inline
-def _first_angle(X, left):
-    """Angle of joint FIRST from six linear equations by least squares."""
+def _first_value(X, left, slides):
+    """Value of joint FIRST from six linear equations by least squares."""
     aa, ab, bb, ay, by = 0.0, 0.0, 0.0, 0.0, 0.0
     for r in range(8, 14):
         y = left[r] - X[r, 2]
@@ -107,13 +119,17 @@ def _first_angle(X, left):
         bb += X[r, 1] * X[r, 1]
         ay += X[r, 0] * y
         by += X[r, 1] * y
+    if slides:
+        return (aa * by - ab * ay) / (aa * bb - ab * ab)
     return math.atan2(aa * by - ab * ay, bb * ay - ab * by)
 
 
 @inline
-def _second_angle(X, left, first):
+def _second_angle(X, left, first, slides):
     """Angle of joint SECOND from four complex equations by least squares."""
     c, s = math.cos(first), math.sin(first)
+    if slides:
+        c, s = first * first, first
     real, imaginary = 0.0, 0.0
     for r in range(4):
         x = X[r, 0] * c + X[r, 1] * s + X[r, 2]
@@ -123,23 +139,33 @@ def _second_angle(X, left, first):
     return math.atan2(imaginary, real)
 
 
-@part(types.void(IN1, i8, IN2, IN1, IN1, f8, f8, f8, OUT1, OUT1))
-def remaining_joints(data, form, X, before, behind, hidden, third, fourth, left, q):
+@part(types.void(IN1, f8, IN2, f8, f8, f8, OUT1, OUT1))
+def remaining_joints(form, size, X, hidden, third, fourth, left, q):
     """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
 
-    Joints FIRST and SECOND follow from linear equations, joint LAST from the rotation left over.
+    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear
+    equations, joint LAST from the rotation left over.
     """
-    _left_side(data, form, hidden, third, fourth, left)
-    first = _first_angle(X, left)
-    second = _second_angle(X, left, first)
-    last = _last_angle(data, form + at.LINKS, before, behind, first, second, hidden, third, fourth)
-    third += data[form + at.OFFSETS]
-    fourth += data[form + at.OFFSETS + 1]
-    sense = data[form + at.SENSE]
-    k = form + at.JOINTS
-    q[int(data[k])] = wrapped(sense * first)
-    q[int(data[k + 1])] = wrapped(sense * second)
-    q[int(data[k + 2])] = wrapped(sense * hidden)
-    q[int(data[k + 3])] = wrapped(sense * third)
-    q[int(data[k + 4])] = wrapped(sense * fourth)
-    q[int(data[k + 5])] = wrapped(sense * last)
+    _left_side(form, hidden, third, fourth, left)
+    slide = form[at.SLIDE]
+    first = _first_value(X, left, slide == at.FIRST)
+    second = _second_angle(X, left, first, slide == at.FIRST)
+    last = _last_angle(
+        form,
+        at.LINKS,
+        form[at.BEFORE : at.BEFORE + 12],
+        form[at.BEHIND : at.BEHIND + 12],
+        0.0 if slide == at.FIRST else first,
+        second,
+        hidden,
+        0.0 if slide == at.THIRD else third,
+        0.0 if slide == at.FOURTH else fourth,
+    )
+    third += form[at.OFFSETS]
+    fourth += form[at.OFFSETS + 1]
+    values = (first, second, hidden, third, fourth, last)
+    sense = form[at.SENSE]
+    for k in range(6):
+        value = sense * values[k]
+        joint = int(form[at.JOINTS + k])
+        q[joint] = value * size if k == slide else wrapped(value)

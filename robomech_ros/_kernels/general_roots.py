@@ -6,7 +6,8 @@ the rounding on one side of zero, and holds exactly one zero where they change s
 of them is rounding; every other interval is halved.  Where rounding gets in the way, the
 polynomial is sampled anew on the interval in question, which tells it apart from zero as well as
 the determinant itself can be told there, however small it is beside its largest value.  What is
-still open at the least width is a cluster: a multiple zero, or several too near to each other.
+nothing but rounding then, or still open at the least width, is a cluster: a multiple zero, or
+several too near to each other.
 
 References
 ----------
@@ -42,11 +43,13 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_ANEW,
     GENERAL_HALVINGS,
-    GENERAL_SAMPLINGS,
+    GENERAL_NEAR_ZERO,
+    GENERAL_ROUGH_WIDTH,
+    GENERAL_ROUNDING,
     GENERAL_WIDTH,
 )
 
-__all__ = ["MAX_ROOTS", "isolate", "sample"]
+__all__ = ["MAX_ROOTS", "isolate", "near_zeros", "sample"]
 
 MAX_ROOTS = 48
 _DEPTH = 64
@@ -55,6 +58,10 @@ _DEPTH = 64
 _FROM_CIRCLE = 15.0
 _FROM_INTERVAL = (4.7e4, 102.0, 8.0, 3.1, 2.8)
 _LAST = len(_FROM_INTERVAL) - 1
+# Values all round among which places near zero are sought.
+_GRID = 96
+_STEP = 2.0 * math.pi / _GRID
+_GRID_COSINES = np.cos(_STEP * np.arange(_GRID))
 
 # Columns of an interval on the stack.
 _LOW = 0
@@ -228,9 +235,11 @@ def _angle(arc, t):
     return CENTRES[arc] + 2.0 * math.atan(ARC_TANGENT * t)
 
 
-@part(types.Tuple((i8, b1))(IN2, IN2, f8, OUT2, OUT2, OUT2, OUT2))
-def isolate(E, form, noise, A, B, K, roots):
+@part(types.Tuple((i8, b1))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
+def isolate(E, form, noise, most, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
+
+    At ``most`` so many times the determinant of E is sampled anew; with 0 it is not looked at.
 
     A row holds both ends of an interval: equal ones for a zero that is alone and simple.  Not all
     are found where the work allowed did not suffice; the intervals left over are listed, too.
@@ -267,7 +276,11 @@ def isolate(E, form, noise, A, B, K, roots):
                 top -= 1
                 continue
             spent = halvings >= GENERAL_HALVINGS or top + 2 >= _DEPTH
-            if high - low < GENERAL_WIDTH or spent:
+            unsure = vague and max(highest, -lowest) < GENERAL_ANEW * tolerance
+            rounding = max(highest, -lowest) < GENERAL_ROUNDING * tolerance
+            known = high - low < GENERAL_ROUGH_WIDTH or samplings >= most
+            done = most > 0 and rounding and known and level >= _LAST - 1
+            if high - low < GENERAL_WIDTH or spent or done:
                 whole = whole and not spent
                 start, end = _angle(arc, low), _angle(arc, high)
                 joined = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH
@@ -278,8 +291,7 @@ def isolate(E, form, noise, A, B, K, roots):
                     count += 1
                 top -= 1
                 continue
-            unsure = vague and max(highest, -lowest) < GENERAL_ANEW * tolerance
-            if unsure and (level < 0 or level >= _LAST) and samplings < GENERAL_SAMPLINGS:
+            if unsure and (level < 0 or level >= _LAST) and samplings < most:
                 samplings += 1
                 fresh = _anew(E, arc, low, high, A, B, K, values, b)
                 gained = fresh < 0.1 * spans[top, _NOISE]
@@ -291,3 +303,34 @@ def isolate(E, form, noise, A, B, K, roots):
             halvings += 1
             top += 1
     return count, whole and count < MAX_ROOTS
+
+
+@inline
+def near_zeros(form, angles):
+    """Write where the polynomial comes near zero and turns back to ``angles``; return how many.
+
+    A pair of complex zeros less than GENERAL_NEAR_ZERO (rad) off the real ones does that.
+    """
+    room = angles.shape[0]
+    values = np.empty(_GRID)
+    for j in range(_GRID):
+        value = 0.0
+        for k in range(9):
+            m = (k * j) % _GRID
+            value += form[0, k] * _GRID_COSINES[m]
+            value += form[1, k] * _GRID_COSINES[(m + 3 * (_GRID // 4)) % _GRID]
+        values[j] = value
+    count = 0
+    for j in range(_GRID):
+        left, here, right = values[j - 1], values[j], values[(j + 1) % _GRID]
+        if here < 0.0:
+            left, here, right = -left, -here, -right
+        if not (here <= left and here < right) or count == room:
+            continue
+        curvature = left + right - 2.0 * here
+        shift = 0.5 * (left - right) / curvature
+        lowest = here - 0.5 * curvature * shift * shift
+        if 2.0 * lowest * _STEP * _STEP < curvature * GENERAL_NEAR_ZERO * GENERAL_NEAR_ZERO:
+            angles[count] = _STEP * (j + shift)
+            count += 1
+    return count

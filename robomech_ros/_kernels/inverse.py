@@ -3,26 +3,29 @@
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels._jit import (
-    IIN1,
-    IN1,
-    IN3,
     IOUT1,
+    IOUT2,
     OUT1,
     OUT2,
     OUT3,
     b1,
+    borrowed,
     i8,
-    inline,
     kernel,
+    lean,
+    scratch,
+    scratch_integers,
 )
 from robomech_ros._kernels.continuum import free_value, settle_wrist
 from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.inverse_short import solve_short
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 from robomech_ros._kernels.six_joints import (
+    BACKWARDS,
     DECOUPLED,
     GENERAL,
     ITERATIVE,
@@ -32,13 +35,15 @@ from robomech_ros._kernels.six_joints import (
 )
 
 __all__ = [
+    "BRANCH",
     "DECOUPLED",
     "GENERAL",
     "ITERATIVE",
+    "MARKS",
     "MAX_SOLUTIONS",
+    "NAMES",
     "NONE_EXISTS",
     "SHORT",
-    "STATE",
     "THREE_PARALLEL",
     "solve",
 ]
@@ -50,6 +55,10 @@ SHORT = 4
 # In place of a count: there is no solution, with limits or without.
 NONE_EXISTS = -1
 
+# Rows of ``marks``: branches of the bare solutions and of the ranked ones.
+BRANCH = 0
+NAMES = 1
+MARKS = 2
 # Entries of ``state``: how many bare solutions there are, branches of continua without a posture
 # inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
 # cannot vouch for having found all.
@@ -64,10 +73,9 @@ STATE = 5
 _FREE_VALUES = 96
 # Limits hold; typed, so that numba does not compile a function anew for a literal.
 _BOUNDED = np.bool_(True)
-_FORWARDS = np.bool_(False)
 
 
-@inline
+@lean
 def _settle(family, lower, upper, seed, q, branch, total):
     """Choose among the postures of singular spherical wrists those that limits allow."""
     if family == DECOUPLED:
@@ -76,7 +84,7 @@ def _settle(family, lower, upper, seed, q, branch, total):
                 settle_wrist(branch[k] & bit.WRIST_OPPOSED != 0, lower, upper, seed, q[k])
 
 
-@inline
+@lean
 def _count_continua(branch, total):
     """Count the solutions that stand for a continuum."""
     count = 0
@@ -86,7 +94,7 @@ def _count_continua(branch, total):
     return count
 
 
-@inline
+@lean
 def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
     """List the branches of continua whose representatives limits exclude; return how many."""
     count = 0
@@ -98,7 +106,7 @@ def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
     return count
 
 
-@inline
+@lean
 def _add_missing(
     turns, lower, upper, seed, metric, q, branch, placed, missing, ranked, names, distances, state
 ):
@@ -120,7 +128,19 @@ def _add_missing(
             break
 
 
-@inline
+@lean
+def _number(branch):
+    """Give numbers to postures that were solved backwards, whose names belong to other joints."""
+    for k in range(branch.shape[0]):
+        number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
+        if branch[k] & bit.ARM_NUMBERED:
+            arm = (branch[k] & bit.ARM_MASK) >> bit.ARM_SHIFT
+            number = 2 * arm + (1 if branch[k] & bit.WRIST_FLIP else 0)
+        marks = bit.SELF_MOTION if branch[k] & bit.CONTINUUM else branch[k] & bit.BOUNDARY
+        branch[k] = bit.POSTURE_NUMBERED | marks | (number << bit.ARM_SHIFT & bit.ARM_MASK)
+
+
+@lean
 def _clear(rows, first):
     """Fill the rows from ``first`` on with NaN."""
     for k in range(first, rows.shape[0]):
@@ -128,49 +148,56 @@ def _clear(rows, first):
             rows[k, i] = math.nan
 
 
-@kernel(i8(i8, IN1, IN3, IIN1, IN1, IN1, IN1, i8, b1, OUT2, IOUT1, OUT3, IOUT1, OUT1, IOUT1, IOUT1))
-def solve(
-    family,
-    data,
-    T,
-    turns,
-    lower,
-    upper,
-    seed,
-    metric,
-    bounded,
-    q,
-    branch,
-    ranked,
-    names,
-    distances,
-    counts,
-    state,
-):
+@kernel(types.UniTuple(i8, STATE)(OUT1, OUT3, OUT1, i8, b1, OUT2, OUT3, OUT1, IOUT2, IOUT1))
+def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     """Solve the poses T (m, 4, 4) one after another.
+
+    ``arm`` holds the number of the family; then of every joint whether it turns, of every joint
+    its lower and of every joint its upper limit; then the constants that the family reads.  It is
+    one array, since to hand over an array takes as long as a fourth of an arm's solutions.  What
+    is only read is writable all the same: numba takes thrice as long for arrays that are not.
 
     The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
     NONE_EXISTS where there is no solution even outside the limits.  Where limits exclude a
     representative of a continuum, others are tried, with other values of the free joints.
+    BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
 
-    Of the last pose, q (16, n) and ``branch`` (16,) get the bare solutions, ``names`` (16,) and
-    ``distances`` (16,) the branches of the ranked ones and their distances, and ``state`` (STATE,)
-    the numbers of each.
+    Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
+    row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
+    are the entries of its ``state``.
     """
-    missing = np.empty(MAX_SOLUTIONS, np.int64)
-    others = np.empty((MAX_SOLUTIONS, seed.shape[0]))
-    marks = np.empty(MAX_SOLUTIONS, np.int64)
-    placed = np.empty(seed.shape[0])
-    start = seed.copy()
+    n = seed.shape[0]
+    arm, T, q, ranked = borrowed(arm), borrowed(T), borrowed(q), borrowed(ranked)
+    marks = borrowed(marks)
+    branch, names, state = marks[BRANCH], marks[NAMES], scratch_integers(STATE)
+    family = int(arm[0])
+    turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
+    data = arm[3 * n + 1 :]
+    missing = scratch_integers(MAX_SOLUTIONS)
+    other_marks = scratch_integers(MAX_SOLUTIONS)
+    away = scratch(MAX_SOLUTIONS)
+    space = np.empty((MAX_SOLUTIONS + 2, n))
+    bare_space = borrowed(space)
+    others, placed, start = (
+        bare_space[:MAX_SOLUTIONS],
+        bare_space[MAX_SOLUTIONS],
+        bare_space[MAX_SOLUTIONS + 1],
+    )
+    for i in range(n):
+        start[i] = seed[i]
+    for i in range(STATE):
+        state[i] = 0
     for m in range(T.shape[0]):
         found = 0
         for k in range(_FREE_VALUES + 1):
-            p, b = (q, branch) if k == 0 else (others, marks)
+            p, b = (q, branch) if k == 0 else (others, other_marks)
             if family == SHORT:
                 total = solve_short(data, T[m], start, p, b)
             else:
-                total = call_six_joints(family, _FORWARDS, data, T[m], start, p, b)
+                total = call_six_joints(
+                    family % BACKWARDS, family >= BACKWARDS, data, T[m], start, p, b
+                )
             unproven = total & DOUBT
             total -= unproven
             if bounded:
@@ -188,8 +215,12 @@ def solve(
                     seed,
                     metric,
                     bounded,
-                    q[:total],
+                    q,
                     branch,
+                    total,
+                    others,
+                    other_marks,
+                    away,
                     ranked[m],
                     names,
                     distances,
@@ -216,11 +247,14 @@ def solve(
                 )
             if state[MISSING] == 0:
                 break
-            for i in range(seed.shape[0]):
+            for i in range(n):
                 start[i] = free_value(lower[i], upper[i], seed[i], k + 1, _FREE_VALUES)
-        for i in range(seed.shape[0]):
+        for i in range(n):
             start[i] = seed[i]
+        if family >= BACKWARDS:
+            _number(branch[:found])
+            _number(names[: state[RANKED]])
         counts[m] = state[RANKED] if found > 0 else NONE_EXISTS
         _clear(ranked[m], state[RANKED])
         state[BARE] = found
-    return 0
+    return state[BARE], state[MISSING], state[RANKED], state[SINGULAR], state[UNPROVEN]

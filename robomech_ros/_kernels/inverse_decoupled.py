@@ -9,9 +9,30 @@ import numpy as np
 
 from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
-from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    i8,
+    lean,
+    lean_part,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.angles import angle_of, wrapped
+from robomech_ros._kernels.arm_rows import (
+    DETERMINANT,
+    FREE,
+    WIDTH,
+    aim,
+    copy_row,
+    cosine_of,
+    sine_of,
+)
 from robomech_ros._kernels.decoupled_arm import (
+    ARM_ROWS,
     MOST_ARMS,
     arm_error,
     arm_postures,
@@ -42,11 +63,10 @@ _FOLD = 5e-3
 _STEPS = np.int64(30)
 
 
-@inline
-def _turn(Q, angle):
-    """Rz(-angle) Q."""
-    c = math.cos(angle)
-    s = math.sin(angle)
+@lean
+def _turn_back(arm, j, Q):
+    """Turn Q back by joint j."""
+    c, s = cosine_of(arm, j), sine_of(arm, j)
     return (
         c * Q[0] + s * Q[3],
         c * Q[1] + s * Q[4],
@@ -60,7 +80,7 @@ def _turn(Q, angle):
     )
 
 
-@inline
+@lean
 def _unturn(data, k, Q):
     """R^T Q with R the rotation of the 3x4 transform at k."""
     j = k + 4
@@ -78,7 +98,7 @@ def _unturn(data, k, Q):
     )
 
 
-@inline
+@lean
 def _reduced_target(data, T):
     """Give the wrist centre in frame 1 (units of SIZE) and the rotation between joints 1 and 6."""
     hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
@@ -107,39 +127,31 @@ def _reduced_target(data, T):
     return c, _unturn(data, k, Q)
 
 
-@inline
-def _left_over(data, arm, Q, after):
-    """Turn Q back through the joints and links 1 to ``after``."""
-    if data[at.TYPES] == 0.0:
-        Q = _turn(Q, arm[0])
-    Q = _unturn(data, at.C1, Q)
-    if data[at.TYPES + 1] == 0.0:
-        Q = _turn(Q, arm[1])
-    Q = _unturn(data, at.C2, Q)
-    if data[at.TYPES + 2] == 0.0:
-        Q = _turn(Q, arm[2])
-    return _unturn(data, at.C3, Q)
+@lean
+def _left_over(data, arm, Q):
+    """Turn Q back through the first three joints and their links."""
+    Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
+    Q = _unturn(data, at.C2, _turn_back(arm, 1, Q))
+    return _unturn(data, at.C3, _turn_back(arm, 2, Q))
 
 
-@inline
+@lean
 def _reachable_angle(data, arm, Q, j):
     """Turn free joint j to the value nearest its present one that the wrist can make up for.
 
     The cosine of the angle between axes 4 and 6 is of first order in the joint; it must not
     leave the wrist's range.  Returns False where it never comes into it.
     """
-    before = _turn(Q, arm[0]) if j > 0 and data[at.TYPES] == 0.0 else Q
+    before = Q
     if j > 0:
-        before = _unturn(data, at.C1, before)
+        before = _unturn(data, at.C1, _turn_back(arm, 0, before))
     if j > 1:
-        before = _turn(before, arm[1]) if data[at.TYPES + 1] == 0.0 else before
-        before = _unturn(data, at.C2, before)
+        before = _unturn(data, at.C2, _turn_back(arm, 1, before))
     x, y, z = before[2], before[5], before[8]
     ax, ay, az = data[at.C3 + 2], data[at.C3 + 6], data[at.C3 + 10]
     for i in range(2, j, -1):
-        if data[at.TYPES + i] == 0.0:
-            c, s = math.cos(arm[i]), math.sin(arm[i])
-            ax, ay = c * ax - s * ay, s * ax + c * ay
+        c, s = cosine_of(arm, i), sine_of(arm, i)
+        ax, ay = c * ax - s * ay, s * ax + c * ay
         k = at.C2 if i == 2 else at.C1
         ax, ay, az = (
             data[k] * ax + data[k + 1] * ay + data[k + 2] * az,
@@ -153,36 +165,38 @@ def _reachable_angle(data, arm, Q, j):
         bound = math.cos(data[at.NEAREST + side])
         found, c1, s1, c2, s2 = order_one_roots(constant - bound, c, s, 0.0)
         for i in range(found):
-            angle = math.atan2(s1 if i == 0 else s2, c1 if i == 0 else c2)
+            angle = angle_of(s1 if i == 0 else s2, c1 if i == 0 else c2)
             turn = wrapped(angle - arm[j])
             if abs(turn) < best:
                 best = abs(turn)
                 value = arm[j] + turn
     arm[j] = value
+    aim(data, arm)
     return best < math.inf
 
 
-@inline
+@lean
 def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
-    left = _left_over(data, arm, Q, 3)
+    left = _left_over(data, arm, Q)
     count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
-    free = int(arm[3])
+    free = int(arm[FREE])
     if count > 0 or free == 0:
         return count, flags
     for j in range(3):
         if free & (1 << j) and data[at.TYPES + j] == 0.0:
             before = arm[j]
             if _reachable_angle(data, arm, Q, j):
-                left = _left_over(data, arm, Q, 3)
+                left = _left_over(data, arm, Q)
                 count, flags = spherical_wrist(data, left, free_angle, ACCEPTED, parallel, angles)
             if count > 0:
                 break
             arm[j] = before
+            aim(data, arm)
     return count, flags
 
 
-@inline
+@lean
 def _enter(data, arm, angles, q):
     """Write a solution in joint values, revolute ones in (-pi, pi]."""
     for j in range(3):
@@ -190,7 +204,7 @@ def _enter(data, arm, angles, q):
         q[3 + j] = wrapped(angles[j] - data[at.ANGLES + j])
 
 
-@inline
+@lean
 def _polished(data, T, posture, others, limit):
     """Take an idealised solution to the true chain; False where that fails or repeats one."""
     packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
@@ -202,7 +216,7 @@ def _polished(data, T, posture, others, limit):
     return not is_among(data, posture, others, FOLD_APART)
 
 
-@inline
+@lean
 def _add_singular(data, T, arm, angles, q, count):
     """Enter the solution with a singular wrist, if there is one, beside a fold of the arm.
 
@@ -215,10 +229,10 @@ def _add_singular(data, T, arm, angles, q, count):
     return count
 
 
-@inline
+@lean
 def _name(data, bits, flags, angle5):
     """Complete the name of an arm's branch by that of the wrist."""
-    if math.sin(angle5) * data[at.UNFLIPPED] < 0.0:
+    if wrapped(angle5) * data[at.UNFLIPPED] < 0.0:
         bits |= bit.WRIST_FLIP
     if flags & WRIST_FREE:
         bits |= bit.WRIST_SINGULAR
@@ -229,7 +243,7 @@ def _name(data, bits, flags, angle5):
     return bits
 
 
-@inline
+@lean
 def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, count):
     """Enter the solutions for an arm's posture that is not accurate enough for the wrist.
 
@@ -237,18 +251,17 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
     are sought from both its sides.
     """
-    J = np.empty((3, 3))
-    e = np.empty(3)
-    trial = np.empty(4)
+    J = scratch(3, 3)
+    e = scratch(3)
+    trial = scratch(WIDTH)
     starts = 1
     start = 0
     while start < starts:
-        for j in range(4):
-            trial[j] = arm[j]
+        copy_row(arm, trial)
         side = 0.0 if start == 0 else _FOLD * (1.0 - 2.0 * (start & 1))
         if start == 1 or start == 2:
             arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
-            step_aside(trial, J, side)
+            step_aside(data, trial, J, side)
         n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
         for k in range(n):
             if count == q.shape[0]:
@@ -264,7 +277,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
     return count
 
 
-@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 
@@ -272,9 +285,9 @@ def solve_decoupled(data, T, seed, q, branch):
     ``seed`` (6,), or the nearest that leads to a solution.  Returns how many.
     """
     c, Q = _reduced_target(data, T)
-    arms = np.empty((MOST_ARMS + 1, 5))
-    bits = np.empty(MOST_ARMS, np.int64)
-    angles = np.empty((2, 3))
+    arms = scratch(ARM_ROWS, WIDTH)
+    bits = scratch_integers(MOST_ARMS)
+    angles = scratch(2, 3)
     slack = 0.5 * ACCEPTED if data[at.EXACT] == 1.0 else data[at.SLACK]
     free_angle = seed[3] + data[at.ANGLES]
     count = ZERO
@@ -283,9 +296,10 @@ def solve_decoupled(data, T, seed, q, branch):
         found = arm_postures(data, c, seed, shift, arms, bits)
         any_free = False
         for i in range(found):
-            any_free = any_free or arms[i, 3] > 0.0
+            any_free = any_free or arms[i, FREE] > 0.0
             before = count
-            parallel = min(max(PARALLEL_AXES, ARM_ROUNDING / arms[i, 4]), PARALLEL_AT_FOLD)
+            rounding = ARM_ROUNDING / arms[i, DETERMINANT]
+            parallel = min(max(PARALLEL_AXES, rounding), PARALLEL_AT_FOLD)
             n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, parallel, angles)
             if parallel > PARALLEL_AXES and flags & WRIST_FREE:
                 count = _add_singular(data, T, arms[i], angles, q, count)
@@ -294,7 +308,7 @@ def solve_decoupled(data, T, seed, q, branch):
                     branch[before] = _name(data, bits[i], flags, angle5)
                     continue
                 n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, PARALLEL_AXES, angles)
-            fold = arms[i, 4] <= NEAR_SINGULAR
+            fold = arms[i, DETERMINANT] <= NEAR_SINGULAR
             if data[at.EXACT] == 1.0 and (n > 0 or not fold):
                 for k in range(n):
                     _enter(data, arms[i], angles[k], q[count])

@@ -1,9 +1,7 @@
 """All solutions of a six-joint arm with three parallel axes next to each other."""
 
-import numpy as np
-
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, lean, lean_part, scratch
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
@@ -20,7 +18,7 @@ from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, POLISH_ABOVE, SAME_POSTURE
 
 
-@inline
+@lean
 def _demanded(data, T):
     """Give the pose of frame 6 that the target asks for: rotation row by row, then origin."""
     r00, r01, r02, x = T[0, 0], T[0, 1], T[0, 2], T[0, 3]
@@ -77,7 +75,7 @@ def _demanded(data, T):
     )
 
 
-@inline
+@lean
 def _refined(data, T, q, branch, errors, count):
     """Polish where the algebra left more than rounding, and drop what is no solution."""
     packed = data[at.PACKED : at.LENGTH].reshape(7, 13)
@@ -99,7 +97,7 @@ def _refined(data, T, q, branch, errors, count):
     return kept, doubtful
 
 
-@inline
+@lean
 def _without_repetitions(data, q, branch, count):
     """Keep one of several postures that are the same up to what a double root can lose."""
     kept = 0
@@ -121,12 +119,12 @@ def _without_repetitions(data, q, branch, count):
     return kept
 
 
-@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+@lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_parallel(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,); return how many."""
     G = _demanded(data, T)
-    pairs = np.empty((MAX_PAIRS, PAIR_WIDTH))
-    errors = np.empty(MAX_SOLUTIONS)
+    pairs = scratch(MAX_PAIRS, PAIR_WIDTH)
+    errors = scratch(MAX_SOLUTIONS)
     if data[at.SLIDING] != at.SLIDE_NONE:
         found = sliding_pairs(data, G, seed, pairs)
     elif data[at.KIND] == at.SKEW:

@@ -15,9 +15,13 @@ from robomech_ros._kernels._jit import (
     OUT3,
     ZERO,
     b1,
+    borrowed,
     i8,
     inline,
     kernel,
+    lean,
+    scratch,
+    scratch_integers,
 )
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_angle import call_arm_angle, call_arm_angle_postures
@@ -26,10 +30,11 @@ from robomech_ros._kernels.nearest import approach
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.ranking import distance_from, insert, place
 from robomech_ros._kernels.serial import forward_body
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     APPROACHED,
+    APPROACHED_AGAIN,
     APPROACHED_WITHIN,
     FINER_SAMPLES,
     SAME_POSTURE,
@@ -41,7 +46,7 @@ NONE_EXISTS = -1
 _STEPS = np.int64(20)
 
 
-@inline
+@lean
 def _between(front, T, back, out):
     """front^-1 T back^-1."""
     for i in range(3):
@@ -57,7 +62,7 @@ def _between(front, T, back, out):
     out[3, 3] = 1.0
 
 
-@inline
+@lean
 def _repeats(packed, q, count):
     """Tell whether the last posture is there already."""
     for k in range(count):
@@ -72,7 +77,19 @@ def _repeats(packed, q, count):
     return False
 
 
-@inline
+@lean
+def _is_near(q, others, count):
+    """Tell whether a posture is near one of others from which its self-motion goes no nearer."""
+    for k in range(count):
+        near = True
+        for i in range(q.shape[0]):
+            near = near and abs(q[i] - others[k, i]) <= APPROACHED_AGAIN
+        if near:
+            return True
+    return False
+
+
+@lean
 def _locked_postures(data, T, seed, locked, q, branch):
     """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
 
@@ -84,10 +101,8 @@ def _locked_postures(data, T, seed, locked, q, branch):
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     own = at.PARTS + 13 * (n + 1)
     six = data[own : own + 91].reshape((7, 13))
-    front = np.empty((4, 4))
-    back = np.empty((4, 4))
-    target = np.empty((4, 4))
-    found = np.empty((MAX_SOLUTIONS, 6))
+    front, back, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
+    found = scratch(MAX_SOLUTIONS, 6)
     forward_body(packed[: first + 1], locked[:first], front)
     forward_body(packed[first + 6 :], locked[first + 6 :], back)
     _between(front, T, back, target)
@@ -101,7 +116,8 @@ def _locked_postures(data, T, seed, locked, q, branch):
         branch,
     )
     count = ZERO
-    for k in range(total):
+    # Of a continuum no list is complete, so that a doubt about this one changes nothing.
+    for k in range(total % DOUBT):
         if data[at.POLISH] != 0.0:
             if not call_polish(six, target, found[k], _STEPS) <= ACCEPTED:
                 continue
@@ -118,7 +134,7 @@ def _locked_postures(data, T, seed, locked, q, branch):
     return count
 
 
-@inline
+@lean
 def _choose(data, lower, upper, seed, k, steps, locked):
     """Write the k-th of some values of the locked joints; return how far they are from the seed.
 
@@ -129,7 +145,7 @@ def _choose(data, lower, upper, seed, k, steps, locked):
     first = int(data[at.FIRST])
     largest = 0.0
     root = 1.0
-    for _ in range(32):
+    for _ in range(32 if n > 7 and k > 0 else 0):
         root = (1.0 + root) ** (1.0 / (n - 5))
     stride = 1.0
     for i in range(n):
@@ -152,7 +168,7 @@ def _choose(data, lower, upper, seed, k, steps, locked):
     return largest
 
 
-@inline
+@lean
 def _sample(data, T, seed, angle, locked, k, steps, q, branch):
     """Write the postures of one sample; ``angle`` is the arm angle of the seed."""
     if data[at.KIND] == at.ARM_ANGLE:
@@ -180,10 +196,12 @@ def _collect(
     ranked,
     names,
     distances,
+    reached,
 ):
     """Rank the postures of all samples; return how many are inside the limits, and how many exist.
 
-    The posture to which steps from the seed lead is among them.  Where only the nearest is asked
+    The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
+    it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
     for, samples that are farther from the seed than the first are left out.
     """
     n = seed.shape[0]
@@ -196,11 +214,13 @@ def _collect(
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
     for i in range(n):
         placed[i] = seed[i]
-    distance = approach(packed, T, lower, upper, seed, metric, bounded, placed)
+    distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, placed)
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, ranked, names, distances)
         bare += 1
+    for i in range(n):
+        reached[i] = placed[i] if settled else math.nan
     for _ in range(2):
         for k in range(steps):
             if data[at.KIND] == at.LOCKED:
@@ -235,10 +255,12 @@ def solve_redundant(
     of the last pose.
     """
     n = seed.shape[0]
+    data, T, ranked = borrowed(data), borrowed(T), borrowed(ranked)
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     q = np.empty((MAX_SOLUTIONS, n))
-    branch = np.empty(MAX_SOLUTIONS, np.int64)
-    starts, away = np.empty((APPROACHED, n)), np.empty(APPROACHED)
+    branch = scratch_integers(MAX_SOLUTIONS)
+    starts, away = np.empty((APPROACHED, n)), scratch(APPROACHED)
+    reached = np.empty((APPROACHED + 1, n))
     low, high = np.empty(n), np.empty(n)
     for i in range(n):
         low[i] = lower[i] if bounded else -math.inf
@@ -261,20 +283,27 @@ def solve_redundant(
             ranked[m],
             names,
             distances,
+            reached[0],
         )
         tried = min(count, APPROACHED)
         for k in range(tried):
             for i in range(n):
                 starts[k, i] = ranked[m, k, i]
             away[k] = distances[k]
+        ends = 1
         for k in range(tried):
             if away[k] > distances[0] + APPROACHED_WITHIN:
                 break
-            if (
-                approach(packed, T[m], lower, upper, seed, metric, bounded, starts[k])
-                < distances[0]
-            ):
-                distance = distance_from(starts[k], seed, metric)
+            if away[k] >= distances[0] and _is_near(starts[k], reached, ends):
+                continue
+            distance, settled = approach(
+                packed, T[m], lower, upper, seed, metric, bounded, starts[k]
+            )
+            if settled:
+                for i in range(n):
+                    reached[ends, i] = starts[k, i]
+                ends += 1
+            if distance < distances[0]:
                 count = insert(starts[k], names[0], distance, count, ranked[m], names, distances)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):

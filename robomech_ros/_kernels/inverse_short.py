@@ -9,8 +9,14 @@ from robomech_ros._kernels import short_layout as at
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.polishing import call_polish
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, call_six_joints
-from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE, SHORT_CONTINUUM, SHORT_SLACK
+from robomech_ros._kernels.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    CONTINUUM_STEP,
+    SAME_POSTURE,
+    SHORT_CONTINUUM,
+    SHORT_SLACK,
+)
 
 __all__ = ["solve_short"]
 
@@ -58,13 +64,22 @@ def _entered(data, packed, T, found, q, count):
     return count + 1
 
 
+@inline
+def _displace(data, attempt, found):
+    """Move the postures ``found`` (k, 6) a little, each time in another direction."""
+    for k in range(found.shape[0]):
+        for i in range(6):
+            step = CONTINUUM_STEP * math.cos(attempt * (i + 1.0))
+            found[k, i] += step if data[at.SLIDES + i] == 0.0 else step * data[at.SIZE]
+
+
 @part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
     Where the completed arm is singular and the arm itself need not be, solutions are sought from
-    several values of what is free there; very many that are found so are a continuum.  Returns how
-    many there are.
+    several values of what is free there, or, without a closed form, nearby; very many that are
+    found so are a continuum.  Returns how many there are, plus DOUBT where the list may lack one.
     """
     n = int(data[at.JOINTS])
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
@@ -73,6 +88,8 @@ def solve_short(data, T, seed, q, branch):
     marks = np.empty(MAX_SOLUTIONS, np.int64)
     start = np.empty(6)
     count = ZERO
+    total = ZERO
+    doubt = ZERO
     singular = False
     for attempt in range(_FREE_VALUES):
         turn = 2.0 * math.pi * attempt / _FREE_VALUES
@@ -82,10 +99,14 @@ def solve_short(data, T, seed, q, branch):
             start[i] += turn if data[at.SLIDES + i] == 0.0 else data[at.SIZE] * (turn - math.pi)
             if attempt == 0 and data[at.SLIDES + i] != 0.0:
                 start[i] = seed[place] if place >= 0 else 0.0
-        total = call_six_joints(
-            int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks
-        )
-        for k in range(total):
+        if attempt == 0 or data[at.SIX] != GENERAL:
+            total = call_six_joints(
+                int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks
+            )
+            doubt |= total & DOUBT
+        else:
+            _displace(data, attempt, found[: total % DOUBT])
+        for k in range(total % DOUBT):
             free = marks[k] & bit.CONTINUUM != 0
             singular = singular or free
             if count < q.shape[0] and (free or _stays(data, found[k])):
@@ -96,4 +117,4 @@ def solve_short(data, T, seed, q, branch):
         branch[k] = bit.UNNAMED
         if singular and count > SHORT_CONTINUUM:
             branch[k] |= bit.SHOULDER_SINGULAR
-    return count
+    return count | doubt

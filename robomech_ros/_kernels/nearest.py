@@ -7,9 +7,10 @@ limits, and corrects the pose by the shortest move of the joints.
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels._dense import cholesky_again, cholesky_solve
-from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
 from robomech_ros._kernels.polishing import largest_error, pose_difference
 from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
@@ -24,41 +25,52 @@ from robomech_ros._kernels.tolerances import (
 __all__ = ["approach"]
 
 _LONGEST = 0.5
-_GOLDEN = 0.6180339887498949
-# Golden sections of a step of half a radian that leave 1e-5 rad.
-_SECTIONS = 24
+# Cuts that find the least of some dozen lines' largest value; a few do.
+_CUTS = 32
+_ROUNDING = 1e-12
 
 
-@inline
+@lean
 def _largest_after(q, seed, t, s):
-    """Largest difference from the seed after a step s along t."""
-    largest = 0.0
+    """Largest difference from the seed after a step s along t, and its derivative by s."""
+    largest = -1.0
+    slope = 0.0
     for i in range(q.shape[0]):
-        largest = max(largest, abs(q[i] + s * t[i] - seed[i]))
-    return largest
+        difference = q[i] + s * t[i] - seed[i]
+        if abs(difference) > largest:
+            largest = abs(difference)
+            slope = math.copysign(t[i], t[i] * difference)
+    return largest, slope
 
 
-@inline
+@lean
 def _minimax(q, seed, t, low, high):
-    """Step in [low, high] along t after which the largest difference from the seed is least."""
-    a, b = low, high
-    x, y = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
-    fx, fy = _largest_after(q, seed, t, x), _largest_after(q, seed, t, y)
-    for _ in range(_SECTIONS):
-        if fx < fy:
-            b, y, fy = y, x, fx
-            x = b - _GOLDEN * (b - a)
-            fx = _largest_after(q, seed, t, x)
-        else:
-            a, x, fx = x, y, fy
-            y = a + _GOLDEN * (b - a)
-            fy = _largest_after(q, seed, t, y)
-    s = 0.5 * (a + b)
-    better = _largest_after(q, seed, t, s) < _largest_after(q, seed, t, 0.0)
-    return s if better or not low <= 0.0 <= high else 0.0
+    """Step in [low, high] along t after which the largest difference from the seed is least.
+
+    It is convex in the step and made of lines: where the falling one to the left and the rising one
+    to the right of the least value meet is a better place for one of both, until none is.
+    """
+    a, b, s = low, high, low
+    fa, ga = _largest_after(q, seed, t, a)
+    fb, gb = _largest_after(q, seed, t, b)
+    if gb <= 0.0:
+        s = high
+    elif ga < 0.0:
+        for _ in range(_CUTS):
+            s = (fa - ga * a - fb + gb * b) / (gb - ga)
+            value, slope = _largest_after(q, seed, t, s)
+            if value <= fa + ga * (s - a) + _ROUNDING:
+                break
+            if slope < 0.0:
+                a, fa, ga = s, value, slope
+            else:
+                b, fb, gb = s, value, slope
+    here, _ = _largest_after(q, seed, t, 0.0)
+    there, _ = _largest_after(q, seed, t, s)
+    return s if there < here or not low <= 0.0 <= high else 0.0
 
 
-@inline
+@lean
 def _wish(q, seed, metric, g):
     """Write the direction in which the distance from the seed shrinks fastest."""
     n = q.shape[0]
@@ -74,7 +86,7 @@ def _wish(q, seed, metric, g):
     g[k] = 1.0 if seed[k] > q[k] else -1.0
 
 
-@inline
+@lean
 def _length(q, seed, metric, t, lower, upper, bounded):
     """How far to go along t, inside the limits; the step is at most _LONGEST in every joint."""
     largest = 0.0
@@ -97,7 +109,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
     return min(max(1.0, low), high)
 
 
-@inline
+@lean
 def _inside(q, lower, upper):
     """Tell whether q keeps its limits; what is beyond by rounding is put on them."""
     for i in range(q.shape[0]):
@@ -108,30 +120,41 @@ def _inside(q, lower, upper):
     return True
 
 
-@part(f8(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+@lean
+def _is_at_limit(q, lower, upper):
+    """Tell whether a joint is so near to a limit that the last steps may have stopped there."""
+    for i in range(q.shape[0]):
+        if not lower[i] + NEAREST_STEP < q[i] < upper[i] - NEAREST_STEP:
+            return True
+    return False
+
+
+@part(types.Tuple((f8, b1))(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 
-    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails.
+    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails,
+    and whether it is sure that no step would come nearer: neither was their number exhausted, nor
+    did the last one stop at a limit, which may be less in the way of another start.
     """
     n = q.shape[0]
     J = np.empty((6, n))
-    current = np.empty((4, 4))
-    e = np.empty(6)
-    y = np.empty(6)
-    A = np.empty((6, 6))
+    current = scratch(4, 4)
+    e = scratch(6)
+    y = scratch(6)
+    A = scratch(6, 6)
     g = np.empty(n)
-    settled = False
+    settled = nearest = False
     for iteration in range(NEAREST_ITERATIONS):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
         error = largest_error(e)
         if settled and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):
-                return distance_from(q, seed, metric)
+                return distance_from(q, seed, metric), nearest
             settled = False
         if not error < 1.0:
-            return math.inf
+            return math.inf, False
         for i in range(6):
             for j in range(i + 1):
                 value = 0.0
@@ -139,7 +162,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                     value += J[i, k] * J[j, k]
                 A[i, j] = value
         if not cholesky_solve(A, e, 6):
-            return math.inf
+            return math.inf, False
         if not settled:
             _wish(q, seed, metric, g)
             for i in range(6):
@@ -155,8 +178,10 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             for k in range(n):
                 largest = max(largest, abs(s * g[k]))
                 q[k] += s * g[k]
-            settled = max(largest, error) < NEAREST_STEP or iteration == NEAREST_ITERATIONS // 2
+            short = max(largest, error) < NEAREST_STEP
+            settled = short or iteration == NEAREST_ITERATIONS // 2
+            nearest = short and not (bounded and _is_at_limit(q, lower, upper))
         for k in range(n):
             for i in range(6):
                 q[k] += J[i, k] * e[i]
-    return math.inf
+    return math.inf, False

@@ -3,8 +3,8 @@
 import math
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import inline
-from robomech_ros._kernels.angles import wrapped
+from robomech_ros._kernels._jit import lean
+from robomech_ros._kernels.angles import angle_of, wrapped
 from robomech_ros._kernels.branch_bits import (
     ARM_NUMBERED,
     ARM_SHIFT,
@@ -20,7 +20,7 @@ from robomech_ros._kernels.tolerances import DOUBLE_ROOT, NEAR_DOUBLE, PARALLEL_
 MAX_SOLUTIONS = 16
 
 
-@inline
+@lean
 def _turned(m, k, x, y, z):
     """Rotate a vector by the 3x3 part of the 3x4 block of the data that starts at k."""
     return (
@@ -30,7 +30,7 @@ def _turned(m, k, x, y, z):
     )
 
 
-@inline
+@lean
 def _through_wrist(data, G, x, y, z, far, turns):
     """Take a point (far = 1) or a direction (far = 0) of frame 5 back through axes 5 and 6."""
     _, _, _, c5, s5, d5, c6, s6, d6 = turns
@@ -46,7 +46,7 @@ def _through_wrist(data, G, x, y, z, far, turns):
     )
 
 
-@inline
+@lean
 def carried(data, G, k, far, turns):
     """Where the motion that is left to the parallel axes takes a point or direction, in F.
 
@@ -69,7 +69,7 @@ def carried(data, G, k, far, turns):
     return _through_wrist(data, G, x, y, z, far, turns)
 
 
-@inline
+@lean
 def nearest_in_reach(data, circle, seed):
     """Choose the free angle nearest to ``seed`` for which the planar arm reaches.
 
@@ -108,9 +108,9 @@ def nearest_in_reach(data, circle, seed):
     return True, seed + (one if abs(one) <= abs(two) else two)
 
 
-@inline
-def arm_angles(data, px, py, hx, hy, seed2, elbow):
-    """Angles of the planar arm that takes its last axis to (px, py) and x of F to (hx, hy).
+@lean
+def arm_angles(data, px, py, heading, seed2, elbow):
+    """Angles of the planar arm that takes its last axis to (px, py) and x of F to ``heading``.
 
     Returns bits, the three angles about z and the distance (m) left; bits -1 where it is out of
     reach, or where there is no second solution.
@@ -136,7 +136,7 @@ def arm_angles(data, px, py, hx, hy, seed2, elbow):
         return -1, 0.0, 0.0, 0.0, 0.0
     if elbow == 1:
         sine = -sine
-    bend = math.atan2(sine, cosine)
+    bend = angle_of(sine, cosine)
     if reach < slack:
         if elbow == 1:
             return -1, 0.0, 0.0, 0.0, 0.0
@@ -145,13 +145,13 @@ def arm_angles(data, px, py, hx, hy, seed2, elbow):
     else:
         x = l1 + l2 * cosine
         y = l2 * sine
-        first = math.atan2(py * x - px * y, px * x + py * y)
+        first = angle_of(py * x - px * y, px * x + py * y)
     second = bend - data[at.BEND]
-    third = math.atan2(hy, hx) - first - second
+    third = heading - first - second
     return bits, first, second, third, max(beyond, 0.0)
 
 
-@inline
+@lean
 def _turn_in_reach(data, G, seed, turns, six_free):
     """Choose the angle of axis 5 or 6 where that is parallel to the three and free to turn."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
@@ -174,7 +174,7 @@ def _turn_in_reach(data, G, seed, turns, six_free):
     return reached, turns
 
 
-@inline
+@lean
 def wrist_turns(data, G, seed, pair):
     """Find the turns of axes a, 5 and 6 for a pair, with bits (-1: none) and the error left."""
     gamma = pair[2]
@@ -218,7 +218,7 @@ def wrist_turns(data, G, seed, pair):
     return bits, turns, error
 
 
-@inline
+@lean
 def lack_of_reach(data, G, seed, pair):
     """How far (m) the planar arm is from reaching what a pair leaves to it."""
     bits, turns, _ = wrist_turns(data, G, seed, pair)
@@ -231,20 +231,30 @@ def lack_of_reach(data, G, seed, pair):
     return max(0.0, max(reach - (l1 + l2), abs(l1 - l2) - reach))
 
 
-@inline
-def _enter(data, q, turns, first, second, third):
-    """Write the six joint values in the order of the joints."""
+@lean
+def _wrist_values(data, turns):
+    """Joint values of axes a, 5 and 6."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
     sliding = data[at.SLIDING]
-    q[int(data[at.JOINTS])] = da if sliding == at.SLIDE_A else math.atan2(sa, ca)
+    return (
+        da if sliding == at.SLIDE_A else angle_of(sa, ca),
+        d5 if sliding == at.SLIDE_5 else angle_of(s5, c5),
+        d6 if sliding == at.SLIDE_6 else angle_of(s6, c6),
+    )
+
+
+@lean
+def _enter(data, q, wrist, first, second, third):
+    """Write the six joint values in the order of the joints."""
+    q[int(data[at.JOINTS])] = wrist[0]
     q[int(data[at.JOINTS + 1])] = wrapped(first * data[at.SENSES])
     q[int(data[at.JOINTS + 2])] = wrapped(second * data[at.SENSES + 1])
     q[int(data[at.JOINTS + 3])] = wrapped(third * data[at.SENSES + 2])
-    q[int(data[at.JOINTS + 4])] = d5 if sliding == at.SLIDE_5 else math.atan2(s5, c5)
-    q[int(data[at.JOINTS + 5])] = d6 if sliding == at.SLIDE_6 else math.atan2(s6, c6)
+    q[int(data[at.JOINTS + 4])] = wrist[1]
+    q[int(data[at.JOINTS + 5])] = wrist[2]
 
 
-@inline
+@lean
 def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
     """Add the solutions of one pair (q_a, q_5) to q; return how many there are now."""
     bits, turns, error = wrist_turns(data, G, seed, pair)
@@ -253,12 +263,14 @@ def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
     px, py, pz = carried(data, G, at.POINT, 1.0, turns)
     hx, hy, _ = carried(data, G, at.HEADING, 0.0, turns)
     error = max(error, abs(pz))
+    heading = angle_of(hy, hx)
+    wrist = _wrist_values(data, turns)
     seed2 = seed[int(data[at.JOINTS + 1])] * data[at.SENSES]
     for elbow in range(2):
-        more, first, second, third, left = arm_angles(data, px, py, hx, hy, seed2, elbow)
+        more, first, second, third, left = arm_angles(data, px, py, heading, seed2, elbow)
         if more < 0 or count >= MAX_SOLUTIONS:
             break
-        _enter(data, q[count], turns, first, second, third)
+        _enter(data, q[count], wrist, first, second, third)
         if not named:
             branch[count] = bits | more | ARM_NUMBERED | (count << ARM_SHIFT)
         elif (elbow == 1) != (bits & SHOULDER_RIGHT != 0):

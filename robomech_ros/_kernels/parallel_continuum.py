@@ -3,7 +3,7 @@
 import math
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import F12, IN1, OUT1, OUT2, f8, i8, inline, part
+from robomech_ros._kernels._jit import F12, IN1, OUT1, OUT2, f8, i8, lean, lean_part
 from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR, WRIST_FLIP
 from robomech_ros._kernels.parallel_arm import lack_of_reach
 from robomech_ros._kernels.parallel_pairs import equations, open_component, separated, write_pair
@@ -11,7 +11,7 @@ from robomech_ros._kernels.parallel_slides import write_sliding_pair
 from robomech_ros._kernels.tolerances import CONTINUUM_STEPS, PARALLEL_FREE
 
 
-@part(f8(IN1, F12, IN1, f8, i8, OUT1))
+@lean_part(f8(IN1, F12, IN1, f8, i8, OUT1))
 def _lack(data, G, seed, qa, wrist, pair):
     """Write the pair of this q_a and wrist; return how far it is from being a solution."""
     c = math.cos(qa)
@@ -37,7 +37,7 @@ def _lack(data, G, seed, qa, wrist, pair):
     return lack + lack_of_reach(data, G, seed, pair) / data[at.SIZE]
 
 
-@inline
+@lean
 def _refined(data, G, seed, wrist, low, high, pair):
     """Find the least lack between two angles by golden section."""
     ratio = 0.6180339887498949
@@ -57,7 +57,7 @@ def _refined(data, G, seed, wrist, low, high, pair):
     return x if fx < fy else y
 
 
-@inline
+@lean
 def _edge(data, G, seed, wrist, outside, inside, pair):
     """Find the edge of the range that is in reach, on its inner side, by bisection."""
     for _ in range(50):
@@ -69,7 +69,7 @@ def _edge(data, G, seed, wrist, outside, inside, pair):
     return inside
 
 
-@inline
+@lean
 def _nearest(data, G, seed, wrist, pair):
     """Find the q_a nearest to its seed that allows a solution, and write its pair."""
     start = seed[int(data[at.JOINTS])]
@@ -104,7 +104,7 @@ def _nearest(data, G, seed, wrist, pair):
     return False
 
 
-@part(i8(IN1, F12, IN1, OUT2))
+@lean_part(i8(IN1, F12, IN1, OUT2))
 def free_pairs(data, G, seed, pairs):
     """Write one pair for each wrist that has a solution; return how many."""
     count = 0

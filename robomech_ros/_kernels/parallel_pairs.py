@@ -15,10 +15,9 @@ same components of z before the turn of axis 5, and the displacement (m) of a pr
 
 import math
 
-import numpy as np
-
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, lean, lean_part, scratch
+from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
@@ -34,7 +33,7 @@ PAIR_WIDTH = 9
 FREE = -1  # every q_a satisfies the equation that is to determine it
 
 
-@inline
+@lean
 def equations(data, G):
     """Give (k, C, S) of d_1 and d_2 = k + C cos q_a + S sin q_a, lengths in units of the size."""
     cos56 = data[at.COS_56]
@@ -58,7 +57,7 @@ def equations(data, G):
     return k1, c1, s1, k2, c2, s2
 
 
-@inline
+@lean
 def seen_from_axis_5(data, c, s):
     """Give (gamma, g_1, g_2), the components of z along frame 5 before its turn."""
     return (
@@ -68,7 +67,7 @@ def seen_from_axis_5(data, c, s):
     )
 
 
-@inline
+@lean
 def z_in_frame_6(data, G, c, s):
     """Give z in frame 6 as the target demands it, for this q_a."""
     if data[at.ORDER] == at.AXIS_BEFORE:
@@ -83,7 +82,7 @@ def z_in_frame_6(data, G, c, s):
     return G[6], G[7], G[8]
 
 
-@inline
+@lean
 def _other_component(data, G, c, s, known, radius):
     """Give the square of the component of z that the equations leave open up to its sign."""
     square = (radius - known) * (radius + known)
@@ -104,7 +103,7 @@ def _other_component(data, G, c, s, known, radius):
     return square
 
 
-@inline
+@lean
 def separated(data, G):
     """Give both equations where they separate.
 
@@ -116,7 +115,7 @@ def separated(data, G):
     return data[at.NORMAL_56] / data[at.SIZE], k2, c2, s2, k1, c1, s1
 
 
-@inline
+@lean
 def write_pair(data, c, s, known, other, bits, pair):
     """Enter a pair by the component of z that its equation gives and the one left open."""
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
@@ -131,7 +130,7 @@ def write_pair(data, c, s, known, other, bits, pair):
     pair[7] = bits
 
 
-@inline
+@lean
 def open_component(data, G, c, s, known):
     """Give both components of z across axis 5 (the open one not negative) and their lack.
 
@@ -145,7 +144,7 @@ def open_component(data, G, c, s, known):
     return max(-radius, min(radius, known)), 0.0, max(abs(known) - radius, 0.0)
 
 
-@inline
+@lean
 def moved_apart(x1, y1, x2, y2, least):
     """Turn two angles, given by cosine and sine, from each other to at least twice ``least``."""
     half = 0.5 * math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)
@@ -156,7 +155,7 @@ def moved_apart(x1, y1, x2, y2, least):
     return c * x1 + s * y1, c * y1 - s * x1, c * x2 - s * y2, c * y2 + s * x2
 
 
-@part(i8(IN1, F12, OUT2))
+@lean_part(i8(IN1, F12, OUT2))
 def separate_pairs(data, G, pairs):
     """Find all pairs where axes 5 and 6 meet or are parallel; return their number or FREE."""
     factor, k1, c1, s1, k2, c2, s2 = separated(data, G)
@@ -191,7 +190,7 @@ def separate_pairs(data, G, pairs):
     return count
 
 
-@inline
+@lean
 def _polish_pair(data, d, x, y):
     """Improve (q_a, q_5) by Newton steps, shortened where they do not help.
 
@@ -258,7 +257,7 @@ def _polish_pair(data, d, x, y):
     return best_x, best_y, best, best_determinant
 
 
-@inline
+@lean
 def _keep_pair(data, x, y, determinant, pairs, count):
     """Enter a pair unless it is there already; return the number of pairs."""
     c = math.cos(x)
@@ -287,7 +286,7 @@ def _keep_pair(data, x, y, determinant, pairs, count):
     return count + 1
 
 
-@inline
+@lean
 def _add_pairs(data, d, c, s, pairs, count):
     """Improve what may be a pair for both signs of the open component of z, and keep it.
 
@@ -316,15 +315,15 @@ def _add_pairs(data, d, c, s, pairs, count):
             continue
         v1 = known if by_first else value
         v2 = value if by_first else known
-        x = math.atan2(s, c)
-        y = math.atan2(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+        x = angle_of(s, c)
+        y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
         x, y, error, determinant = _polish_pair(data, d, x, y)
         if error < allowed and count < MAX_PAIRS:
             count = _keep_pair(data, x, y, determinant, pairs, count)
     return count
 
 
-@inline
+@lean
 def _add_nearly_separate(data, d, pairs, count):
     """Add the pairs near those that the equations would have if they separated.
 
@@ -347,7 +346,7 @@ def _add_nearly_separate(data, d, pairs, count):
     return _add_pairs(data, d, x2, y2, pairs, count)
 
 
-@part(i8(IN1, F12, OUT2))
+@lean_part(i8(IN1, F12, OUT2))
 def joint_pairs(data, G, pairs):
     """Find all pairs where axes 5 and 6 are skew; return their number or FREE."""
     d = equations(data, G)
@@ -370,7 +369,7 @@ def joint_pairs(data, G, pairs):
     b1 = 2.0 * (u * k1 * s1 + v * k2 * s2 + w * g0 * gs)
     a2 = 0.5 * (u * (c1 * c1 - s1 * s1) + v * (c2 * c2 - s2 * s2) + w * (gc * gc - gs * gs))
     b2 = u * c1 * s1 + v * c2 * s2 + w * gc * gs
-    roots = np.empty((7, 2))
+    roots = scratch(7, 2)
     found = order_two_roots(a0, a1, b1, a2, b2, PARALLEL_TOUCHING, roots)
     if found < 0:
         return FREE

@@ -7,7 +7,7 @@ it is linear.  Equations and rows as in ``parallel_pairs``.
 import math
 
 from robomech_ros._kernels import parallel_layout as at
-from robomech_ros._kernels._jit import F12, IN1, OUT2, i8, inline, part
+from robomech_ros._kernels._jit import F12, IN1, OUT2, i8, lean, lean_part
 from robomech_ros._kernels.branch_bits import BOUNDARY, WRIST_SINGULAR
 from robomech_ros._kernels.parallel_arm import carried, lack_of_reach, wrist_turns
 from robomech_ros._kernels.parallel_pairs import (
@@ -24,7 +24,7 @@ from robomech_ros._kernels.tolerances import (
 )
 
 
-@inline
+@lean
 def _search_slide(data, G, seed, start, pair):
     """Step away from a displacement until the arm reaches; return how far (m) it is from it.
 
@@ -50,7 +50,7 @@ def _search_slide(data, G, seed, start, pair):
     return data[at.SIZE]
 
 
-@inline
+@lean
 def _slide_in_reach(data, G, seed, pair):
     """Set a displacement that the height leaves free to the nearest that the planar arm reaches.
 
@@ -94,7 +94,7 @@ def _slide_in_reach(data, G, seed, pair):
     return 0.0
 
 
-@inline
+@lean
 def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
     """Write a pair with the displacement that gives the right height.
 
@@ -125,7 +125,7 @@ def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
     return _slide_in_reach(data, G, seed, pair) / data[at.SIZE]
 
 
-@inline
+@lean
 def sliding_equation(data, G):
     """Give (k, C, S) of the equation that determines q_a where axis 5 or 6 slides."""
     sin56 = data[at.SIN_56]
@@ -149,7 +149,7 @@ def sliding_equation(data, G):
     )
 
 
-@inline
+@lean
 def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
     """Write the pair of this q_a (and wrist, where axis a slides); return its lack."""
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
@@ -175,7 +175,7 @@ def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
     return lack + _enter_slide(data, G, seed, known, v2, c, s, bits, pair)
 
 
-@part(i8(IN1, F12, IN1, OUT2))
+@lean_part(i8(IN1, F12, IN1, OUT2))
 def sliding_pairs(data, G, seed, pairs):
     """Find all pairs of an arm with a prismatic joint; return their number or FREE."""
     if data[at.SLIDING] == at.SLIDE_A:

@@ -5,14 +5,15 @@ import math
 import numpy as np
 
 from robomech_ros._kernels._dense import cholesky_solve
-from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, inline, kernel, linked
+from robomech_ros._kernels._jit import IN2, OUT1, f8, i8, kernel, lean, linked, scratch
+from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.serial import forward_body, jacobian_body
 from robomech_ros._kernels.tolerances import POLISH_DAMPING, POLISHED
 
 __all__ = ["largest_error", "polish", "pose_difference", "pose_error"]
 
 
-@inline
+@lean
 def pose_difference(T, current, e):
     """Write the error of ``current`` (4, 4) against T: rotation vector (rad), position (m).
 
@@ -34,7 +35,7 @@ def pose_difference(T, current, e):
     s = math.sqrt(x * x + y * y + z * z)
     c = 0.5 * (r00 + r11 + r22 - 1.0)
     if c > -0.9:
-        factor = 1.0 if s < 1e-9 else math.atan2(s, c) / s
+        factor = 1.0 if s < 1e-9 else angle_of(s, c) / s
         e[0], e[1], e[2] = factor * x, factor * y, factor * z
     else:
         # Near half a turn the axis comes from the symmetric part, c 1 + (1 - c) u u^T.
@@ -46,7 +47,7 @@ def pose_difference(T, current, e):
             u, v, w = a01, a11, a12
         else:
             u, v, w = a02, a12, a22
-        factor = math.atan2(s, c) / math.sqrt(u * u + v * v + w * w)
+        factor = angle_of(s, c) / math.sqrt(u * u + v * v + w * w)
         if u * x + v * y + w * z < 0.0:
             factor = -factor
         e[0], e[1], e[2] = factor * u, factor * v, factor * w
@@ -55,7 +56,7 @@ def pose_difference(T, current, e):
     e[5] = T[2, 3] - current[2, 3]
 
 
-@inline
+@lean
 def largest_error(e):
     """Give the larger of the orientation error (rad) and the position error (m)."""
     angular = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
@@ -63,13 +64,13 @@ def largest_error(e):
     return max(angular, linear)
 
 
-@inline
+@lean
 def pose_error(packed, T, q, e):
     """Write the error of the pose at q against T (4, 4) to e (6,), angular part first.
 
     The norm of e[:3] is the orientation error (rad), that of e[3:] the position error (m).
     """
-    current = np.empty((4, 4))
+    current = scratch(4, 4)
     forward_body(packed, q, current)
     pose_difference(T, current, e)
 
@@ -83,12 +84,12 @@ def polish(packed, T, q, max_iterations):
     families, since a step is much longer than a call.
     """
     n = packed.shape[0] - 1
-    J = np.empty((6, n))
-    current = np.empty((4, 4))
+    J, other_J = np.empty((6, n)), np.empty((6, n))
     A = np.empty((n, n))
     step = np.empty(n)
     trial = np.empty(n)
-    e = np.empty(6)
+    current = scratch(4, 4)
+    e, other_e = scratch(6), scratch(6)
     jacobian_body(packed, q, J, current)
     pose_difference(T, current, e)
     residual = largest_error(e)
@@ -111,25 +112,23 @@ def polish(packed, T, q, max_iterations):
         if cholesky_solve(A, step, n):
             for i in range(n):
                 trial[i] = q[i] + step[i]
-            forward_body(packed, trial, current)
-            pose_difference(T, current, e)
-            found = largest_error(e)
+            jacobian_body(packed, trial, other_J, current)
+            pose_difference(T, current, other_e)
+            found = largest_error(other_e)
             if found < residual:
                 slow = found > 0.5 * residual
                 residual = found
                 damping = max(1e-2 * damping, POLISH_DAMPING)
                 for i in range(n):
                     q[i] = trial[i]
-                if slow and residual < 1e3 * POLISHED:
+                if residual <= POLISHED or (slow and residual < 1e3 * POLISHED):
                     break
-                jacobian_body(packed, q, J, current)
-                pose_difference(T, current, e)
+                J, other_J = other_J, J
+                e, other_e = other_e, e
                 continue
         if damping > 1e-2 or residual < 1e3 * POLISHED:
             break
         damping *= 1e2
-        jacobian_body(packed, q, J, current)
-        pose_difference(T, current, e)
     return residual
 
 

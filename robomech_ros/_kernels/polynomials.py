@@ -5,7 +5,7 @@ Roots are given as cosine and sine, so that an angle of half a turn is no specia
 
 import math
 
-from robomech_ros._kernels._jit import OUT2, f8, i8, inline, part
+from robomech_ros._kernels._jit import OUT2, f8, i8, lean, lean_part
 from robomech_ros._kernels.tolerances import DOUBLE_ROOT, VANISHING
 
 __all__ = [
@@ -30,20 +30,20 @@ _EIGHTHS = (
 )
 
 
-@inline
+@lean
 def value(form, cosine, sine):
     """Evaluate a constant, a cosine and a sine part."""
     return form[0] + form[1] * cosine + form[2] * sine
 
 
-@inline
+@lean
 def square(form):
     """Square a constant, a cosine and a sine part: parts of 1, cos, sin, cos 2x and sin 2x."""
     a, c, s = form
     return a * a + 0.5 * (c * c + s * s), 2.0 * a * c, 2.0 * a * s, 0.5 * (c * c - s * s), c * s
 
 
-@inline
+@lean
 def quadratic_roots(a, b, c, slack):
     """Solve a x^2 + 2 b x + c = 0 as (count, x_1, x_2), x_1 <= x_2, coefficients of order one.
 
@@ -65,7 +65,7 @@ def quadratic_roots(a, b, c, slack):
     return 2, min(x, y), max(x, y)
 
 
-@inline
+@lean
 def order_one_roots(k, c, s, slack):
     """Solve k + c cos x + s sin x = 0 as (count, cos x_1, sin x_1, cos x_2, sin x_2).
 
@@ -91,7 +91,7 @@ def order_one_roots(k, c, s, slack):
     return 2, a - u, b + v, a + u, b - v
 
 
-@inline
+@lean
 def _newton_on_cubic(t, a, b, c):
     """Improve a root of t^3 + a t^2 + b t + c, unless the slope is that of a double root."""
     for _ in range(2):
@@ -103,7 +103,7 @@ def _newton_on_cubic(t, a, b, c):
     return t
 
 
-@inline
+@lean
 def cubic_knots(a, b, c):
     """Give, in order, the real parts of the roots of t^3 + a t^2 + b t + c."""
     shift = -a / 3.0
@@ -129,7 +129,7 @@ def cubic_knots(a, b, c):
     return y, z, x
 
 
-@inline
+@lean
 def _bracketed_root(b, c, d, e, low, high, rising):
     """Find the root of t^4 + b t^3 + c t^2 + d t + e between points of opposite sign."""
     t = 0.5 * (low + high)
@@ -150,7 +150,7 @@ def _bracketed_root(b, c, d, e, low, high, rising):
     return t
 
 
-@inline
+@lean
 def _quartic_roots(b, c, d, e, touching, roots):
     """Write the real roots of t^4 + b t^3 + c t^2 + d t + e to the first column of ``roots``.
 
@@ -183,7 +183,7 @@ def _quartic_roots(b, c, d, e, touching, roots):
     return count
 
 
-@part(i8(f8, f8, f8, f8, f8, f8, OUT2))
+@lean_part(i8(f8, f8, f8, f8, f8, f8, OUT2))
 def order_two_roots(a0, a1, b1, a2, b2, touching, roots):
     """Solve a0 + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, coefficients of order one.
 

@@ -15,8 +15,8 @@ from robomech_ros._kernels._jit import (
     b1,
     f8,
     i8,
-    inline,
     kernel,
+    lean,
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
@@ -25,9 +25,10 @@ __all__ = ["INSIDE", "LINF", "excesses", "first_outside", "rank", "rank_body", "
 LINF = 0
 INSIDE = -1
 _TURN = 2.0 * math.pi
+_TURN_AND_HALF = 3.0 * math.pi
 
 
-@inline
+@lean
 def _windings(value, lower, upper):
     """Give the first and the last winding that keep a revolute joint inside its limits."""
     first = np.ceil((lower - AT_LIMIT - value) / _TURN)
@@ -35,33 +36,43 @@ def _windings(value, lower, upper):
     return first, last
 
 
-@inline
-def _nearest(value, seed, first, last):
-    """Give the value in that of the windings ``first`` .. ``last`` which is nearest to the seed."""
-    wanted = math.floor((seed - value) / _TURN + 0.5)
-    return value + _TURN * min(max(wanted, first), last)
+@lean
+def _moved_inside(value, low, high):
+    """Give the first winding of a value below its limits that is not, or above them."""
+    below = low - AT_LIMIT - value
+    if below > 0.0:
+        return value + (_TURN * math.ceil(below / _TURN) if below > _TURN else _TURN)
+    above = value - high - AT_LIMIT
+    return value - (_TURN * math.ceil(above / _TURN) if above > _TURN else _TURN)
 
 
-@inline
+@lean
+def _near(value, seed):
+    """Give the value in the winding nearest to the seed, branch-free where one turn will do."""
+    move = seed - value
+    if abs(move) >= _TURN_AND_HALF:
+        return value + _TURN * math.floor(move / _TURN + 0.5)
+    wound = value + _TURN if move >= math.pi else value
+    return value - _TURN if move < -math.pi else wound
+
+
+@lean
 def _on_limit(value, lower, upper):
     """Put a value that is beyond a limit by no more than rounding on it."""
     return min(max(value, lower), upper)
 
 
-@inline
+@lean
 def place(turns, lower, upper, seed, bounded, q, placed):
     """Write the representative nearest to the seed; False where limits that hold exclude it."""
     for i in range(q.shape[0]):
-        value = q[i]
+        value = _near(q[i], seed[i]) if turns[i] else q[i]
         low, high = lower[i], upper[i]
         inside = low - AT_LIMIT <= value <= high + AT_LIMIT
-        if turns[i]:
-            first, last = _windings(value, low, high)
-            inside = last >= first
-            if inside:
-                value = _nearest(value, seed[i], first, last)
-            else:
-                value = _nearest(value, seed[i], -math.inf, math.inf)
+        if turns[i] and not inside:
+            wound = _moved_inside(value, low, high)
+            inside = low - AT_LIMIT <= wound <= high + AT_LIMIT
+            value = wound if inside else value
         if inside:
             value = _on_limit(value, low, high)
         elif bounded:
@@ -70,7 +81,7 @@ def place(turns, lower, upper, seed, bounded, q, placed):
     return True
 
 
-@inline
+@lean
 def distance_from(q, seed, metric):
     """Distance of q (n,) from the seed: the largest move of a joint, or the root of squares."""
     largest = 0.0
@@ -82,7 +93,7 @@ def distance_from(q, seed, metric):
     return largest if metric == LINF else math.sqrt(squares)
 
 
-@inline
+@lean
 def insert(q, name, distance, count, ranked, names, distances):
     """Put a solution behind those that are as near to the seed; return how many there are."""
     room = ranked.shape[0]
@@ -102,22 +113,49 @@ def insert(q, name, distance, count, ranked, names, distances):
     return min(count + 1, room)
 
 
-@inline
-def rank_body(turns, lower, upper, seed, metric, bounded, q, branch, ranked, names, distances):
-    """Write every solution once, in the winding nearest to the seed, nearest first.
+@lean
+def rank_body(
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    total,
+    placed,
+    order,
+    away,
+    ranked,
+    names,
+    distances,
+):
+    """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
-    Of more solutions than ``ranked`` has room for, the nearest are kept.  Returns how many.
+    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed``, ``order`` and
+    ``away`` are working space for all of them.  Returns how many.
     """
-    placed = np.empty(q.shape[1])
     count = ZERO
-    for k in range(q.shape[0]):
-        if place(turns, lower, upper, seed, bounded, q[k], placed):
-            distance = distance_from(placed, seed, metric)
-            count = insert(placed, branch[k], distance, count, ranked, names, distances)
-    return count
+    for k in range(total):
+        if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
+            distance = distance_from(placed[k], seed, metric)
+            row = count
+            while row > 0 and away[row - 1] > distance:
+                away[row], order[row] = away[row - 1], order[row - 1]
+                row -= 1
+            away[row], order[row] = distance, k
+            count += 1
+    kept = min(count, ranked.shape[0])
+    for i in range(kept):
+        distances[i] = away[i]
+        names[i] = branch[order[i]]
+        for j in range(q.shape[1]):
+            ranked[i, j] = placed[order[i], j]
+    return kept
 
 
-@inline
+@lean
 def _wound(turns, lower, upper, seed, number, q, wound):
     """Write winding ``number`` of a placed solution; a joint without two limits keeps its own."""
     for i in range(q.shape[0]):
@@ -132,7 +170,7 @@ def _wound(turns, lower, upper, seed, number, q, wound):
                 wound[i] = _on_limit(value, lower[i], upper[i])
 
 
-@inline
+@lean
 def _count_windings(turns, lower, upper, q):
     total = 1.0
     for i in range(q.shape[0]):
@@ -158,14 +196,29 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
     ``bounded`` drops those outside the limits; ``winding`` lists every winding inside them,
     instead of the one nearest to the seed.  ``turns`` is 1 for revolute joints.
     """
+    total = q.shape[0]
     if not winding:
         return rank_body(
-            turns, lower, upper, seed, metric, bounded, q, branch, ranked, names, distances
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            q,
+            branch,
+            total,
+            np.empty(q.shape),
+            np.empty(total, np.int64),
+            np.empty(total),
+            ranked,
+            names,
+            distances,
         )
     placed = np.empty(q.shape[1])
     wound = np.empty(q.shape[1])
     count = ZERO
-    for k in range(q.shape[0]):
+    for k in range(total):
         if not place(turns, lower, upper, seed, bounded, q[k], placed):
             continue
         for number in range(int(_count_windings(turns, lower, upper, placed))):

@@ -12,7 +12,7 @@ then NaN, the Jacobian undefined.
 
 import math
 
-from robomech_ros._kernels._jit import IN1, IN2, OUT2, OUT3, i8, inline, kernel
+from robomech_ros._kernels._jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
 
 __all__ = [
     "NOT_FINITE",
@@ -30,7 +30,7 @@ NOT_FINITE = 1
 _NO_FRAME = (math.nan,) * 12
 
 
-@inline
+@lean
 def _first_frame(packed):
     """Read C_0 as the twelve numbers of rotation (row by row) and origin."""
     return (
@@ -49,7 +49,7 @@ def _first_frame(packed):
     )
 
 
-@inline
+@lean
 def _advance(frame, packed, i, value):
     """Go from the frame before joint i through J_i(value) and C_(i+1)."""
     r00, r01, r02, r10, r11, r12, r20, r21, r22, x, y, z = frame
@@ -84,7 +84,7 @@ def _advance(frame, packed, i, value):
     )
 
 
-@inline
+@lean
 def _write_pose(frame, T):
     T[0, 0], T[0, 1], T[0, 2], T[0, 3] = frame[0], frame[1], frame[2], frame[9]
     T[1, 0], T[1, 1], T[1, 2], T[1, 3] = frame[3], frame[4], frame[5], frame[10]
@@ -92,13 +92,13 @@ def _write_pose(frame, T):
     T[3, 0], T[3, 1], T[3, 2], T[3, 3] = 0.0, 0.0, 0.0, 1.0
 
 
-@inline
+@lean
 def _is_finite(frame):
     """Tell whether the origin is finite, which sums of huge displacements are not."""
     return math.isfinite(frame[9]) and math.isfinite(frame[10]) and math.isfinite(frame[11])
 
 
-@inline
+@lean
 def forward_body(packed, q, T):
     """Write the tip's pose in the base to T (4, 4); return the status."""
     frame = _first_frame(packed)
@@ -115,7 +115,7 @@ def forward_body(packed, q, T):
     return OK
 
 
-@inline
+@lean
 def jacobian_body(packed, q, J, T):
     """Write J (6, n), angular rows first, at the tip in base coordinates, and the pose T."""
     frame = _first_frame(packed)

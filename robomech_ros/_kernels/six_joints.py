@@ -1,15 +1,26 @@
 """The solvers of six-joint arms behind one kernel, forwards and from the tip backwards."""
 
-import numpy as np
-
-from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, b1, i8, inline, kernel, linked
+from robomech_ros._kernels._jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    b1,
+    i8,
+    inline,
+    kernel,
+    linked,
+    scratch,
+)
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
-from robomech_ros._kernels.inverse_general import call_general
+from robomech_ros._kernels.inverse_general import DOUBT, call_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 
 __all__ = [
+    "BACKWARDS",
     "DECOUPLED",
+    "DOUBT",
     "GENERAL",
     "ITERATIVE",
     "MAX_SOLUTIONS",
@@ -22,6 +33,8 @@ THREE_PARALLEL = 1
 ITERATIVE = 2
 # 3 and 4 are arms of more and of fewer joints.
 GENERAL = 5
+# Added to the number of a family whose constants are those of the inverse motion.
+BACKWARDS = 16
 
 MAX_SOLUTIONS = 16
 
@@ -45,12 +58,11 @@ def six_joint_postures(family, backwards, data, T, seed, q, branch):
     With ``backwards`` the constants are those of the inverse motion of a six-joint arm, with the
     joints in opposite order and sense; T, ``seed`` and q are those of the arm itself.  One kernel
     for all, since every kernel that calls it is compiled together with all that it calls.  Returns
-    how many solutions there are.
+    how many solutions there are, plus DOUBT where the list may lack one.
     """
     if not backwards:
         return _postures(family, data, T, seed, q, branch)
-    back = np.empty((4, 4))
-    start = np.empty(6)
+    back, start = scratch(4, 4), scratch(6)
     for i in range(3):
         for j in range(3):
             back[i, j] = T[j, i]
@@ -60,7 +72,7 @@ def six_joint_postures(family, backwards, data, T, seed, q, branch):
     for i in range(6):
         start[i] = -seed[5 - i]
     count = _postures(family, data, back, start, q, branch)
-    for k in range(count):
+    for k in range(count % DOUBT):
         for i in range(3):
             q[k, i], q[k, 5 - i] = -q[k, 5 - i], -q[k, i]
     return count

@@ -155,7 +155,9 @@ VANISHING = 1e-12
 # Wrist axes that pass each other by no more than this are taken as meeting: angles written with
 # five digits, as 1.5708, move an axis by some 4e-6.  The polish on the true pose makes up for it.
 CONCURRENT = 1e-5
-# Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.
+# Up to here the deviation, angles written with eleven digits, is far below ACCEPTED.  Beyond, two
+# solutions near a singular posture may be taken for one: a whole arm of six joints is then solved
+# as a general one, where it can be.
 CONCURRENT_EXACT = 1e-11
 # Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
 # the general equations lose as many digits; the posture is improved afterwards.
@@ -178,7 +180,7 @@ PARALLEL_AXES = 1e-11
 # Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
 # from parallel the axes may then be found.
 ARM_ROUNDING = 1e-14
-PARALLEL_AT_FOLD = 3e-6
+PARALLEL_AT_FOLD = 3e-5
 
 # Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
 # two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).
@@ -231,33 +233,100 @@ GENERAL_VOID = 1e3
 GENERAL_ANEW = 1e4
 # Least width of an interval (of half an arc): the square root of the rounding.
 GENERAL_WIDTH = 1e-6
+# An interval this short is not halved on where all coefficients are within so many roundings: a
+# zero of multiplicity eight is not known better; a longer one may be, once sampled anew.
+GENERAL_ROUGH_WIDTH = 5e-2
+GENERAL_ROUNDING = 4.0
+# Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
+# (its square root, with room) has made complex.
+GENERAL_NEAR_ZERO = 0.2
 # Halvings and samplings allowed for one determinant: ten times what any pose of the arms tested
 # needs that is not singular.
 GENERAL_HALVINGS = 600
 GENERAL_SAMPLINGS = 16
 
+# Below this (of squares of sines) the axes about which two joints turn line up, for another form to
+# be asked.
+SLIDES_REGULAR = 1e-8
+# Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
+# leaves them where they are.
+SLIDES_DOUBLE = 1e-11
+# Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
+SLIDES_WIDTH = 1e-4
+# Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
+SLIDES_FARTHEST = 1e6
+
+# --- General six-joint arms: singular matrices ---
+# So many times the width of a cluster of zeros (rad) the next pivot of the matrix (of the first)
+# must be, for all postures of the cluster to be one, or merged ones nearer than can be told.
+CLUSTER_GAP = 100.0
+# Least of the same where the cluster is narrower than rounding lets a pivot be.
+CLUSTER_LEAST_GAP = 1e-6
+# Widest cluster (rad) of which that can be told; a fold's is some 1e-5.
+CLUSTER_WIDTH = 5e-5
+# Below this pivot (of the first) two postures are looked for.
+CLUSTER_PENCIL = 5e-2
+# Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
+PENCIL_VOID = 1e-4
+# Value of these equations below which a vector may belong to a posture.
+PENCIL_IS_PRODUCT = 5e-2
+
 # --- General six-joint arms: postures ---
-# Newton steps for a posture from a simple zero, and at a multiple one, where each gains one bit.
+# Newton steps for a posture from a simple zero.
 GENERAL_STEPS = 12
-GENERAL_STEPS_SINGULAR = 60
+# Error (rad, and lengths over a size beyond a metre) that may remain: far less than ACCEPTED, since
+# where m solutions have become one the posture is off by the m-th root of it.
+GENERAL_ERROR = 1e-11
 # Ratio of pivots of a Jacobian (lengths over the size) below which a posture counts as singular,
-# as one where three or more solutions may have become one, and above which as far from singular.
+# and above which as far from singular.
 GENERAL_SINGULAR = 1e-6
-GENERAL_MULTIPLE = 1e-5
 GENERAL_REGULAR = 2e-2
+# The same ratio of the last pivot but one below which it has lost two ranks.
+GENERAL_CORANK = 1e-4
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
-# Postures nearer to each other than this (rad) are one where Newton steps converge slowly: the
-# square root of the pose's rounding, with room, and a higher root of ACCEPTED.
+# Singular postures nearer to each other than this (rad) are one: the square root of the pose's
+# rounding, with room; and up to a higher root of it where there is one halfway, too.
 SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-2
-# Parts of a nudge in which a solution is followed back, to where Newton steps take over: at a
-# posture of multiplicity m it comes nearer by the m-th root of them only.
+# Starts of a search where nothing has been found and nothing is proved.
+GENERAL_STARTS = 32
+# Solutions that are entered for the continua of one pose: room is left for the others.
+MOST_CONTINUA = 6
+# A regular solution is not farther (rad) from its nudged one.
+NUDGED_AWAY = 0.2
+# A nudged posture is followed back in these parts where it does not settle at once.
 NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
-# A step (rad) away from a singular posture, and how much of it must be left after polishing, to
-# tell a continuum.
-CONTINUUM_STEP = 3e-2
-CONTINUUM_KEPT = 3e-3
+
+# --- General six-joint arms: settling at singular postures ---
+# Steps at most, and how many may pass without the squared error sinking by this factor.
+# Twice as many may where it is below a bound; towards a continuum convergence is quadratic.
+SETTLING_STEPS = 80
+SETTLING_CALM_STEPS = 10
+SETTLING_PATIENCE = 12
+SETTLING_NEAR = 1e-12
+SETTLING_GAIN = 0.25
+# Damping over the squared error (towards a continuum: over the error), and what is always there:
+# the rounding of a Jacobian, squared.
+SETTLING_DAMPING = 1e-2
+SETTLING_ROUNDING = 1e-31
+# Longest step of a joint (rad).
+SETTLING_STEP = 0.3
+# Steps are summed up that shrink by a factor between these, 1/2 at a fold, and are parallel but for
+# this part (squared).
+SETTLING_LEAST_FACTOR = 0.3
+SETTLING_MOST_FACTOR = 0.95
+SETTLING_ASIDE = 0.04
+# Squared error (rad, and lengths over the size) of a pose known to rounding.
+SETTLED = 1e-30
+# A step (rad) away from a singular posture, the error (as above) that may be left then, and how
+# much of the step must be left, to tell a continuum.
+CONTINUUM_STEP = 5e-2
+CONTINUUM_ERROR = 1e-14
+CONTINUUM_KEPT = 3e-2
+# The same of one joint alone, where two ranks are lost.
+CONTINUUM_FAR_STEP = 0.3
+CONTINUUM_FAR_KEPT = 6e-2
 
 # --- Redundant arms ---
 # The wrist centre of an arm with a spherical shoulder counts as on the boundary of its reach where
@@ -282,6 +351,9 @@ NEAREST_STEP = 1e-3
 # about as much as lies between samples.
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
+# but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
+# would only lead there.
+APPROACHED_AGAIN = 0.03
 # Error of the pose (rad, m) at which it is good.
 NEAREST_ERROR = 1e-12
 # and steps at most, half of them along the self-motion: those that go well need four to seven.

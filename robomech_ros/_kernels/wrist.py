@@ -13,7 +13,8 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.2.
 import math
 
 from robomech_ros._kernels import decoupled_layout as at
-from robomech_ros._kernels._jit import inline
+from robomech_ros._kernels._jit import lean
+from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.tolerances import POLISH_ABOVE
 
 __all__ = ["WRIST_BOUNDARY", "WRIST_FREE", "WRIST_OPPOSED", "spherical_wrist"]
@@ -23,7 +24,7 @@ WRIST_BOUNDARY = 2  # the two solutions have become one
 WRIST_OPPOSED = 4  # with WRIST_FREE: the parallel axes point in opposite directions
 
 
-@inline
+@lean
 def _last_angle(data, Q, cosx, sinx, cosy, siny):
     """Find z from the first column of Q turned back by x."""
     v0 = cosx * Q[0] + sinx * Q[3]
@@ -33,10 +34,10 @@ def _last_angle(data, Q, cosx, sinx, cosy, siny):
     cb, sb = data[at.COS5], data[at.SIN5]
     first = cosy * v0 + siny * (ca * v1 + sa * v2)
     second = (ca * cb * cosy - sa * sb) * v1 + (sa * cb * cosy + ca * sb) * v2 - cb * siny * v0
-    return math.atan2(second, first)
+    return angle_of(second, first)
 
 
-@inline
+@lean
 def _write(data, Q, cosy, siny, found):
     """Enter the solution that belongs to y."""
     ca, sa = data[at.COS4], data[at.SIN4]
@@ -48,12 +49,12 @@ def _write(data, Q, cosy, siny, found):
     inverse = 1.0 / math.sqrt(cosx * cosx + sinx * sinx)
     cosx *= inverse
     sinx *= inverse
-    found[0] = math.atan2(sinx, cosx)
-    found[1] = math.atan2(siny, cosy)
+    found[0] = angle_of(sinx, cosx)
+    found[1] = angle_of(siny, cosy)
     found[2] = _last_angle(data, Q, cosx, sinx, cosy, siny)
 
 
-@inline
+@lean
 def spherical_wrist(data, Q, free_angle, slack, parallel, found):
     """Write the angles (x, y, z) of up to two solutions to ``found``; return (count, flags).
 
@@ -62,7 +63,13 @@ def spherical_wrist(data, Q, free_angle, slack, parallel, found):
     out of reach by up to ``slack`` (rad) is kept.
     """
     across = math.sqrt(Q[2] * Q[2] + Q[5] * Q[5])
-    angle = math.atan2(across, Q[8])
+    if across > parallel and data[at.COS4] == 0.0 and data[at.COS5] == 0.0:
+        _write(data, Q, -Q[8], across, found[0])
+        found[1, 0] = found[0, 0] - math.copysign(math.pi, found[0, 0])
+        found[1, 1] = -found[0, 1]
+        found[1, 2] = found[0, 2] - math.copysign(math.pi, found[0, 2])
+        return 2, 0
+    angle = angle_of(across, Q[8])
     if angle < data[at.NEAREST] - slack or angle > data[at.FARTHEST] + slack:
         return 0, 0
     if across <= parallel:
@@ -72,12 +79,6 @@ def spherical_wrist(data, Q, free_angle, slack, parallel, found):
         cosx, sinx = math.cos(free_angle), math.sin(free_angle)
         found[0, 2] = _last_angle(data, Q, cosx, sinx, cosy, 0.0)
         return 1, WRIST_FREE if Q[8] > 0.0 else WRIST_FREE | WRIST_OPPOSED
-    if data[at.COS4] == 0.0 and data[at.COS5] == 0.0:
-        _write(data, Q, -Q[8], across, found[0])
-        found[1, 0] = found[0, 0] - math.copysign(math.pi, found[0, 0])
-        found[1, 1] = -found[0, 1]
-        found[1, 2] = found[0, 2] - math.copysign(math.pi, found[0, 2])
-        return 2, 0
     sines = data[at.SIN4] * data[at.SIN5]
     cosy = (data[at.COS4] * data[at.COS5] - Q[8]) / sines
     near, far = data[at.NEAREST], data[at.FARTHEST]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.inverse import MAX_SOLUTIONS, STATE, solve
+from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NAMES, solve
 from robomech_ros._kernels.ranking import rank, winding_count
 from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
@@ -25,34 +25,28 @@ __all__ = ["rank_windings", "solve_closed_form"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+_SUCCESS = Status.SUCCESS  # to look it up takes longer than a solution
+
 
 def solve_closed_form(
     chain: SerialChain, T: Array, request: Request, family: Family
 ) -> InverseKinematicsResult:
     """Find all solutions of the pose T (4, 4), ranked, or explain why there is none."""
     q, rows = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((1, MAX_SOLUTIONS, chain.n))
-    branch, names = np.empty(MAX_SOLUTIONS, np.int64), np.empty(MAX_SOLUTIONS, np.int64)
+    marks, counts = np.empty((MARKS, MAX_SOLUTIONS), np.int64), np.empty(1, np.int64)
     distances = np.empty(MAX_SOLUTIONS)
-    counts, state = np.empty(1, np.int64), np.empty(STATE, np.int64)
-    solve(
-        family.number,
-        family.data,
+    bare, missing, count, singular, unproven = solve(
+        family.arm,
         T[None],
-        family.turns,
-        chain.lower,
-        chain.upper,
         request.seed,
         request.metric,
         request.respect_limits,
         q,
-        branch,
         rows,
-        names,
         distances,
+        marks,
         counts,
-        state,
     )
-    bare, missing, count, singular, unproven = state.tolist()
     if not count:
         if not bare and unproven:
             reason = "the pose is degenerate: no posture was found, which proves nothing"
@@ -60,12 +54,12 @@ def solve_closed_form(
         if not bare:
             return explain_nothing(chain, T, family)
         return explain_limits(chain, T, q[:bare], family, singular > 0)
-    ranked, marks = rows[0], names
+    ranked, names = rows[0], marks[NAMES]
     reason = ""
     if singular > missing:
         reason = describe_continuum(chain, ranked[:count], names[:count])
     if request.include_windings:
-        ranked, marks, distances = rank_windings(
+        ranked, names, distances = rank_windings(
             chain, family.turns, request, ranked[:count], names[:count]
         )
         count = len(ranked)
@@ -77,11 +71,11 @@ def solve_closed_form(
         seed_distance=distances[:kept],
         family=family.name,
         complete=not singular and not unproven and family.exact,
-        status=Status.SUCCESS,
+        status=_SUCCESS,
         reason=reason,
         blocking_joints=(),
         blocking_excess=NO_EXCESS,
-        branch_bits=marks[:kept],
+        branch_bits=names[:kept],
         task=WHOLE_POSE,
     )
 

@@ -1,16 +1,16 @@
 """Which solver an arm gets: decided once for a chain, by its geometry."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
-from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, ITERATIVE
-from robomech_ros.kinematics import general_6r, iterative, redundant, short
-from robomech_ros.kinematics.six_joints import CLOSED_FORMS
+from robomech_ros._kernels.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
+from robomech_ros.kinematics import decoupled, general, iterative, redundant, short
+from robomech_ros.kinematics.six_joints import CLOSED_FORMS, chain_of, reversed_transforms
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
@@ -28,20 +28,28 @@ class Family:
     Parameters
     ----------
     name : str
-        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"redundant"``, ``"short"`` or
-        ``"iterative"``.
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
+        ``"short"`` or ``"iterative"``.
     number : int
-        The family in the kernels.
+        The family in the kernels, BACKWARDS added where the data is that of the inverse motion.
     data : ndarray
         The constants, as the family's kernel reads them.
     turns : ndarray of int, shape (n,)
         1 for revolute joints.
+    limits : ndarray, shape (2, n)
+        Of the joints (rad or m), lower in front.
     """
 
     name: str
     number: int
     data: Array
     turns: NDArray[np.int64]
+    limits: Array
+
+    @cached_property
+    def arm(self) -> Array:
+        """The arm as ``_kernels.inverse.solve`` reads it."""
+        return np.concatenate(([self.number], self.turns, self.limits.ravel(), self.data))
 
     @property
     def closed_form(self) -> bool:
@@ -53,17 +61,33 @@ class Family:
         """Whether solutions are samples of a self-motion."""
         return self.number == REDUNDANT
 
-    @property
+    @cached_property
     def exact(self) -> bool:
         """Whether that is certain: no wrist whose axes meet but for some micrometres."""
         if self.number == SHORT:
             return bool(self.data[short_layout.EXACT])
-        return self.number != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+        return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+
+
+def _from_tip(chain: SerialChain) -> SerialChain:
+    links = reversed_transforms(decoupled.transforms(chain))
+    return chain_of(links, chain.types[::-1].tolist())
+
+
+def _match_backwards(chain: SerialChain) -> Array | None:
+    """Recognise an arm whose first three axes meet: read from its tip it has a spherical wrist."""
+    return decoupled.match(_from_tip(chain)) if chain.n == 6 else None
+
+
+def _match_revolute(chain: SerialChain) -> Array | None:
+    return None if chain.types.any() else general.match(chain)
 
 
 _FAMILIES = (
     *CLOSED_FORMS,
-    ("general-6r", GENERAL, general_6r.match),
+    ("decoupled", BACKWARDS + DECOUPLED, _match_backwards),
+    ("general-6r", GENERAL, _match_revolute),
+    ("general-6", GENERAL, general.match),
     ("redundant", REDUNDANT, redundant.match),
     ("short", SHORT, short.match),
 )
@@ -73,22 +97,30 @@ _FAMILIES = (
 def family_of(chain: SerialChain) -> Family:
     """Find the first family whose geometry a chain has; the iterative one takes what is left.
 
+    An arm whose wrist axes meet but for some micrometres is a general one, where it can be.
+
     Parameters
     ----------
     chain : SerialChain
     """
     for name, number, match in _FAMILIES:
         data = match(chain)
-        if data is not None:
-            return Family(name, number, data, _turns(chain))
+        if data is None:
+            continue
+        if number % BACKWARDS == DECOUPLED and not data[decoupled_layout.EXACT]:
+            whole = general.match(chain)
+            if whole is not None:
+                name = "general-6" if chain.types.any() else "general-6r"
+                return _family(chain, name, GENERAL, whole)
+        return _family(chain, name, number, data)
     return iterative_family(chain, iterative.iterative_data(chain))
 
 
 def iterative_family(chain: SerialChain, data: Array) -> Family:
     """Give the iterative family with constants made for a request of its own."""
-    return Family("iterative", ITERATIVE, data, _turns(chain))
+    return _family(chain, "iterative", ITERATIVE, data)
 
 
-def _turns(chain: SerialChain) -> NDArray[np.int64]:
-    turns: NDArray[np.int64] = (chain.types == REVOLUTE).astype(np.int64)
-    return turns
+def _family(chain: SerialChain, name: str, number: int, data: Array) -> Family:
+    turns = (chain.types == REVOLUTE).astype(np.int64)
+    return Family(name, number, data, turns, np.stack((chain.lower, chain.upper)))

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.inverse import MAX_SOLUTIONS, NONE_EXISTS, STATE, solve
+from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NONE_EXISTS, solve
 from robomech_ros._kernels.tolerances import (
     MOST_SAMPLED,
     ORIENTATION_TOLERANCE,
     POSITION_TOLERANCE,
 )
 from robomech_ros.kinematics.closed_form import solve_closed_form
-from robomech_ros.kinematics.families import family_of
+from robomech_ros.kinematics.families import family_of, iterative_family
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
 from robomech_ros.kinematics.least_squares import with_nearest
 from robomech_ros.kinematics.reach import out_of_reach
@@ -139,8 +139,7 @@ def _solved(
         sampled = solve_sampled(chain, T, request, family)
         return sampled or solve_by_search(chain, T, request, started)
     result = solve_closed_form(chain, T, request, family)
-    undecided = result.status is Status.NOT_CONVERGED
-    if len(result) or not (request.is_loose or undecided):
+    if len(result) or not (request.is_loose or result.status is Status.NOT_CONVERGED):
         return result
     near = solve_by_search(chain, T, request, started)
     return near if len(near) else result
@@ -195,30 +194,23 @@ def inverse_kinematics_batch(
         return q, *_with_searches(
             chain, targets, start, as_metric(metric), respect_limits, q, count
         )
-    data = family.data
     if not family.closed_form:
         data = iterative_data(chain, respect_limits=respect_limits)
+        family = iterative_family(chain, data)
     room = min(as_cap(max_solutions) or MAX_SOLUTIONS, MAX_SOLUTIONS)
     q = np.empty((len(targets), room, chain.n))
     count = np.empty(len(targets), np.int64)
-    spare, marks = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((3, MAX_SOLUTIONS), np.int64)
     solve(
-        family.number,
-        data,
+        family.arm,
         targets,
-        family.turns,
-        chain.lower,
-        chain.upper,
         start,
         as_metric(metric),
         respect_limits,
-        spare,
-        marks[0],
+        np.empty((MAX_SOLUTIONS, chain.n)),
         q,
-        marks[1],
         np.empty(MAX_SOLUTIONS),
+        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
         count,
-        marks[2, :STATE],
     )
     status = np.zeros(len(targets), np.int64)
     status[count == 0] = Status.LIMITS_EXCLUDE_ALL

@@ -11,7 +11,7 @@ from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
 from robomech_ros._kernels.polishing import polish
 from robomech_ros._kernels.serial import forward_one
-from robomech_ros._kernels.six_joints import MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, six_joint_postures
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     SELF_MOTION_APART,
@@ -92,7 +92,11 @@ class Tracer:
             raise BadValueError("number of joints", chain.n, "7, one more than conditions")
         family = family_of(chain)
         self.chain, self.T = chain, T
-        self.data = family.data if family.redundant else locked_anyway(chain)
+        data = family.data if family.redundant else locked_anyway(chain)
+        if data is None:
+            expected = "an arm of which the first or the last six joints move in all directions"
+            raise BadValueError("chain", chain.name, expected)
+        self.data = data
         self._seed = chain.midrange()
         self._turns = chain.types != PRISMATIC
         own = at.PARTS + 13 * 8
@@ -122,7 +126,7 @@ class Tracer:
         seed = self._seed[first : first + 6].copy()
         backwards = self.data[at.BACKWARDS] != 0.0
         family = int(self.data[at.SIX])
-        count = six_joint_postures(family, backwards, rest, target, seed, found, branch)
+        count = six_joint_postures(family, backwards, rest, target, seed, found, branch) % DOUBT
         q = np.tile(locked, (count, 1))
         q[:, first : first + 6] = found[:count]
         if self.data[at.POLISH] != 0.0:
@@ -196,8 +200,9 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     Parameters
     ----------
     chain : SerialChain
-        Of seven joints. Where no six of them have a closed form, the last one is locked and the
-        others are searched for iteratively, which takes long and proves nothing complete.
+        Of seven joints, of which the first or the last six move in all directions. Where no six
+        of them are solved completely, the last one (else the first) is locked and the others are
+        searched for iteratively, which takes long and proves nothing complete.
     T : array_like, shape (4, 4)
         ``T_base_tip`` (m).
 
@@ -209,7 +214,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A chain with another number of joints, or a target that is none.
+        A chain with another number of joints or without such six, or a target that is none.
     """
     check_chain(chain)
     target = as_targets(T)[0]

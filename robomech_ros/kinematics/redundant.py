@@ -1,11 +1,14 @@
-"""Arms with more than six joints: recognition of a closed form for each value of a parameter.
+"""Arms with more than six joints: how all postures are had for each value of a parameter.
 
 Covered are arms of seven revolute joints with a spherical shoulder and a spherical wrist, whose
-parameter is the arm angle, and all others in which six neighbouring joints have a closed form; the
-joints before and after them are locked at values of choice.  A joint between the six need not be
+parameter is the arm angle, and all others in which six neighbouring joints are an arm that moves
+in all directions, one with a closed form before any other; the joints before and after them are
+locked at values of choice.  A joint between the six need not be
 locked: three axes next to each other that meet at an end of the six, or are parallel, stay
 together when the first or the last joint of the arm is locked.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +23,14 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.kinematics.decoupled import common_point, transforms, wrist_constants
 from robomech_ros.kinematics.iterative import iterative_data
-from robomech_ros.kinematics.six_joints import SixJointArm, chain_of, match_six, reversed_transforms
+from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
+from robomech_ros.kinematics.six_joints import (
+    SixJointArm,
+    chain_of,
+    match_general,
+    match_six,
+    reversed_transforms,
+)
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["locked_anyway", "match"]
@@ -29,7 +39,7 @@ Array = NDArray[np.float64]
 
 
 def match(chain: SerialChain) -> Array | None:
-    """Recognise a redundant arm with a closed form for each value of its redundancy parameters.
+    """Recognise a redundant arm of which all postures can be had for each value of a parameter.
 
     Parameters
     ----------
@@ -39,7 +49,7 @@ def match(chain: SerialChain) -> Array | None:
     -------
     ndarray or None
         The constants that ``_kernels.inverse_redundant`` reads; None for fewer than seven joints
-        and where no six neighbouring joints have a closed form.
+        and where no six neighbouring joints are solved completely.
     """
     if chain.n < 7:
         return None
@@ -47,44 +57,61 @@ def match(chain: SerialChain) -> Array | None:
     parts = _arm_angle_parts(chain, C)
     if parts is not None:
         return _laid_out(chain, at.ARM_ANGLE, np.zeros(91), parts)
-    for ideal in (False, True):
-        for first in range(chain.n - 5):
-            six = C[first : first + 7].copy()
-            six[0] = six[6] = np.eye(4)
-            types = chain.types[first : first + 6].tolist()
-            arm = _idealised(six, types) if ideal else match_six(six, types)
+    sixes = [_six(chain, C, first) for first in range(chain.n - 5)]
+    for find in (match_six, _idealised):
+        for first, (six, types) in enumerate(sixes):
+            arm = find(six, types)
             if arm is not None:
-                rows = np.zeros((7, 13))
-                rows[:6, 0] = types
-                rows[:, 1:10] = six[:, :3, :3].reshape(7, 9)
-                rows[:, 10:] = six[:, :3, 3]
-                rows[6, 0] = -1.0
-                data = _laid_out(chain, at.LOCKED, rows.ravel(), arm.data)
-                data[at.FIRST], data[at.BACKWARDS] = first, arm.backwards
-                data[at.SIX], data[at.POLISH] = arm.family, ideal
+                data = _locked(chain, first, arm, (six, types))
+                data[at.POLISH] = find is _idealised
                 return data
-    return None
+    best = match_general(sixes)
+    return None if best is None else _locked(chain, *best, sixes[best[0]])
 
 
-def locked_anyway(chain: SerialChain) -> Array:
-    """Lay out seven joints of which the last is locked and the others are searched for.
+def _six(chain: SerialChain, C: Array, first: int) -> tuple[Array, list[int]]:
+    """Give transforms, shape (7, 4, 4), and types of six neighbouring joints."""
+    six = C[first : first + 7].copy()
+    six[0] = six[6] = np.eye(4)
+    return six, chain.types[first : first + 6].tolist()
+
+
+def _locked(
+    chain: SerialChain, first: int, arm: SixJointArm, six: tuple[Array, list[int]]
+) -> Array:
+    """Lay out an arm of which six joints from ``first`` on are solved and the others locked."""
+    rows = np.zeros((7, 13))
+    rows[:6, 0] = six[1]
+    rows[:, 1:10] = six[0][:, :3, :3].reshape(7, 9)
+    rows[:, 10:] = six[0][:, :3, 3]
+    rows[6, 0] = -1.0
+    data = _laid_out(chain, at.LOCKED, rows.ravel(), arm.data)
+    data[at.FIRST], data[at.BACKWARDS], data[at.SIX] = first, arm.backwards, arm.family
+    return data
+
+
+def locked_anyway(chain: SerialChain) -> Array | None:
+    """Lay out seven joints of which the last or the first is locked and the others searched for.
 
     Parameters
     ----------
     chain : SerialChain
-        Of seven joints, without a closed form.
+        Of seven joints, of which no six neighbouring ones are solved completely.
 
     Returns
     -------
-    ndarray
-        As :func:`match` gives it.
+    ndarray or None
+        As :func:`match` gives it; None where the others do not move in all directions.
     """
-    six = transforms(chain)[:7]
-    six[0] = six[6] = np.eye(4)
-    rest = iterative_data(chain_of(six, chain.types[:6].tolist()), respect_limits=False)
-    data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
-    data[at.SIX] = ITERATIVE
-    return data
+    C = transforms(chain)
+    for first in (0, 1):
+        part = chain_of(*_six(chain, C, first))
+        if moves_in_all_directions(part, arm_size(part)):
+            rest = iterative_data(part, respect_limits=False)
+            data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
+            data[at.FIRST], data[at.SIX] = first, ITERATIVE
+            return data
+    return None
 
 
 def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
@@ -95,7 +122,7 @@ def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
     return np.concatenate((head, chain.packed.ravel(), six, rest))
 
 
-def _idealised(C: Array, types: list[int]) -> SixJointArm | None:
+def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:
     """Find the closed form of six joints whose last or first three axes nearly meet."""
     for backwards in (False, True):
         links = reversed_transforms(C) if backwards else C.copy()

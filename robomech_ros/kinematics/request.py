@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,8 +41,7 @@ Array = NDArray[np.float64]
 METRICS = {"linf": 0, "l2": 1}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Request:
+class Request(NamedTuple):
     """A checked request; the fields are those of :func:`inverse_kinematics`."""
 
     seed: Array
@@ -79,6 +79,10 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
     q = as_joint_values(chain, seed, "seed")
     if q.ndim != 1:
         raise WrongSizeError("seed", q.shape, f"({chain.n},)")
+    if not q.flags.writeable:
+        q = q.copy()  # as the kernels want it
+    if first_outside(*_seeds(chain), q, 0.0) == INSIDE:
+        return q
     i = first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
     if i != INSIDE:
         if not np.isfinite(q).all():
@@ -93,8 +97,17 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
     return q
 
 
-def as_flag(what: str, value: bool) -> bool:
+@lru_cache(maxsize=128)
+def _seeds(chain: SerialChain) -> tuple[Array, Array]:
+    """Give the least and the greatest seed that every request allows."""
+    low = np.maximum(chain.lower - POSITION_SLACK, -chain.largest)
+    return low, np.minimum(chain.upper + POSITION_SLACK, chain.largest)
+
+
+def as_flag(what: str, value: object) -> bool:
     """Check a truth value; 0 and 1 are taken as such."""
+    if value is True or value is False:
+        return value
     if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):
         return bool(value)
     raise BadValueError(what, value, "True or False")

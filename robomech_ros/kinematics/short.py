@@ -1,11 +1,10 @@
-"""Arms of one to five joints: completion to six joints with a closed form.
+"""Arms of one to five joints: completion to six joints.
 
-Imagined joints are put where a closed form results, mostly a spherical wrist about a point of the
-last axis, after slides that let the first joints reach every point.  Solutions of the arm are those
-in which they stay at zero, so that none is lost, whatever the arm: planar, spherical, SCARA, with
-five axes or any other.  What fits neither read from the base nor from the tip is left to other
-solvers: among them most arms of five joints of which no two neighbouring axes at an end meet
-and no three neighbouring axes are parallel.
+Imagined joints are put where a closed form results if they can, mostly a spherical wrist about a
+point of the last axis, after slides that let the first joints reach every point.  Solutions of the
+arm are those in which they stay at zero, so that none is lost, whatever the arm: planar, spherical,
+SCARA, with five axes or any other.  What fits neither read from the base nor from the tip is
+completed by skew axes to an arm of six joints without special geometry.
 """
 
 import itertools
@@ -20,7 +19,12 @@ from robomech_ros._kernels import short_layout as at
 from robomech_ros._kernels.six_joints import DECOUPLED
 from robomech_ros._kernels.tolerances import ARM_RANK, SHORT_REGULAR
 from robomech_ros.kinematics.decoupled import transforms
-from robomech_ros.kinematics.six_joints import SixJointArm, match_six, reversed_transforms
+from robomech_ros.kinematics.six_joints import (
+    SixJointArm,
+    match_general,
+    match_six,
+    reversed_transforms,
+)
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 
 __all__ = ["match"]
@@ -42,12 +46,26 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_short`` reads; None where no completion has a closed
-        form.
+        The constants that ``_kernels.inverse_short`` reads; None where no completion moves in all
+        directions.
     """
     if not 1 <= chain.n <= 5:
         return None
     size = max(float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum()), 1e-3)
+    found = _with_closed_form(chain, size) or _without_closed_form(chain, size)
+    if found is None:
+        return None
+    arm, (_, types, places) = found
+    head = np.zeros(at.PARTS)
+    head[at.JOINTS], head[at.SIX], head[at.BACKWARDS] = chain.n, arm.family, arm.backwards
+    head[at.EXACT] = arm.family != DECOUPLED or arm.data[decoupled_layout.EXACT] == 1.0
+    head[at.SIZE] = size
+    head[at.PLACES : at.PLACES + 6], head[at.SLIDES : at.SLIDES + 6] = places, types
+    return np.concatenate((head, chain.packed.ravel(), arm.data))
+
+
+def _with_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Completed] | None:
+    """Complete an arm to one with a closed form, as regular as can be had."""
     best: tuple[float, SixJointArm, Completed] | None = None
     for completed in _completions(chain, size):
         arm = match_six(np.array(completed[0]), completed[1])
@@ -60,15 +78,26 @@ def match(chain: SerialChain) -> Array | None:
             best = regular, arm, completed
         if regular >= SHORT_REGULAR:
             break
-    if best is None:
+    return None if best is None else best[1:]
+
+
+def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Completed] | None:
+    """Complete an arm of four or five joints to one of no special geometry."""
+    if chain.n < 4:
         return None
-    _, arm, (_, types, places) = best
-    head = np.zeros(at.PARTS)
-    head[at.JOINTS], head[at.SIX], head[at.BACKWARDS] = chain.n, arm.family, arm.backwards
-    head[at.EXACT] = arm.family != DECOUPLED or arm.data[decoupled_layout.EXACT] == 1.0
-    head[at.SIZE] = size
-    head[at.PLACES : at.PLACES + 6], head[at.SLIDES : at.SLIDES + 6] = places, types
-    return np.concatenate((head, chain.packed.ravel(), arm.data))
+    C, types = transforms(chain), chain.types.tolist()
+    arms = []
+    for turned in (False, True):
+        links = list(reversed_transforms(C) if turned else C)
+        kinds = types[::-1] if turned else types
+        completed = (links, kinds, list(range(chain.n)))
+        for placed in _SKEW[chain.n - 6 :]:
+            placed = placed.copy()
+            placed[:3, 3] *= size
+            completed = _with_last(completed, placed)
+        arms.append(_turned(completed, chain.n) if turned else completed)
+    found = match_general((np.array(links), kinds) for links, kinds, _ in arms)
+    return None if found is None else (found[1], arms[found[0]])
 
 
 def _completions(chain: SerialChain, size: float) -> Iterator[Completed]:
@@ -199,3 +228,10 @@ def _turn_z(angle: float) -> Array:
     result = np.eye(4)
     result[:2, :2] = [[c, -s], [s, c]]
     return result
+
+
+# Places of skew imagined joints behind the last one, lengths over the arm's size.
+_SKEW = (
+    _shift(np.array([0.31, 0.22, -0.17])) @ _turn_z(0.7) @ _turn_x(1.3),
+    _shift(np.array([0.23, -0.34, 0.19])) @ _turn_z(-1.9) @ _turn_x(1.1),
+)

@@ -1,16 +1,24 @@
-"""Six-joint arms with a closed form, forwards or backwards, alone or inside longer chains."""
+"""Six-joint arms that are solved completely, alone or inside longer and shorter chains."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.six_joints import DECOUPLED, THREE_PARALLEL
-from robomech_ros.kinematics import decoupled, three_parallel
+from robomech_ros._kernels import general_layout
+from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, THREE_PARALLEL
+from robomech_ros.kinematics import decoupled, general, three_parallel
 from robomech_ros.robots.chain import SerialChain, pack_chain
 
-__all__ = ["CLOSED_FORMS", "SixJointArm", "chain_of", "match_six", "reversed_transforms"]
+__all__ = [
+    "CLOSED_FORMS",
+    "SixJointArm",
+    "chain_of",
+    "match_general",
+    "match_six",
+    "reversed_transforms",
+]
 
 Array = NDArray[np.float64]
 
@@ -23,7 +31,7 @@ CLOSED_FORMS: tuple[tuple[str, int, Callable[[SerialChain], Array | None]], ...]
 
 @dataclass(frozen=True, eq=False)
 class SixJointArm:
-    """A closed form for six joints.
+    """How six joints are solved.
 
     Parameters
     ----------
@@ -64,6 +72,35 @@ def match_six(transforms: Array, types: Sequence[int]) -> SixJointArm | None:
             if data is not None:
                 return SixJointArm(number, reverse, data)
     return None
+
+
+def match_general(
+    candidates: Iterable[tuple[Array, Sequence[int]]],
+) -> tuple[int, SixJointArm] | None:
+    """Find the best of some arms of six joints for elimination, which assumes no special geometry.
+
+    Parameters
+    ----------
+    candidates : iterable of transforms, shape (7, 4, 4), and types
+        As for :func:`match_six`.
+
+    Returns
+    -------
+    tuple of int and SixJointArm, or None
+        Which candidate, and how it is solved: the first one of which every random pose is solved
+        with nothing in doubt, else the one with most of them.
+    """
+    best: tuple[float, int, SixJointArm] | None = None
+    for number, (transforms, types) in enumerate(candidates):
+        data = general.match(chain_of(transforms, types))
+        if data is None:
+            continue
+        clean = float(data[general_layout.CLEAN])
+        if best is None or clean > best[0]:
+            best = clean, number, SixJointArm(GENERAL, False, data)
+        if clean == 1.0:
+            break
+    return None if best is None else best[1:]
 
 
 def reversed_transforms(transforms: Array) -> Array:

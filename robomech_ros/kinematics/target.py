@@ -1,5 +1,7 @@
 """Target poses as they come from a caller, checked and laid out for the kernels."""
 
+from typing import TypeGuard
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,6 +14,8 @@ from robomech_ros.spatial.matrices import rotation_error
 __all__ = ["as_targets"]
 
 Array = NDArray[np.float64]
+
+_FLOAT = np.dtype(np.float64)
 
 
 def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
@@ -38,15 +42,20 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
         0 0 0 1 by more than the tolerance, or a position beyond LARGEST_LENGTH; of a batch the
         message names the pose.
     """
-    given = real_array(what, T)
+    given = T if _is_plain(T) else real_array(what, T)
     if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):
         expected = "(m, 4, 4)" if batch else "(4, 4); inverse_kinematics_batch takes many"
         raise WrongSizeError(what, given.shape, expected)
-    poses = np.array(given, order="C").reshape(-1, 4, 4)
+    poses = np.array(given, order="C", ndmin=3)
     fault = clean_poses(poses, ROTATION_ERROR)
     if fault:
         _raise(poses, f"{what}[{{}}]" if batch else what)
     return poses
+
+
+def _is_plain(T: ArrayLike) -> TypeGuard[Array]:
+    """Tell whether these are poses whose type and shape need no further look."""
+    return type(T) is np.ndarray and T.dtype is _FLOAT
 
 
 def _raise(poses: Array, what: str) -> None:

@@ -13,6 +13,7 @@ __all__ = ["main"]
 COMMANDS = {
     "bringup": "run all nodes for a robot",
     "call": "call a service with a request in YAML",
+    "plot": "draw all postures in which an arm takes a pose",
     "robots": "list the robots that are known by name",
     "warmup": "compile the numeric kernels, once",
     "doctor": "say what is missing on this machine, and how to mend it",

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.numerics.arrays import real_array
 
 __all__ = ["least_squares", "minimum_norm"]
 
@@ -40,7 +41,7 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
     WrongSizeError, NonFiniteError
         Shapes that do not fit, or values that are not finite.
     BadValueError
-        The columns depend on each other.
+        Not real numbers, or the columns depend on each other.
     """
     A, b = _checked(A, b)
     m, n = A.shape
@@ -69,7 +70,7 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
     WrongSizeError, NonFiniteError
         Shapes that do not fit, or values that are not finite.
     BadValueError
-        The rows depend on each other.
+        Not real numbers, or the rows depend on each other.
     """
     A, b = _checked(A, b)
     m, n = A.shape
@@ -84,7 +85,7 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
 
 
 def _checked(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
-    matrix, vector = np.array(A, dtype=float), np.array(b, dtype=float)
+    matrix, vector = real_array("A", A), real_array("b", b)
     if matrix.ndim != 2 or not matrix.size:
         raise WrongSizeError("A", matrix.shape, "(m, n)")
     if vector.shape != matrix.shape[:1]:

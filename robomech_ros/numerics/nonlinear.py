@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.numerics.arrays import real_array, real_number
 from robomech_ros.numerics.linear import least_squares
 
 __all__ = ["Iteration", "newton_gauss", "newton_raphson"]
@@ -21,6 +22,7 @@ Function = Callable[[Array], ArrayLike]
 
 # Halvings of a step that does not lessen the error before the iteration gives up.
 _HALVINGS = 30
+_POSITIVE = "a positive number"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +76,13 @@ def newton_raphson(
 
     Raises
     ------
-    WrongSizeError
-        The residual is not as long as x.
+    WrongSizeError, NonFiniteError
+        The residual is not as long as x, or x is not finite.
     BadValueError
-        The derivative is singular at a point met.
+        What should be numbers is none, or the derivative is singular at a point met.
     """
-    start = np.array(x, dtype=float)
-    size = np.shape(f(start))
+    start = _start(x)
+    size = real_array("f(x)", f(start)).shape
     if size != start.shape:
         raise WrongSizeError("f(x)", size, start.shape)
     return newton_gauss(f, jacobian, start, tolerance=tolerance, iterations=iterations)
@@ -118,11 +120,18 @@ def newton_gauss(
 
     Raises
     ------
+    WrongSizeError, NonFiniteError
+        Shapes that do not fit, or x is not finite.
     BadValueError
-        The columns of the derivative depend on each other at a point met.
+        What should be numbers is none, or the columns of the derivative depend on each other at a
+        point met.
     """
-    point = np.array(x, dtype=float)
-    residual = np.array(f(point), dtype=float)
+    point = _start(x)
+    if real_number("tolerance", tolerance, _POSITIVE) <= 0.0 or not np.isfinite(tolerance):
+        raise BadValueError("tolerance", tolerance, _POSITIVE)
+    if not isinstance(iterations, int | np.integer) or iterations < 1:
+        raise BadValueError("iterations", iterations, "a positive integer")
+    residual = _residual(f, point)
     for count in range(iterations):
         step, _ = least_squares(jacobian(point), -residual)
         length = float(np.linalg.norm(step))
@@ -130,7 +139,7 @@ def newton_gauss(
             return Iteration(point, residual, count, True)
         for _ in range(_HALVINGS):
             trial = point + step
-            found = np.array(f(trial), dtype=float)
+            found = _residual(f, trial)
             if np.linalg.norm(found) < np.linalg.norm(residual):
                 break
             step = 0.5 * step
@@ -139,3 +148,20 @@ def newton_gauss(
             return Iteration(point, residual, count, length < np.sqrt(tolerance))
         point, residual = trial, found
     return Iteration(point, residual, iterations, False)
+
+
+def _start(x: ArrayLike) -> Array:
+    start = real_array("x", x)
+    if start.ndim != 1 or not start.size:
+        raise WrongSizeError("x", start.shape, "(n,)")
+    if not np.isfinite(start).all():
+        raise NonFiniteError("x", start)
+    return start.copy()
+
+
+def _residual(f: Function, x: Array) -> Array:
+    # Infinite where a step was too long: it is halved then.
+    residual = real_array("f(x)", f(x))
+    if residual.ndim != 1:
+        raise WrongSizeError("f(x)", residual.shape, "(m,)")
+    return residual.copy()

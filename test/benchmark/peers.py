@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio
-from eaik.IK_Homogeneous import HomogeneousRobot
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from eaik.IK_Homogeneous import HomogeneousRobot
+
     from robomech_ros.robots import SerialChain
 
 Array = NDArray[np.float64]
@@ -38,6 +39,8 @@ def pinocchio_model(chain: SerialChain) -> tuple[Any, Any, int]:
 
 def eaik_robot(chain: SerialChain) -> HomogeneousRobot:
     """Return EAIK's model of `chain`, a chain of revolute joints."""
+    from eaik.IK_Homogeneous import HomogeneousRobot
+
     frames = np.empty((chain.n + 1, 4, 4))
     frame = np.eye(4)
     for index, transform in enumerate(constant_transforms(chain)):

@@ -143,3 +143,40 @@ def test_an_interrupted_step_is_done_again(tmp_path):
         env.step("a", "other key", interrupted)
     env.step("a", "key", lambda: done.append("recovered"))
     assert done == ["first", "begun", "recovered"]
+
+
+def test_wire_types_are_built_after_those_that_they_contain():
+    names = [place.name for place in tool("wire_types").packages()]
+    assert set(names) == {path.parent.name for path in (ROOT / "compat").glob("*/package.xml")}
+    assert names.index("object_recognition_msgs") < names.index("moveit_msgs")
+
+
+@pytest.mark.parametrize(
+    ("package", "real"), [("sensor_msgs", True), ("moveit_msgs", False), ("no_such_msgs", False)]
+)
+def test_a_package_that_is_there_is_not_replaced(package, real, shell_environment):
+    command = [sys.executable, "-c", tool("wire_types").IS_REAL, package]
+    done = subprocess.run(command, env=shell_environment(), check=False)
+    assert (done.returncode == 0) == real
+
+
+@pytest.mark.parametrize("target", ["compat", "test", "test-fast"])
+def test_wire_types_are_made_for_the_tests(target, shell_environment):
+    done = make("--dry-run", target, env=shell_environment())
+    assert "tools/set_up.py .venv --distribution kilted --compat" in done.stdout
+
+
+def test_a_peer_that_cannot_be_installed_is_left_out(monkeypatch, capsys, tmp_path):
+    set_up = tool("set_up")
+    environment = set_up.Environment(tmp_path, "", set_up.PEERS)
+    tried = []
+
+    def pip(*arguments):
+        tried.append(arguments[-1])
+        if arguments[-1].startswith("EAIK"):
+            raise set_up.SetUpError("no wheel for this Python")
+
+    monkeypatch.setattr(environment, "pip", pip)
+    environment.add_extra()
+    assert len(tried) == 4
+    assert "is left out: no wheel for this Python" in capsys.readouterr().out

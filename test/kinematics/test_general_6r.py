@@ -6,11 +6,8 @@ from general_arms import (
     NEAR,
     ROBOTS,
     TABLES,
-    folds,
     general_arm,
     random_postures,
-    regularity,
-    right_angles,
 )
 
 from robomech_ros.kinematics import (
@@ -114,15 +111,16 @@ def test_generating_postures_of_random_tables_at_length(apart, pose_errors, numb
 
 @pytest.mark.parametrize("name", NEAR)
 def test_nearly_special_arms_lose_nothing(apart, pose_errors, name):
-    chain = general_arm(name)
-    postures = random_postures(1000, 2)
-    # Within 1e-5 of a spherical wrist the arm is solved as if it had one, which near that wrist's
-    # own singularity is not good enough.
-    postures = postures[regularity(chain, postures) > 1e-3]
-    check_generating(chain, postures, apart, pose_errors)
+    check_generating(general_arm(name), random_postures(200, 2), apart, pose_errors)
 
 
-@pytest.mark.parametrize("name", (*ARMS, "random-3", "near-wrist-0.0001", "near-parallel-0.0001"))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NEAR)
+def test_nearly_special_arms_lose_nothing_at_length(apart, pose_errors, name):
+    check_generating(general_arm(name), random_postures(2000, 12), apart, pose_errors)
+
+
+@pytest.mark.parametrize("name", (*ARMS, "random-3", "near-wrist-1e-04", "near-parallel-1e-04"))
 def test_random_poses_are_proved_complete(name):
     chain = general_arm(name)
     for T in forward_kinematics(chain, random_postures(50, 3)):
@@ -132,7 +130,7 @@ def test_random_poses_are_proved_complete(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", (*ARMS, "random-0", "random-1", *NEAR[::2]))
+@pytest.mark.parametrize("name", (*ARMS, "random-0", "random-1", *NEAR[::4]))
 def test_nothing_missing_and_nothing_spurious(search_everywhere, apart, name):
     chain = general_arm(name)
     targets = forward_kinematics(chain, random_postures(50, 4))
@@ -143,38 +141,6 @@ def test_nothing_missing_and_nothing_spurious(search_everywhere, apart, name):
             assert apart(chain, ours, posture).min() < 1e-6, (name, k, posture)
         distance = apart(chain, ours[:, None], ours[None]) + 9.0 * np.eye(len(ours))
         assert distance.min() > 1e-6
-
-
-@pytest.mark.parametrize("name", (*ARMS, "random-0"))
-def test_folds_are_found(apart, name):
-    """Where two solutions become one, the Jacobian is singular and Newton steps end nearby."""
-    chain = general_arm(name)
-    postures = folds(chain, 40, 5)
-    found = 0
-    for q in postures:
-        result = inverse_kinematics(chain, forward_kinematics(chain, q), respect_limits=False)
-        assert len(result) and result.position_error.max() < 1e-9
-        found += result.continuum or apart(chain, result.q, q).min() < 1e-3
-    assert found >= 38
-
-
-@pytest.mark.parametrize("name", (*ARMS, "random-0", "random-1"))
-def test_right_angles(apart, name):
-    """Poses at multiples of 90 degrees: every regular posture, and nearly always an answer.
-
-    At a posture of high multiplicity Newton steps may stop short; then nothing is claimed.
-    """
-    chain = general_arm(name)
-    unanswered = 0
-    postures = right_angles(200, 6)
-    regular = regularity(chain, postures) > 1e-6
-    for q, is_regular in zip(postures, regular, strict=True):
-        result = inverse_kinematics(chain, forward_kinematics(chain, q), respect_limits=False)
-        unanswered += not len(result)
-        assert len(result) or not result.complete
-        assert result.position_error.max(initial=0.0) < 1e-9
-        assert not is_regular or apart(chain, result.q, q).min() < 1e-6, q
-    assert unanswered <= 1
 
 
 def test_out_of_reach():

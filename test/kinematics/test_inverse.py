@@ -1,6 +1,7 @@
 """The door to inverse kinematics: options, order, limits, windings, reasons, refusals."""
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -237,6 +238,46 @@ def test_batch_agrees_with_single_calls(ur5e):
     nearest, one, _ = inverse_kinematics_batch(ur5e, T, seed=POSTURE, max_solutions=1)
     assert nearest.shape == (40, 1, 6) and one.max() == 1
     np.testing.assert_array_equal(nearest[:, 0], q[:, 0])
+
+
+def test_the_layout_of_arguments_makes_no_difference_and_they_stay(ur5e, target):
+    """Read-only, Fortran-ordered, strided, of single precision, or lists."""
+    seed = POSTURE.astype(np.float32)
+    wanted = inverse_kinematics(ur5e, target, seed=seed)
+    frozen, frozen_seed = target.copy(), seed.astype(float)
+    frozen.setflags(write=False)
+    frozen_seed.setflags(write=False)
+    wide, wide_seed = np.zeros((4, 8)), np.zeros(12)
+    wide[:, ::2], wide_seed[::2] = target, frozen_seed
+    for T, start in (
+        (frozen, frozen_seed),
+        (np.asfortranarray(target), frozen_seed.tolist()),
+        (target.tolist(), wide_seed[::2]),
+        (wide[:, ::2], frozen_seed),
+    ):
+        given = np.array(T), np.array(start)
+        one = inverse_kinematics(ur5e, T, seed=start)
+        assert one.q.tobytes() == wanted.q.tobytes()
+        q, count, _ = inverse_kinematics_batch(ur5e, [T], seed=start)
+        assert q[0, : count[0]].tobytes() == wanted.q.tobytes()
+        assert np.array_equal(T, given[0]) and np.array_equal(start, given[1])
+
+
+def test_threads_do_not_disturb_each_other():
+    """The same answers from several threads, each with an arm of its own, as from one."""
+
+    def solve(name):
+        chain = load_robot(name)
+        postures = np.clip(np.random.default_rng(0).uniform(-2, 2, (40, chain.n)), -3, 3)
+        targets = forward_kinematics(chain, postures)
+        singles = [inverse_kinematics(chain, T, respect_limits=False).q.tobytes() for T in targets]
+        return singles, inverse_kinematics_batch(chain, targets, respect_limits=False)[0].tobytes()
+
+    names = ["puma560", "ur5e", "stanford", "panda"] * 3
+    alone = {name: solve(name) for name in set(names)}
+    with ThreadPoolExecutor(len(names)) as pool:
+        for name, found in zip(names, pool.map(solve, names), strict=True):
+            assert found == alone[name]
 
 
 def test_an_empty_batch(ur5e):

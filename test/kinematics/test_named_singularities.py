@@ -138,8 +138,41 @@ def test_a_continuum_of_several_singularities_is_told(name, kinds):
         assert len(result) and result.continuum == free, posture
 
 
+@pytest.mark.parametrize(("name", "kinds"), ONE + SEVERAL)
+def test_generating_joints_are_among_the_solutions(apart, name, kinds):
+    """Or in a continuum that is reported, whatever the seed."""
+    chain, q = singular_postures(name, kinds, np.random.default_rng(1))
+    for posture, T in zip(q, forward_kinematics(chain, q), strict=True):
+        result = inverse_kinematics(chain, T, respect_limits=False)
+        assert result.continuum or apart(chain, result.q, posture).min() < 1e-4, posture
+        assert not (result.continuum and result.complete)
+
+
+# Arms of seven joints: which joint makes the shoulder, the elbow and the wrist singular.
+SEVEN = {"panda": (1, 3, 5), "iiwa14": (1, 3, 5)}
+SEVEN_KINDS = ((), (0,), (1,), (2,), (0, 1), (0, 2), (1, 2), (0, 1, 2), "quarter turns")
+
+
+@pytest.mark.parametrize("kinds", SEVEN_KINDS)
+@pytest.mark.parametrize("name", SEVEN)
+def test_seven_joints(pose_errors, apart, name, kinds):
+    """Every pose is answered, and with the generating joints where they are the seed."""
+    chain, rng = load_robot(name), np.random.default_rng(6)
+    q = rng.uniform(-np.pi, np.pi, (200, 7))
+    if kinds == "quarter turns":
+        q = rng.integers(-1, 3, (200, 7)) * (np.pi / 2)
+    else:
+        for kind in kinds:
+            q[:, SEVEN[name][kind]] = rng.choice([0.0, np.pi], len(q))
+    targets = check_batch(chain, q, pose_errors)
+    for posture, T in zip(q, targets, strict=True):
+        result = inverse_kinematics(chain, T, seed=posture, respect_limits=False)
+        assert apart(chain, result.q, posture).min() < 1e-6, posture
+        assert result.position_error.max() < RESIDUAL
+
+
 @pytest.mark.parametrize("name", WORDS)
-def test_joints_at_quarter_turns(pose_errors, name):
+def test_joints_at_quarter_turns(pose_errors, apart, name):
     chain = load_robot(name)
     rng = np.random.default_rng(4)
     q = rng.integers(-1, 3, (POSES, 6)) * (np.pi / 2)
@@ -150,3 +183,6 @@ def test_joints_at_quarter_turns(pose_errors, name):
         result = inverse_kinematics(chain, T, seed=posture, respect_limits=False)
         assert result.continuum or np.sin(posture[4]) ** 2 > 0.5, posture
         assert result.position_error.max() < RESIDUAL
+    for posture, T in zip(q, targets, strict=True):
+        result = inverse_kinematics(chain, T, respect_limits=False)
+        assert result.continuum or apart(chain, result.q, posture).min() < 1e-5, posture

@@ -16,7 +16,8 @@ from robomech_ros.kinematics.six_joints import chain_of
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2
-ARMS = ["panda", "iiwa14", "gen3", "xarm7", "skew", "rail", "rail-and-panda"]
+ARMS = ["panda", "iiwa14", "gen3", "xarm7", "skew", "rail", "rail-and-panda", "general7r"]
+ARMS += ["skew-with-slide", "eight-skew"]
 
 
 def make(name):
@@ -39,6 +40,14 @@ def make(name):
         alpha = [HALF, -HALF, HALF, HALF, -HALF, HALF, HALF, 0]
         limits = np.array([[-1.0, 1.0], *[[-2.8, 2.8]] * 7])
         return chain_from_dh(a, b, alpha, types="PRRRRRRR", limits=limits)
+    if name in ("skew-with-slide", "eight-skew"):
+        # No axes that meet or are parallel.
+        types = "RRRPRRR" if name == "skew-with-slide" else "R" * 8
+        n = len(types)
+        rng = np.random.default_rng(n)
+        a, b, alpha = rng.uniform(0.1, 0.4, n), rng.uniform(-0.3, 0.3, n), rng.uniform(0.5, 2.5, n)
+        half = np.where([kind == "P" for kind in types], 0.6, 3.0)
+        return chain_from_dh(a, b, alpha, types=types, limits=np.column_stack((-half, half)))
     return load_robot(name)
 
 
@@ -59,6 +68,9 @@ def random_postures(chain, count, seed):
         ("skew", at.ARM_ANGLE, 0),
         ("rail", at.LOCKED, 1),
         ("rail-and-panda", at.LOCKED, 1),
+        ("general7r", at.LOCKED, 0),
+        ("skew-with-slide", at.LOCKED, 0),
+        ("eight-skew", at.LOCKED, 0),
     ],
 )
 def test_geometry_decides_what_is_locked(name, kind, first):
@@ -125,7 +137,7 @@ def test_the_family_is_large(name, least):
 
 
 @pytest.mark.parametrize("metric", ["linf", "l2"])
-@pytest.mark.parametrize("name", ["panda", "iiwa14"])
+@pytest.mark.parametrize("name", ["panda", "iiwa14", "general7r"])
 def test_the_nearest_is_as_near_as_its_self_motion_goes(name, metric):
     """No posture of a fine self-motion of the same branch is nearer to the seed."""
     chain = load_robot(name)
@@ -143,9 +155,10 @@ def test_the_nearest_is_as_near_as_its_self_motion_goes(name, metric):
             assert best.seed_distance[0] <= np.linalg.norm(near - seed, ord=order) + 2e-3
 
 
-def test_postures_with_the_joint_locked_are_all_there_are(search_everywhere, apart):
-    """Panda with its last joint held: what an independent search finds, no more and no fewer."""
-    chain = load_robot("panda")
+@pytest.mark.parametrize("name", ["panda", "general7r"])
+def test_postures_with_the_joint_locked_are_all_there_are(search_everywhere, apart, name):
+    """The last joint held: what an independent search finds, no more and no fewer."""
+    chain = load_robot(name)
     C = np.tile(np.eye(4), (8, 1, 1))
     C[:, :3, :3] = chain.packed[:, 1:10].reshape(8, 3, 3)
     C[:, :3, 3] = chain.packed[:, 10:]

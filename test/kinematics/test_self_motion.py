@@ -13,7 +13,7 @@ from robomech_ros.kinematics import (
     track,
 )
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import chain_from_dh, load_robot
 
 ARMS = ["iiwa14", "panda", "gen3"]
 
@@ -155,14 +155,29 @@ def test_bad_requests_are_refused():
         optimal_posture(panda, T, criterion="speed")
 
 
-@pytest.mark.slow
-def test_a_redundant_arm_of_any_geometry(pose_errors):
+def test_a_redundant_arm_of_any_geometry(pose_errors, apart):
     chain = load_robot("general7r")
-    T = forward_kinematics(chain, [0.3, -0.5, 0.7, 0.9, -0.4, 0.6, 0.2])
+    q = np.array([0.3, -0.5, 0.7, 0.9, -0.4, 0.6, 0.2])
+    T = forward_kinematics(chain, q)
     motion = self_motion(chain, T)
     assert motion.branches and "joint_7" in motion.parameter_name
     for branch in motion.branches:
-        assert pose_errors(chain, T, branch.q).max() < 1e-8
+        assert pose_errors(chain, T, branch.q).max() < 1e-9
+    for posture in (q, *inverse_kinematics(chain, T, seed=q).q):
+        assert min(apart(chain, branch.q, posture).min() for branch in motion.branches) < 0.3
+    best = optimal_posture(chain, T)
+    assert best.status is Status.SUCCESS and pose_errors(chain, T, best.q).max() < 1e-9
+    margin = np.minimum(best.q - chain.lower, chain.upper - best.q).min()
+    assert margin >= np.minimum(q - chain.lower, chain.upper - q).min()
+
+
+def test_a_redundant_arm_of_which_no_six_joints_move_in_all_directions():
+    """Axes 3 to 6 are parallel: either six joints have all of these, one too many."""
+    a, b = [0.1, 0.3, 0.3, 0.2, 0.2, 0.1, 0.1], [0.3, 0.1, 0, 0.1, 0, 0.1, 0.2]
+    chain = chain_from_dh(a, b, [1.4, 1.2, 0, 0, 0, 1.1, 0.3])
+    T = forward_kinematics(chain, [0.3, -0.5, 0.7, 0.9, -0.4, 0.6, 0.2])
+    with pytest.raises(BadValueError, match="six joints move in all directions"):
+        self_motion(chain, T)
 
 
 @pytest.mark.parametrize("function", [self_motion, track])

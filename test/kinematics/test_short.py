@@ -16,7 +16,9 @@ from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2
 TYPES = ["R", "P", "RR", "RP", "PR", "RRR", "PRR", "RPR", "RRP", "PPR", "RPP",
-         "RRRR", "PRPR", "RRPR", "RPRP"]  # fmt: skip
+         "RRRR", "PRPR", "RRPR", "RPRP", "PRRP", "PRPP"]  # fmt: skip
+# Without any special geometry.
+SKEW_FIVE = ["RRRRR", "PRRRR", "RRPRR", "RRRRP", "PRRRP", "RPRPR", "PRPRP"]
 FIVE = {
     "vx300": None,
     "roll-at-the-end": ([0, 0.4, 0.3, 0, 0], [0.3, 0, 0, 0, 0.2], [HALF, 0, 0, HALF, 0]),
@@ -41,7 +43,7 @@ def make(name):
     return load_robot(name)
 
 
-ARMS = [*TYPES, *FIVE, "planar3r", "scara", "spherical", "planar-slide"]
+ARMS = [*TYPES, *SKEW_FIVE, *FIVE, "planar3r", "scara", "spherical", "planar-slide"]
 
 
 def random_postures(chain, count, seed):

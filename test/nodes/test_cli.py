@@ -14,6 +14,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros import __version__
 from robomech_ros.nodes import cli
 from robomech_ros.nodes.commands.warmup import kernel_modules
+from robomech_ros.nodes.kinematics_node import KinematicsNode
 from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
 from robomech_ros.robots import list_robots
 
@@ -66,6 +67,18 @@ def test_call_says_what_the_code_means(graph, capfd):
     assert "error 201 OUT_OF_REACH: out by 0.1 m" in err
 
 
+def test_call_says_what_a_code_of_moveit_means(graph, capfd):
+    graph.start(KinematicsNode, robot_description="puma560")
+    pose = "pose_stamped: {pose: {position: {x: 0.4, z: 0.3}, orientation: {w: 1.0}}}"
+    code, out, err = run(capfd, "call", "kinematics/compute_ik", f"{{ik_request: {{{pose}}}}}")
+    assert (code, "error" in err) == (0, False)
+    assert len(yaml.safe_load(out)["solution"]["joint_state"]["position"]) == 6
+    request = "{ik_request: {group_name: legs}}"
+    code, _, err = run(capfd, "call", "kinematics/compute_ik", request)
+    assert code == 1
+    assert "error -15 INVALID_GROUP_NAME: group_name is 'legs'" in err
+
+
 def test_call_of_a_service_that_says_no(graph, capfd):
     graph.start(Servant)
     code, _, err = run(capfd, "call", "servant/switch")
@@ -106,6 +119,36 @@ def test_call_with_a_time_that_is_none(capfd, timeout):
     assert caught.value.code == 2
     expected = f"--timeout: '{timeout}', expected a number of seconds above 0 and up to 86400"
     assert expected in capfd.readouterr().err
+
+
+def test_plot_draws_all_postures_of_a_pose(capfd, tmp_path):
+    joints = ["-3.1089", "1.8884", "-2.5785", "-0.0994", "-2.8742", "3.1343"]
+    path = str(tmp_path / "all.png")
+    code, out, _ = run(capfd, "plot", "general6r", "--joints", *joints, "--output", path)
+    assert (code, out) == (0, f"{path}: 16 postures; these are all\n")
+    assert (tmp_path / "all.png").stat().st_size > 100_000
+    pose = ["0.4", "0.1", "0.3", "0", "1", "0", "0"]
+    code, out, _ = run(capfd, "plot", "puma560", "--pose", *pose, "--output", path)
+    assert code == 0
+    far = ["9", "0", "0", "0", "0", "0", "1"]
+    code, _, err = run(capfd, "plot", "puma560", "--pose", *far, "--output", path)
+    assert code == 1
+    assert "out of reach" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--pose", *["0", "0", "0", "0", "0", "0", "0"]], "quaternion"),
+        (["--joints", "0.1"], "q has shape"),
+        (["--joints", *["0"] * 6, "--output", "arm.doc"], "png, svg or pdf"),
+        (["--joints", *["0"] * 6, "--azimuth", "inf"], "--azimuth is inf"),
+    ],
+)
+def test_plot_refuses_what_it_cannot_draw(capfd, arguments, words):
+    code, _, err = run(capfd, "plot", "puma560", *arguments)
+    assert code == cli.EXIT_USAGE
+    assert words in err
 
 
 def test_robots_are_listed_with_joints_and_family(capfd):

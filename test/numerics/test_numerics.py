@@ -87,3 +87,37 @@ def test_refusals():
         least_squares([[np.nan], [1.0]], [1.0, 2.0])
     with pytest.raises(WrongSizeError):
         newton_raphson(lambda x: [x[0], x[0]], lambda x: [[1.0], [1.0]], [1.0])
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: least_squares([["a", 1.0], [2.0, 3.0]], [1.0, 2.0]), "A is .* real numbers"),
+        (lambda: least_squares(np.eye(2), "ab"), "b is 'ab', expected an array of real numbers"),
+        (lambda: least_squares(np.eye(2) * 1j, [1.0, 2.0]), "A is"),
+        (lambda: minimum_norm([[1.0, 2.0], [3.0]], [1.0, 2.0]), "A is"),
+        (lambda: minimum_norm(np.eye(2), [True, False]), "b is"),
+        (lambda: newton_raphson(lambda x: x, lambda x: np.eye(1), ["one"]), "x is"),
+        (lambda: newton_raphson(lambda x: "y", lambda x: np.eye(1), [1.0]), r"f\(x\) is 'y'"),
+        (lambda: newton_gauss(lambda x: x, lambda x: [["one"]], [1.0]), "A is"),
+        (lambda: newton_gauss(lambda x: x, lambda x: [[1.0]], [1.0], tolerance="1"), "tolerance"),
+        (lambda: newton_gauss(lambda x: x, lambda x: [[1.0]], [1.0], tolerance=0.0), "tolerance"),
+        (lambda: newton_gauss(lambda x: x, lambda x: [[1.0]], [1.0], iterations=0), "iterations"),
+    ],
+)
+def test_what_is_no_number_is_said_by_name(call, words):
+    with pytest.raises(BadValueError, match=words):
+        call()
+
+
+def test_starts_that_do_not_fit():
+    with pytest.raises(WrongSizeError, match=r"x has shape \(\), expected \(n,\)"):
+        newton_gauss(lambda x: x, lambda x: [[1.0]], 1.0)
+    with pytest.raises(NonFiniteError, match=r"x\[0\] is nan"):
+        newton_gauss(lambda x: x, lambda x: [[1.0]], [np.nan])
+
+
+def test_the_start_is_left_as_it_is():
+    start = np.array([1.5])
+    newton_raphson(lambda x: [x[0] ** 2 - 2.0], lambda x: [[2.0 * x[0]]], start)
+    assert start.tolist() == [1.5]

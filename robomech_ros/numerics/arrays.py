@@ -1,0 +1,60 @@
+"""Check numbers that come from a caller."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+
+__all__ = ["real_array", "real_number"]
+
+Array = NDArray[np.float64]
+
+
+def real_array(what: str, value: ArrayLike) -> Array:
+    """Give a value as float64, finite or not.
+
+    Parameters
+    ----------
+    what : str
+        Name of the quantity in messages.
+    value : array_like
+        Real numbers; truth values, text and complex numbers are none.
+
+    Raises
+    ------
+    BadValueError
+        Not real numbers.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        raise BadValueError(what, value, "an array of real numbers") from None
+    if array.size and array.dtype.kind not in "fiu":
+        raise BadValueError(what, value, "an array of real numbers")
+    return array.astype(np.float64, copy=False)
+
+
+def real_number(what: str, value: object, expected: str) -> float:
+    """Give one real number, finite or not; truth values and text are none.
+
+    Parameters
+    ----------
+    what : str
+        Name of the quantity in messages.
+    value : object
+        From a caller.
+    expected : str
+        What messages say was expected.
+
+    Raises
+    ------
+    BadValueError
+        Not a real number.
+    """
+    try:
+        number = np.asarray(value)
+    except (TypeError, ValueError):
+        number = np.empty(0)
+    if number.ndim or number.dtype.kind not in "fiu":
+        raise BadValueError(what, value, expected)
+    return float(number)
