@@ -30,7 +30,7 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
 INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-other notice demo test test-fast lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -46,17 +46,20 @@ setup: notice ## make .venv: ROS 2 from wheels, interfaces, package, kernels
 	@$(if $(MAKECMDGOALS:setup=),:,echo "next: make demo ROBOT=ur5e shows all of it at work; make test checks it (make help lists more)")
 	@$(if $(MAKECMDGOALS:setup=),:,echo "      or: . $(VENV)/bin/activate && robomech bringup --robot ur5e, then robomech call in another shell")
 
-setup-other: notice
-	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER))
+compat: notice ## add the message types of compat/ to .venv: compute_ik and compute_fk of moveit_msgs
+	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --compat)
+
+compat-other: notice
+	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER) --compat)
 
 demo: setup ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
-test: setup setup-other lint ## everything: lint, all tests, colcon, the other distribution
+test: compat compat-other lint ## everything: lint, all tests, colcon, the other distribution
 	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(INTERPRETED)
 	$(PYTEST)
 
-test-fast: setup ## what a developer runs again and again: no long and no installed tests
+test-fast: compat ## what a developer runs again and again: no long and no installed tests
 	$(PYTEST) -q -m "not slow and not installed"
 
 lint: setup ## ruff, mypy and import-linter

@@ -1,11 +1,12 @@
 """Make the virtual environment that everything else runs in; what `make setup` calls.
 
-Four steps, each skipped while the digest of its inputs is unchanged:
+Steps, each skipped while the digest of its inputs is unchanged:
 
 1. environment: a fresh virtual environment with the pinned wheels (ROS 2 among them);
 2. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
 3. package: robomech_ros installed so that edits of the source take effect at once;
-4. kernels: all numba kernels compiled into their cache.
+4. kernels: all numba kernels compiled into their cache;
+5. with --compat: the message types of compat/, one package after another.
 
 A step writes its digest when it is done and takes it away before it starts, so one that was
 interrupted is done again. Only the standard library is used: this runs outside the environment.
@@ -26,6 +27,7 @@ from pathlib import Path
 from typing import TextIO
 
 import machine
+import wire_types
 
 ROOT = Path(__file__).resolve().parent.parent
 REQUIREMENTS = ROOT / "requirements"
@@ -81,6 +83,10 @@ class Environment:
         stamp.parent.mkdir(parents=True, exist_ok=True)
         stamp.write_text(key, encoding="utf-8")
 
+    def succeeds(self, *command: str) -> bool:
+        """Run the Python of the environment and say whether it ended with 0."""
+        return not subprocess.run([str(self.python), *command], cwd=ROOT, check=False).returncode
+
     def run(self, *command: str, quiet: bool = True) -> None:
         """Run the Python of the environment; when that fails, show what it said and stop."""
         env = dict(os.environ)
@@ -122,20 +128,26 @@ class Environment:
         chosen = ("-r", str(REQUIREMENTS / self.extra), "-c", str(REQUIREMENTS / "python.txt"))
         self.pip("--prefer-binary", *chosen)
 
-    def install_interfaces(self, key: str) -> None:
-        """Build the wheel of robomech_interfaces, or take the one built before, and install it."""
+    def install_wheel(self, source: Path, key: str) -> None:
+        """Build the wheel of a package of interfaces, or take one built before, and install it."""
         place = ROOT / "build" / "wheels" / key[:16]
         if not list(place.glob("*.whl")):
-            say("robomech_interfaces: compiling messages, services, actions (once, 1 to 3 minutes)")
+            say(f"{source.name}: compiling messages, services, actions (once, 1 to 3 minutes)")
             partial = place.with_name(f"{place.name}.partial")
             shutil.rmtree(partial, ignore_errors=True)
             options = ("--quiet", "--no-build-isolation", "--no-deps", "--no-cache-dir")
-            source = str(ROOT / "robomech_interfaces")
-            self.run("-m", "pip", "wheel", *options, "-w", str(partial), source)
+            self.run("-m", "pip", "wheel", *options, "-w", str(partial), str(source))
             shutil.rmtree(place, ignore_errors=True)
             partial.rename(place)
         wheels = map(str, place.glob("*.whl"))
         self.pip("--no-deps", "--no-index", "--force-reinstall", *wheels)
+
+    def install_compat(self, source: Path, key: str) -> None:
+        """Install a package of compat/, unless the environment has the real one."""
+        if self.succeeds("-c", wire_types.IS_REAL, source.name):
+            say(f"{source.name}: already installed, left as it is")
+        else:
+            self.install_wheel(source, key)
 
     def install_package(self) -> None:
         """Install robomech_ros as a link to the source, and its nodes where `ros2 run` looks."""
@@ -169,15 +181,16 @@ def kernel_cache() -> Path:
     return Path(base) / "robomech_ros"
 
 
-def set_up(env: Environment) -> None:
+def set_up(env: Environment, with_compat: bool) -> None:
     """Do every step whose inputs changed."""
     pins = digest(env.pins, sys.version, sys.base_prefix, str(env.folder))
     env.step("environment", pins, env.fill)
     if env.extra:
         env.step("extra", digest([REQUIREMENTS / env.extra], pins), env.add_extra)
     if env.distribution:
-        built = digest([*sources(ROOT / "robomech_interfaces"), *env.pins], sys.version)
-        env.step("interfaces", built, lambda: env.install_interfaces(built))
+        own = ROOT / "robomech_interfaces"
+        built = digest([*sources(own), *env.pins], sys.version)
+        env.step("interfaces", built, lambda: env.install_wheel(own, built))
 
     packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
     packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
@@ -188,6 +201,17 @@ def set_up(env: Environment) -> None:
             env.stamp("kernels").unlink(missing_ok=True)
         kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
         env.step("kernels", digest([], kernels, str(kernel_cache())), env.compile_kernels)
+    if with_compat:
+        add_compat(env)
+
+
+def add_compat(env: Environment) -> None:
+    """Install the packages of compat/, each after those whose messages it contains."""
+    shared = [wire_types.FOLDER / "wire_types.cmake", *env.pins]
+    for source in wire_types.packages():
+        shared += sources(source)
+        key = digest(shared, sys.version)
+        env.step(source.name, key, lambda s=source, k=key: env.install_compat(s, k))
 
 
 def alone(name: str) -> TextIO:
@@ -208,8 +232,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Make a virtual environment of this project.")
     parser.add_argument("folder", help="environment to make, below the root of the project")
     parser.add_argument("--distribution", default="", choices=("", "kilted", "jazzy"))
+    parser.add_argument("--compat", action="store_true", help="add the message types of compat/")
     parser.add_argument("--extra", default="", help="a further file of requirements/")
     options = parser.parse_args()
+    if options.compat and not options.distribution:
+        parser.error("--compat needs --distribution")
     began = time.monotonic()
     problems = machine.missing()
     for problem in problems:
@@ -218,7 +245,8 @@ def main() -> int:
         return 1
     try:
         with alone(options.folder):
-            set_up(Environment(ROOT / options.folder, options.distribution, options.extra))
+            env = Environment(ROOT / options.folder, options.distribution, options.extra)
+            set_up(env, options.compat)
     except (SetUpError, subprocess.CalledProcessError) as error:
         say(f"failed: {error}; mended, `make setup` goes on from here")
         return 1

@@ -8,6 +8,7 @@ NumPy's overhead on four of them would be a good part of a service's answer time
 import math
 from array import array
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Duration
@@ -27,6 +28,7 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.quaternions import matrix_from_quaternion
 
 __all__ = [
+    "append_numbers",
     "duration_from_seconds",
     "floats",
     "joint_state",
@@ -120,6 +122,11 @@ def floats(values: Array) -> "array[float]":
     result = array("d")
     result.frombytes(values.tobytes())
     return result
+
+
+def append_numbers(target: "array[Any]", values: NDArray[Any]) -> None:
+    """Append the entries of an array, in its own order, to one of Python's arrays."""
+    target.frombytes(values.astype(target.typecode).tobytes())
 
 
 def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:

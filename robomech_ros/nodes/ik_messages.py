@@ -1,6 +1,5 @@
-"""Encoding of inverse-kinematic results for SolveIK and SolveIKBatch."""
+"""Reading of SolveIK requests and encoding of what was found."""
 
-import math
 from array import array
 from typing import Any
 
@@ -9,14 +8,12 @@ from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics
+from robomech_ros.kinematics import InverseKinematicsResult
 from robomech_ros.nodes.conversions import duration_from_seconds, floats, seconds_from_duration
-from robomech_ros.robots import SerialChain
 
-__all__ = ["SolutionPoints", "encode_batch", "encode_result", "inverse_options", "is_nearest"]
+__all__ = ["SolutionPoints", "encode_result", "inverse_options", "is_nearest"]
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _METRICS = ("linf", "l2")
 _NEAREST = 1
@@ -111,41 +108,3 @@ def encode_result(
     response.error_code = int(result.status)
     response.error_msg = result.reason
     return response
-
-
-def encode_batch(
-    chain: SerialChain, T: Array, found: tuple[Array, Indices, Indices], response: Any
-) -> Any:
-    """Fill a SolveIKBatch response.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : ndarray, shape (m, 4, 4)
-        The poses asked for (m).
-    found : tuple
-        What `inverse_kinematics_batch` returns: q (m, c, n), count (m,), status (m,).
-    response : SolveIKBatch.Response
-        To be filled.
-    """
-    q, count, status = found
-    rows = q[np.arange(q.shape[1]) < count[:, None]]
-    apart = np.repeat(T, count, axis=0)
-    apart -= forward_kinematics(chain, rows)
-    turned = apart[:, :3, :3].reshape(-1, 9)
-    response.joint_names = list(chain.joint_names)
-    response.counts = array("I", count.tolist())
-    response.solutions = floats(rows)
-    response.position_errors = floats(_lengths(apart[:, :3, 3]))
-    # The difference of two rotations that are apart by an angle is 2 sqrt(2) sin(angle / 2) long.
-    chord = np.minimum(_lengths(turned) / (2.0 * math.sqrt(2.0)), 1.0)
-    response.orientation_errors = floats(2.0 * np.arcsin(chord))
-    response.codes = array("H", status.tolist())
-    return response
-
-
-def _lengths(rows: Array) -> Array:
-    """Lengths of the rows of a matrix, without the copies that a norm makes."""
-    lengths: Array = np.sqrt(np.einsum("ij,ij->i", rows, rows))
-    return lengths

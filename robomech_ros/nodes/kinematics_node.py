@@ -26,13 +26,13 @@ from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.ik_batch import solve_in_turns
 from robomech_ros.nodes.ik_messages import (
     SolutionPoints,
-    encode_batch,
     encode_result,
     inverse_options,
     is_nearest,
 )
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.pauses import Turns
 from robomech_ros.nodes.reference_axes import reference_axes
@@ -90,9 +90,16 @@ class KinematicsNode(Node):
             (GetJacobian, "~/get_jacobian", self._get_jacobian),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+        moveit = add_moveit_services(
+            self,
+            model,
+            self._monitor,
+            lambda: self._table.settings.state_timeout,
+            self._check_size,
+        )
         self.get_logger().info(
             f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
-            f"inverse kinematics: {family}"
+            f"inverse kinematics: {family}{', compute_ik and compute_fk' if moveit else ''}"
         )
 
     @guarded
@@ -132,8 +139,8 @@ class KinematicsNode(Node):
             "respect_limits": not request.ignore_limits,
             "max_solutions": 1 if is_nearest(request.mode) else None,
         }
-        found, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
-        encode_batch(chain, T, found, response)
+        lists, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
+        lists.fill(response)
         if done < len(T):
             text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
             return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")

@@ -6,6 +6,7 @@ other benchmarks could disturb.
 
 from __future__ import annotations
 
+import array
 import contextlib
 import json
 import os
@@ -18,14 +19,19 @@ import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import rclpy
 from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
-from robomech_interfaces.srv import SolveIK
+from robomech_interfaces.srv import SolveIK, SolveIKBatch
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots import load_robot
+from robomech_ros.spatial import position_quaternion_from_pose
 
 ROBOT = "puma560"
 TARGET = (0.4, 0.2, 0.3)
@@ -33,6 +39,9 @@ SOLUTIONS = 8
 STARTS = 5
 CALLS = 1000
 WARM_CALLS = 50
+BATCH_POSES = 100_000
+CHUNK = 10_000  # the most that a node takes in one request unless told otherwise
+BATCHES = 5
 SETTLE_SECONDS = 3.0
 IDLE_SECONDS = 10.0
 PATIENCE = 120.0
@@ -91,7 +100,7 @@ def request() -> SolveIK.Request:
 
 
 class Caller:
-    """A node that calls SolveIK services and waits for each answer."""
+    """A node that calls services of inverse kinematics and waits for each answer."""
 
     def __init__(self) -> None:
         self.node: Node = rclpy.create_node("benchmark")
@@ -112,9 +121,9 @@ class Caller:
             if time.monotonic() > deadline:
                 raise SystemExit(f"no service {client.srv_name} after {PATIENCE:g} s")
 
-    def call(self, client: Client) -> SolveIK.Response:
-        """Return the answer of `client` to the request."""
-        future = client.call_async(self.request)
+    def call(self, client: Client, request: Any = None) -> Any:
+        """Return the answer of `client` to a request, unless given the one for SolveIK."""
+        future = client.call_async(request or self.request)
         self.executor.spin_until_future_complete(future, timeout_sec=PATIENCE)
         response = future.result()
         if response is None:
@@ -168,6 +177,45 @@ def round_trips(caller: Caller) -> dict[str, list[float]]:
     return microseconds
 
 
+def batch_chunks() -> list[SolveIKBatch.Request]:
+    """Return requests for all solutions of BATCH_POSES poses, CHUNK in each."""
+    chain = load_robot(ROBOT)
+    q = np.random.default_rng(6).uniform(-np.pi, np.pi, (BATCH_POSES, chain.n))
+    positions, quaternions = position_quaternion_from_pose(forward_kinematics(chain, q))
+    rows = np.concatenate((positions, quaternions), axis=1)
+    return [
+        SolveIKBatch.Request(poses=array.array("d", part.tobytes()), ignore_limits=True)
+        for part in np.split(rows, BATCH_POSES // CHUNK)
+    ]
+
+
+def batches(caller: Caller) -> dict[str, Any]:
+    """Return the seconds that all solutions of BATCH_POSES poses take, and the node's memory."""
+    chunks, seconds, solutions = batch_chunks(), [], 0
+    with running(*node_command("kinematics")) as process:
+        client = caller.node.create_client(SolveIKBatch, "kinematics/solve_ik_batch")
+        caller.wait(client, process)
+        for _ in range(BATCHES):
+            begin = time.perf_counter()
+            answers = [caller.call(client, chunk) for chunk in chunks]
+            seconds.append(time.perf_counter() - begin)
+            solutions = sum(len(answer.position_errors) for answer in answers)
+        if any(answer.error_code for answer in answers) or solutions < BATCH_POSES:
+            raise SystemExit(f"the batches were answered with {solutions} solutions")
+        return {
+            "seconds": seconds,
+            "solutions": solutions,
+            "megabytes": most_megabytes(process.pid),
+        }
+
+
+def most_megabytes(pid: int) -> float:
+    """Return the most memory that process `pid` ever had resident, in units of 10^6 bytes."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    most = next(line for line in lines if line.startswith("VmHWM:"))
+    return int(most.split()[1]) * 1024 / 1e6
+
+
 def wait_for_all(caller: Caller) -> None:
     """Wait until every node of the suite has brought its services up."""
     deadline = time.monotonic() + PATIENCE
@@ -216,6 +264,7 @@ def main() -> None:
     try:
         starts = start_seconds(caller)
         trips = round_trips(caller)
+        batch = batches(caller)
         loads = idle_loads(caller)
     finally:
         caller.node.destroy_node()
@@ -225,6 +274,7 @@ def main() -> None:
             {
                 "start_seconds": starts,
                 "round_trips": {name: statistics.quantiles(v, n=4) for name, v in trips.items()},
+                "batch": batch,
                 "idle": {name: asdict(load) for name, load in loads.items()},
             }
         )

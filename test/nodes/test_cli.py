@@ -14,6 +14,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros import __version__
 from robomech_ros.nodes import cli
 from robomech_ros.nodes.commands.warmup import kernel_modules
+from robomech_ros.nodes.kinematics_node import KinematicsNode
 from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
 from robomech_ros.robots import list_robots
 
@@ -64,6 +65,18 @@ def test_call_says_what_the_code_means(graph, capfd):
     assert code == 1
     assert yaml.safe_load(out)["error_code"] == 201
     assert "error 201 OUT_OF_REACH: out by 0.1 m" in err
+
+
+def test_call_says_what_a_code_of_moveit_means(graph, capfd):
+    graph.start(KinematicsNode, robot_description="puma560")
+    pose = "pose_stamped: {pose: {position: {x: 0.4, z: 0.3}, orientation: {w: 1.0}}}"
+    code, out, err = run(capfd, "call", "kinematics/compute_ik", f"{{ik_request: {{{pose}}}}}")
+    assert (code, "error" in err) == (0, False)
+    assert len(yaml.safe_load(out)["solution"]["joint_state"]["position"]) == 6
+    request = "{ik_request: {group_name: legs}}"
+    code, _, err = run(capfd, "call", "kinematics/compute_ik", request)
+    assert code == 1
+    assert "error -15 INVALID_GROUP_NAME: group_name is 'legs'" in err
 
 
 def test_call_of_a_service_that_says_no(graph, capfd):

@@ -119,6 +119,8 @@ def _is_plumbing(service: str) -> bool:
 def _verdict(response: Any) -> int:
     """Say on stderr what the answer's code means; returns the exit code."""
     code = getattr(response, "error_code", 0)
+    if hasattr(code, "val"):
+        return _moveit_verdict(code)
     if code:
         from robomech_ros.nodes.error_codes import name_of
 
@@ -128,3 +130,14 @@ def _verdict(response: Any) -> int:
         print(f"no success: {getattr(response, 'message', '')}", file=sys.stderr)
         return EXIT_REFUSED
     return 0
+
+
+def _moveit_verdict(code: Any) -> int:
+    """Say on stderr what a code of MoveIt means; returns the exit code."""
+    kind = type(code)
+    if code.val == kind.SUCCESS:
+        return 0
+    constants = (name for name in dir(kind) if name.isupper())
+    name = next((name for name in constants if getattr(kind, name) == code.val), "unknown")
+    print(f"error {code.val} {name}: {getattr(code, 'message', '')}", file=sys.stderr)
+    return EXIT_REFUSED

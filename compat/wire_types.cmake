@@ -1,0 +1,36 @@
+# wire_types(dependency ...): generate all messages, services and actions of the project.
+# Every package of compat/ is built by this; tools/set_up.py calls it.
+
+if(NOT CMAKE_CXX_STANDARD)
+  set(CMAKE_CXX_STANDARD 17)
+endif()
+
+macro(wire_types)
+  find_package(ament_cmake REQUIRED)
+  find_package(rosidl_default_generators REQUIRED)
+  foreach(dependency ${ARGN})
+    find_package(${dependency} REQUIRED)
+  endforeach()
+
+  # Include directories of the machine that built the wheels, which CMake refuses; see
+  # robomech_interfaces/CMakeLists.txt.
+  get_property(imported_targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+  foreach(target IN LISTS imported_targets)
+    get_target_property(directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    if(directories MATCHES "/opt/python/")
+      list(FILTER directories EXCLUDE REGEX "^/opt/python/")
+      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${directories}")
+    endif()
+  endforeach()
+
+  file(GLOB definitions RELATIVE ${PROJECT_SOURCE_DIR}
+    ${PROJECT_SOURCE_DIR}/msg/*.msg
+    ${PROJECT_SOURCE_DIR}/srv/*.srv
+    ${PROJECT_SOURCE_DIR}/action/*.action
+  )
+  # Types for C++ would take longer than all the rest, and rclpy does not use them.
+  list(FILTER AMENT_EXTENSIONS_rosidl_generate_idl_interfaces EXCLUDE REGEX "_cpp:")
+  rosidl_generate_interfaces(${PROJECT_NAME} ${definitions} DEPENDENCIES ${ARGN})
+  ament_export_dependencies(rosidl_default_runtime)
+  ament_package()
+endmacro()

@@ -1,0 +1,48 @@
+"""The services compute_ik and compute_fk of MoveIt, where the package moveit_msgs is installed."""
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.robot_description import RobotModel
+
+__all__ = ["add_moveit_services"]
+
+
+def add_moveit_services(
+    node: Node,
+    model: RobotModel,
+    monitor: JointStateMonitor,
+    patience: Callable[[], float],
+    check_size: Callable[[str, int], None],
+) -> bool:
+    """Add compute_ik and compute_fk to a node, where their types are installed.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the services under its own name.
+    model : RobotModel
+        The robot.
+    monitor : JointStateMonitor
+        Its present state.
+    patience : callable
+        Gives the time (s) that a request waits for the present state.
+    check_size : callable
+        Raises where there is more of something than the node handles at once.
+
+    Returns
+    -------
+    bool
+        Whether they are there.
+    """
+    try:
+        from robomech_ros.nodes.moveit.services import MoveItServices
+        from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+    except ImportError as error:
+        if getattr(error, "name", "") != "moveit_msgs":
+            node.get_logger().warning(f"no compute_ik and compute_fk: {error}")
+        return False
+    MoveItServices(node, WholeRobot(model, monitor), patience, check_size)
+    return True

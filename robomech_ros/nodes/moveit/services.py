@@ -1,0 +1,244 @@
+"""compute_ik and compute_fk: what MoveIt's move_group answers, from the solvers of this package."""
+
+import traceback
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from moveit_msgs.msg import MoveItErrorCodes
+from moveit_msgs.srv import GetPositionFK, GetPositionIK
+from numpy.typing import NDArray
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
+from robomech_ros.nodes.conversions import matrix_from_pose, seconds_from_duration, stamped_pose
+from robomech_ros.nodes.moveit.conditions import Conditions
+from robomech_ros.nodes.moveit.refusals import (
+    RefusedError,
+    code_of_outcome,
+    fill_code,
+    refused_as,
+)
+from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
+from robomech_ros.nodes.pauses import Turns
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import inverse_pose
+
+__all__ = ["GROUP", "MoveItServices"]
+
+Array = NDArray[np.float64]
+
+# The one group of joints of this node, beside the name of the robot.
+GROUP = "manipulator"
+
+
+@dataclass(frozen=True)
+class _Question:
+    """A request of inverse kinematics, read and checked."""
+
+    chain: SerialChain
+    target: Array
+    positions: Positions
+    conditions: Conditions
+    timeout: float | None
+
+
+class MoveItServices:
+    """The services compute_ik and compute_fk of one node.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the services under its own name.
+    robot : WholeRobot
+    patience : callable
+        Gives the time (s) that a request waits for the present state.
+    check_size : callable
+        Raises where there is more of something than the node handles at once.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        robot: WholeRobot,
+        patience: Callable[[], float],
+        check_size: Callable[[str, int], None],
+    ) -> None:
+        self._node = node
+        self._robot = robot
+        self._patience = patience
+        self._check_size = check_size
+        for kind, name, callback in (
+            (GetPositionIK, "~/compute_ik", self._compute_ik),
+            (GetPositionFK, "~/compute_fk", self._compute_fk),
+        ):
+            group = ReentrantCallbackGroup()
+            node.create_service(kind, name, self._guarded(callback), callback_group=group)
+
+    def _guarded(
+        self, callback: Callable[[Any, Any], Awaitable[Any]]
+    ) -> Callable[[Any, Any], Awaitable[Any]]:
+        """Let a callback answer whatever happens; the node goes on serving."""
+        source = self._node.get_fully_qualified_name()
+
+        async def call(request: Any, response: Any) -> Any:
+            try:
+                code, text = await callback(request, response)
+            except RobomechError as error:
+                response = type(response)()
+                code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
+            except Exception as error:
+                response = type(response)()
+                log = f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
+                self._node.get_logger().error(log)
+                code = MoveItErrorCodes.FAILURE
+                text = f"internal error, please report it: {type(error).__name__}: {error}"
+            fill_code(response.error_code, code, text, source)
+            return response
+
+        return call
+
+    async def _compute_ik(self, request: Any, response: Any) -> tuple[int, str]:
+        question = await self._read(request.ik_request)
+        result = self._solve(question)
+        if not len(result):
+            return code_of_outcome(result.status), result.reason
+        positions, broken = _first_that_holds(question, result)
+        if broken:
+            return MoveItErrorCodes.NO_IK_SOLUTION, broken
+        response.solution.joint_state = self._robot.state(positions)
+        frame = self._robot.model.chain.base
+        response.solution.multi_dof_joint_state.header.frame_id = frame
+        return MoveItErrorCodes.SUCCESS, result.reason
+
+    async def _read(self, request: Any) -> _Question:
+        self._check_group(request.group_name)
+        if request.avoid_collisions:
+            raise RefusedError(
+                MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
+                "avoid_collisions is true, expected false: this node knows no collisions",
+            )
+        link, pose = _one_pose(request)
+        chain = self._chain_to(link)
+        with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
+            T = matrix_from_pose(pose.pose, "pose_stamped.pose")
+            frame = self._robot.model.frame_in_base(pose.header.frame_id)
+            conditions = Conditions(request.constraints, self._robot)
+        with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
+            given = self._robot.given(request.robot_state)
+            # What a difference leaves out must be known, and what a condition is about; else a
+            # seed is a hint, of which the middle of the range is as good as any.
+            relative = request.robot_state.is_diff and bool(given)
+            needed = self._robot.joint_names if relative else conditions.joints
+            needed = [name for name in needed if relative or name not in chain.joint_names]
+            positions = await self._robot.completed(given, needed, self._patience())
+        with refused_as(MoveItErrorCodes.FAILURE):
+            timeout = seconds_from_duration(request.timeout, "timeout") or None
+        positions = self._robot.with_defaults(positions)
+        target = T if frame is None else frame @ T
+        return _Question(chain, target, positions, conditions, timeout)
+
+    def _check_group(self, name: str) -> None:
+        known = (GROUP, self._robot.model.chain.name)
+        if name and name not in known:
+            listed = " or ".join(f"'{one}'" for one in known)
+            raise RefusedError(
+                MoveItErrorCodes.INVALID_GROUP_NAME,
+                f"group_name is {name[:200]!r}, expected {listed}, or empty for the same",
+            )
+
+    def _chain_to(self, link: str) -> SerialChain:
+        with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
+            chain = self._robot.model.chain_to(link)
+        if not chain.n:
+            raise RefusedError(
+                MoveItErrorCodes.INVALID_LINK_NAME,
+                f"link '{link}' is not moved by any joint: it is fixed to '{chain.base}'",
+            )
+        return chain
+
+    @staticmethod
+    def _solve(question: _Question) -> InverseKinematicsResult:
+        chain = question.chain
+        seed = np.array([question.positions[name] for name in chain.joint_names])
+        # A robot at its stop reports positions beyond it; the seed says where to be near to.
+        inside = np.clip(seed, chain.lower, chain.upper)
+        judged = bool(question.conditions)
+        return inverse_kinematics(
+            chain,
+            question.target,
+            seed=inside,
+            timeout=question.timeout,
+            include_windings=judged,
+            max_solutions=None if judged else 1,
+        )
+
+    async def _compute_fk(self, request: Any, response: Any) -> tuple[int, str]:
+        names = request.fk_link_names
+        if not names:
+            return MoveItErrorCodes.INVALID_LINK_NAME, "fk_link_names is empty"
+        with refused_as(MoveItErrorCodes.FAILURE):
+            self._check_size("fk_link_names", len(names))
+        with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
+            frame = self._robot.model.frame_in_base(request.header.frame_id)
+            given = self._robot.given(request.robot_state)
+            joints, faults = self._joints_to(dict.fromkeys(names))
+            needed = dict.fromkeys(name for links in joints.values() for name in links)
+            positions = await self._robot.completed(given, needed, self._patience())
+        to_frame = np.eye(4) if frame is None else inverse_pose(frame)
+        where, turns = request.header.frame_id or self._robot.model.chain.base, Turns(self._node)
+        poses = {}
+        for link in joints:
+            poses[link] = stamped_pose(to_frame @ self._robot.pose(link, positions), where)
+            await turns.end_if_over()
+        response.fk_link_names = [link for link in names if link in poses]
+        response.pose_stamped = [poses[link] for link in response.fk_link_names]
+        if faults:
+            return MoveItErrorCodes.INVALID_LINK_NAME, "; ".join(faults[:10])
+        return MoveItErrorCodes.SUCCESS, ""
+
+    def _joints_to(self, links: Any) -> tuple[dict[str, tuple[str, ...]], list[str]]:
+        """Find the joints that move each link, and say what is wrong with those that have none."""
+        joints, faults = {}, []
+        for link in links:
+            try:
+                with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
+                    joints[link] = self._robot.joints_to(link)
+            except RefusedError as error:
+                faults.append(error.reason)
+        return joints, faults
+
+
+def _first_that_holds(
+    question: _Question, result: InverseKinematicsResult
+) -> tuple[Positions, str]:
+    """Find the nearest solution that breaks no condition, as positions of all joints.
+
+    Where each breaks one, the text says what the nearest of all breaks; else it is empty.
+    """
+    first = ""
+    for q in result.q.tolist():
+        solved = zip(question.chain.joint_names, q, strict=True)
+        positions = {**question.positions, **dict(solved)}
+        broken = question.conditions.broken(positions)
+        if not broken:
+            return positions, ""
+        first = first or broken
+    found = f"all {len(result)}" if result.complete else f"the {len(result)} known"
+    return {}, f"{found} solutions break a constraint; the nearest: {first}"
+
+
+def _one_pose(request: Any) -> tuple[str, Any]:
+    """Find the one link of a request and its wanted pose."""
+    poses = list(request.pose_stamped_vector) or [request.pose_stamped]
+    links = list(request.ik_link_names) or [request.ik_link_name]
+    if len(links) != len(poses):
+        reason = f"{len(links)} names in ik_link_names for {len(poses)} poses, expected one of each"
+        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+    if len(poses) > 1:
+        reason = f"pose_stamped_vector has {len(poses)} poses, expected one: the group has one tip"
+        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+    return links[0], poses[0]

@@ -1,0 +1,162 @@
+"""The whole robot in MoveIt's messages: a position for every joint, a pose for every link."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from moveit_msgs.msg import MoveItErrorCodes
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.conversions import joint_state
+from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.moveit.refusals import RefusedError
+from robomech_ros.nodes.robot_description import RobotModel
+
+__all__ = ["WholeRobot"]
+
+Array = NDArray[np.float64]
+# Joint name to position (rad or m).
+Positions = Mapping[str, float]
+
+
+class WholeRobot:
+    """Reads and writes the RobotState of a robot.
+
+    Joints that follow another are no part of it: MoveIt derives them from the joint they follow.
+
+    Parameters
+    ----------
+    model : RobotModel
+        The robot.
+    monitor : JointStateMonitor
+        Its present state.
+    """
+
+    def __init__(self, model: RobotModel, monitor: JointStateMonitor) -> None:
+        self.model = model
+        self._monitor = monitor
+        self._followers = {j.name for j in model.description.joints if j.mimic is not None}
+        self.joint_names = [name for name in model.joint_names if name not in self._followers]
+        limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}
+        self._middle = {name: _middle(*limits[name]) for name in self.joint_names}
+
+    def given(self, state: Any) -> dict[str, float]:
+        """Read the positions (rad or m) that a RobotState gives, by joint.
+
+        Raises
+        ------
+        RefusedError
+            It contains objects that the robot carries.
+        BadValueError, WrongSizeError, UnknownJointError, NonFiniteError
+            What it says of joints is not to be understood.
+        """
+        if state.attached_collision_objects:
+            carried = ", ".join(_object_name(one) for one in state.attached_collision_objects[:5])
+            raise RefusedError(
+                MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
+                f"robot_state.attached_collision_objects has {carried}, expected none: this node "
+                "knows no collisions",
+            )
+        compound = state.multi_dof_joint_state
+        for field in ("joint_names", "transforms", "twist", "wrench"):
+            entries = getattr(compound, field)
+            if entries:
+                what = f"robot_state.multi_dof_joint_state.{field}"
+                shown = list(compound.joint_names) or f"{len(entries)} entries"
+                raise BadValueError(what, shown, "none: the robot has no joint of several freedoms")
+        return self._checked(state.joint_state)
+
+    def _checked(self, joints: Any) -> dict[str, float]:
+        names, positions = list(joints.name), joints.position
+        if len(positions) != len(names):
+            expected = f"{len(names)}, one for every name"
+            raise WrongSizeError("robot_state.joint_state.position", len(positions), expected)
+        values = dict(zip(names, positions, strict=True))
+        if len(values) < len(names):
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            expected = f"every name once; '{twice}' is repeated"
+            raise WrongSizeError("robot_state.joint_state.name", len(names), expected)
+        for name, value in values.items():
+            if name not in self._middle and name not in self._followers:
+                raise UnknownJointError(name, self.joint_names)
+            if not np.isfinite(value):
+                raise NonFiniteError(f"robot_state of joint '{name}'", value)
+        return {name: value for name, value in values.items() if name in self._middle}
+
+    async def completed(
+        self, given: Positions, needed: Iterable[str], patience: float
+    ) -> dict[str, float]:
+        """Add the present position of every joint that is not given.
+
+        Parameters
+        ----------
+        given : mapping
+            Positions (rad or m) by joint.
+        needed : iterable of str
+            Joints that an answer cannot do without.
+        patience : float
+            How long to wait for the present state of those (s).
+
+        Raises
+        ------
+        NoStateError
+            A joint that is needed is not given, and its present position is not known.
+        """
+        missing = [name for name in needed if name not in given]
+        if missing:
+            await self._monitor.wait_for(missing, patience)
+            self._monitor.require(missing)
+        return self.with_present(given)
+
+    def with_present(self, given: Positions) -> dict[str, float]:
+        """Add the present positions, where they are known, to those that are given."""
+        present = {
+            name: float(position[0])
+            for name in self.joint_names
+            if name not in given and (position := self._monitor.positions([name])) is not None
+        }
+        return {**present, **given}
+
+    def with_defaults(self, positions: Positions) -> dict[str, float]:
+        """Add the middle of its range for every joint whose position is not known."""
+        return {**self._middle, **positions}
+
+    def state(self, positions: Positions) -> Any:
+        """Make the joint_state of a RobotState from a position (rad or m) for every joint."""
+        values = np.array([positions[name] for name in self.joint_names])
+        message = joint_state(self.joint_names, values)
+        message.header.frame_id = self.model.chain.base
+        return message
+
+    def joints_to(self, frame: str) -> tuple[str, ...]:
+        """Name the joints between the base and a link; of a frame fixed to the base, none.
+
+        Raises
+        ------
+        UnknownLinkError, RobotDescriptionError
+            There is no such link, or no chain to it.
+        """
+        if frame in self.model.fixed_frames:
+            return ()
+        return self.model.chain_to(frame).joint_names
+
+    def pose(self, frame: str, positions: Positions) -> Array:
+        """Give the pose of a link in the base, shape (4, 4) (m); "" is the base itself."""
+        fixed = self.model.fixed_frames.get(frame or self.model.chain.base)
+        if fixed is not None:
+            return fixed
+        chain = self.model.chain_to(frame)
+        q = np.array([positions[name] for name in chain.joint_names])
+        return forward_kinematics(chain, q)
+
+
+def _middle(lower: float, upper: float) -> float:
+    if np.isfinite(lower) and np.isfinite(upper):
+        return 0.5 * (lower + upper)
+    return float(np.clip(0.0, lower, upper))
+
+
+def _object_name(attached: Any) -> str:
+    return f"'{attached.object.id[:50]}' on '{attached.link_name[:50]}'"
