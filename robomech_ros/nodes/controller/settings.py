@@ -23,6 +23,9 @@ class ControllerSettings(RobotSettings):
     action_monitor_rate: float = parameter(
         20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
     )
+    state_publish_rate: float = parameter(
+        50.0, "How often controller_state is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
     initial_positions: tuple[float, ...] = parameter(
         (),
         "Where the joints are at start and after a reset, base to tip, rad or m. Empty = the "
@@ -51,7 +54,26 @@ class ControllerSettings(RobotSettings):
         0.01, "How fast a joint may be at the end, rad/s or m/s; 0 = any speed", 0.0, 10.0
     )
     goal_time: float = parameter(
-        1.0, "How long after its end a trajectory may still reach its goal", 0.0, 3600.0, "s"
+        1.0,
+        "How long after its end a trajectory may still reach its goal; 0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    cmd_timeout: float = parameter(
+        0.0,
+        "How long after its end a trajectory may be under way at all; then the robot holds. "
+        "0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    allow_partial_joints_goal: bool = parameter(
+        False, "Whether a trajectory may name some of the joints only; the others stay"
+    )
+    allow_nonzero_velocity_at_trajectory_end: bool = parameter(
+        False,
+        "Whether a trajectory may end moving; the robot then brakes beyond its last point",
     )
     max_points: int = parameter(
         10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
@@ -80,7 +102,7 @@ def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
         settings.stopped_velocity_tolerance,
     )
     path, goal, velocity = (np.full(joints, value or np.inf) for value in values)
-    return Tolerances(path, goal, velocity, settings.goal_time)
+    return Tolerances(path, goal, velocity, settings.goal_time or np.inf)
 
 
 def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArray[np.float64]:
