@@ -12,6 +12,9 @@ from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["Faults", "JointSimulation", "at_rest"]
 
+# What sums of cycles may be off, s.
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Faults:
@@ -118,8 +121,8 @@ class JointSimulation:
             self._command = wanted
         elif not (faults.dropped and self._random.random() < faults.dropped):
             self._under_way.append((self._time, wanted))
-        delay = 0.0 if faults is None else faults.delay
-        while self._under_way and self._under_way[0][0] <= self._time - delay:
+        due = self._time - (0.0 if faults is None else faults.delay) + _ROUNDING
+        while self._under_way and self._under_way[0][0] <= due:
             self._command = self._under_way.popleft()[1]
         return self._command
 

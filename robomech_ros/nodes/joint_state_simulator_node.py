@@ -16,6 +16,8 @@ from robomech_ros.execution.job import Code, End, Outcome
 from robomech_ros.nodes.controller.condition import robot_condition
 from robomech_ros.nodes.controller.control_interfaces import ControlInterfaces
 from robomech_ros.nodes.controller.execute_action import ExecuteAction
+from robomech_ros.nodes.controller.fault_settings import faults_of
+from robomech_ros.nodes.controller.frame_publisher import frame_publisher
 from robomech_ros.nodes.controller.goal_server import GoalServer
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.robot import SimulatedRobot
@@ -40,17 +42,21 @@ class JointStateSimulatorNode(Node):
     SETTINGS = ControllerSettings
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("joint_trajectory_controller", **options)
-        self._settings = NodeParameters(self, ControllerSettings).settings
-        self._robot: SimulatedRobot | None = None
-        self._standing: Future | None = None
         self._servers: list[GoalServer] = []
+        self._robot: SimulatedRobot | None = None
+        super().__init__("joint_trajectory_controller", **options)
+        self._settings = NodeParameters(
+            self, ControllerSettings, self._change, self._check
+        ).settings
+        self._standing: Future | None = None
         when_robot_known(self, self._settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
         clock = MotionClock(self)
         robot = self._robot = SimulatedRobot(model.chain, self._settings, clock)
+        robot.follower.simulation.inject(faults_of(self._settings, model.chain))
         self._states = StatePublisher(self, model)
+        self._frames = frame_publisher(self, model.description, self._settings.publish_frames)
         self._servers = [GoalServer(self, robot, ExecuteAction(robot.joint_names))]
         self._control = ControlInterfaces(self, robot, clock)
         self._servers += self._control.servers
@@ -61,12 +67,25 @@ class JointStateSimulatorNode(Node):
         self.create_service(Trigger, "~/reset", self._reset)
         rate = self._settings.publish_rate
         self._feedback_cycles = max(round(rate / self._settings.action_monitor_rate), 1)
+        self._frame_cycles = max(round(rate / self._settings.frame_rate), 1)
         self._state_cycles = max(round(rate / self._settings.state_publish_rate), 1)
         self._cycle = 0
         self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
         self.get_logger().info(
             f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
         )
+
+    def _change(self, settings: ControllerSettings) -> None:
+        """Have the simulated joints the faults that were asked for at run time."""
+        self._settings = settings
+        if self._robot is not None:
+            faults = faults_of(settings, self._robot.chain)
+            self._robot.follower.simulation.inject(faults)
+
+    def _check(self, settings: ControllerSettings) -> None:
+        """Refuse faults that the robot cannot have."""
+        if self._robot is not None:
+            faults_of(settings, self._robot.chain)
 
     def _tick(self) -> None:
         robot = self._robot
@@ -79,6 +98,8 @@ class JointStateSimulatorNode(Node):
         self._states.publish(robot.follower.actual)
         self._tell_standing()
         self._cycle += 1
+        if self._frames is not None and self._cycle % self._frame_cycles == 0:
+            self._frames.publish(self._states.positions)
         if self._cycle % self._state_cycles == 0:
             self._control.publish()
         if self._cycle % self._feedback_cycles == 0:

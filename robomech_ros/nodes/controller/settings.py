@@ -10,7 +10,15 @@ from robomech_ros.nodes.parameters import ParameterError, parameter
 from robomech_ros.nodes.robot_description import RobotSettings
 from robomech_ros.robots import SerialChain
 
-__all__ = ["ControllerSettings", "default_tolerances", "initial_position"]
+__all__ = [
+    "FRAMES_AUTO",
+    "FRAMES_NEVER",
+    "ControllerSettings",
+    "default_tolerances",
+    "initial_position",
+]
+
+FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
 
 
 @dataclass(frozen=True)
@@ -91,6 +99,57 @@ class ControllerSettings(RobotSettings):
         0.0,
         100.0,
         "s",
+    )
+    publish_frames: str = parameter(
+        FRAMES_AUTO,
+        "Whether /tf and /tf_static are published, as far as tf2_msgs is installed; auto = unless "
+        "robot_state_publisher is installed, which does it",
+        choices=(FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER),
+    )
+    frame_rate: float = parameter(
+        20.0, "How often /tf is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    fault_stuck_joints: str = parameter(
+        "",
+        "Simulated fault: joints that do not move, names with commas between. Empty = none",
+        read_only=False,
+    )
+    fault_delay: float = parameter(
+        0.0,
+        "Simulated fault: how long commands take to get to the joints",
+        0.0,
+        10.0,
+        "s",
+        read_only=False,
+    )
+    fault_dropped_commands: float = parameter(
+        0.0,
+        "Simulated fault: part of the commands that get lost; joints then keep the one before",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_offset: tuple[float, ...] = parameter(
+        (),
+        "Simulated fault: what the sensors of the joints show too much, base to tip, rad or m. "
+        "Empty = nothing",
+        -10.0,
+        10.0,
+        read_only=False,
+    )
+    fault_noise: float = parameter(
+        0.0,
+        "Simulated fault: standard deviation of the noise on measured positions, rad or m",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_seed: int = parameter(
+        0,
+        "Seed of the noise, and of which commands get lost",
+        0,
+        2**31 - 1,
+        read_only=False,
     )
 
 
