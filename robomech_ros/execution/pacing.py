@@ -153,7 +153,7 @@ def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
 
 
 def paced_waypoints(
-    curve: PiecewisePolynomial, waypoints: Waypoints, schedule: Schedule, first: float
+    curve: PiecewisePolynomial, waypoints: Waypoints, schedule: Schedule, lead: float
 ) -> Waypoints:
     """Give waypoints of what is left of a curve, by a schedule.
 
@@ -165,8 +165,8 @@ def paced_waypoints(
         Those that it was made of.
     schedule : Schedule
         Where on the curve its execution is.
-    first : float
-        Time of the first point since the begin of the schedule, s.
+    lead : float
+        Time of the first point, which is at the begin of the schedule, s.
 
     Returns
     -------
@@ -176,14 +176,13 @@ def paced_waypoints(
         the schedule stops, else at its end.
     """
     over = float(schedule.times[-1])
-    count = max(math.ceil((over - first) / _PERIOD), 0)
-    times = [*(first + _PERIOD * np.arange(count)), max(first, over)]
+    times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]
     points = [_point(curve, schedule, time) for time in times]
     rows = [np.array(values) for values in zip(*points, strict=True)]
     rows[2][:-1] = math.nan
     if not schedule.pace:
         rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times), rows, None)
+        return _joined(np.array(times) + lead, rows, None)
     place, _, _ = schedule._at(times[-1])
     left = waypoints.times > place + _NEAREST * schedule.pace
     rest = slowed_waypoints(_chosen(waypoints, left), schedule.pace)
@@ -192,10 +191,10 @@ def paced_waypoints(
         times[-1] = max(times[-1], float(times[-1]) + (curve.breaks[-1] - place) / schedule.pace)
         rows[0][-1] = waypoints.positions[-1]
         rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times), rows, None)
-    since = times[-1] - place / schedule.pace
+        return _joined(np.array(times) + lead, rows, None)
+    since = lead + times[-1] - place / schedule.pace
     later = Waypoints(rest.times + since, rest.positions, rest.velocities, rest.accelerations)
-    return _joined(np.array(times), rows, later)
+    return _joined(np.array(times) + lead, rows, later)
 
 
 def _point(

@@ -19,6 +19,7 @@ from robomech_ros.execution.comparison import off_goal, off_start
 from robomech_ros.execution.delivery import Delivery, Report, Transport
 from robomech_ros.execution.dispatcher import Dispatcher
 from robomech_ros.execution.given import read_waypoints
+from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.controller.given_trajectory import given_trajectory
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.conversions import duration_from_seconds
@@ -26,6 +27,7 @@ from robomech_ros.nodes.error_codes import NoStateError, answer, code_of, name_o
 from robomech_ros.nodes.parameters import NodeParameters
 from robomech_ros.nodes.publisher.controller_link import ControllerLink
 from robomech_ros.nodes.publisher.settings import PublisherSettings, dispatcher_settings
+from robomech_ros.nodes.publisher.speed_control import SpeedControl
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.nodes.status_report import Condition, StatusReport
@@ -60,7 +62,9 @@ class TrajectoryPublisherNode(Node):
         self._next_plan: Future | None = None
         self._robot_joints: tuple[str, ...] = ()
         self._refusal = ""
-        self._link = ControllerLink(self, settings.controller, self._take_result)
+        self._link = ControllerLink(
+            self, settings.controller, self._motion_clock, self._take_result
+        )
         self._dispatcher = Dispatcher(
             self._link, dispatcher_settings(settings), self._log_end, self._log_stall
         )
@@ -74,6 +78,7 @@ class TrajectoryPublisherNode(Node):
         self.create_service(
             Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup()
         )
+        SpeedControl(self, self._dispatcher, self._motion_clock, self._watch)
         StatusReport(self, "execution", settings.controller, self._condition)
         how = f"by {settings.transport}" if settings.auto_execute else "on request only"
         self.get_logger().info(f"ready: sends trajectories to '{settings.controller}', {how}")
@@ -84,7 +89,9 @@ class TrajectoryPublisherNode(Node):
             for joint in model.description.joints
             if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
         ]
-        self._link.know_continuous(endless)
+        chain = model.chain
+        acceleration = Joints.of(chain).acceleration.tolist()
+        self._link.know_robot(endless, dict(zip(chain.joint_names, acceleration, strict=True)))
         self._robot_joints = tuple(model.joint_names)
 
     def _listen(self, planner_topic: str) -> None:
@@ -138,6 +145,10 @@ class TrajectoryPublisherNode(Node):
 
     def _offer(self, delivery: Delivery) -> None:
         self._dispatcher.offer(delivery, self._motion_clock.now())
+        self._watch()
+
+    def _watch(self) -> None:
+        """Look at the robot again and again while there is something to see."""
         if self._dispatcher.busy:
             self._timer.reset()
 
@@ -231,7 +242,9 @@ class TrajectoryPublisherNode(Node):
         dispatcher, tally = self._dispatcher, self._dispatcher.tally
         trouble = tally.stalled or self._refusal or tally.last_failure
         summary = "executing" if dispatcher.current is not None else "idle"
+        summary = "paused" if dispatcher.paused else summary
         values = {
+            "speed": f"{dispatcher.speed:g}",
             "waiting": len(dispatcher.queue),
             "sent": tally.sent,
             "arrived": tally.arrived,

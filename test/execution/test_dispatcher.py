@@ -6,7 +6,8 @@ from execution_cases import to_rest
 
 from robomech_ros.execution.comparison import apart
 from robomech_ros.execution.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.dispatcher import Dispatcher, DispatcherSettings, QueueFullError
+from robomech_ros.execution.dispatcher import Dispatcher
+from robomech_ros.execution.dispatching import DispatcherSettings, QueueFullError
 from robomech_ros.trajectory import Waypoints
 
 NAMES = ("shoulder", "elbow", "roll")
@@ -42,6 +43,9 @@ class Robot:
 
     def continuous(self, names):
         return np.array([False, False, True])
+
+    def acceleration(self, names):
+        return np.full(3, 10.0)
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.execution.delivery import Transport
-from robomech_ros.execution.dispatcher import DispatcherSettings
+from robomech_ros.execution.dispatching import DispatcherSettings
 from robomech_ros.nodes.parameters import parameter
 from robomech_ros.nodes.robot_description import RobotSettings
 
