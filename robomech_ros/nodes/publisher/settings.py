@@ -27,6 +27,11 @@ class PublisherSettings(RobotSettings):
         "Whether every newly planned trajectory is executed; else only what ~/execute asks for",
         read_only=False,
     )
+    program: str = parameter(
+        "",
+        "Path of a YAML file with the program that ~/run_program runs. Empty = none",
+        read_only=False,
+    )
     transport: str = parameter(
         Transport.TOPIC.value,
         "How planned trajectories get to the controller; ~/execute always uses the action",

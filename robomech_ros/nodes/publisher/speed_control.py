@@ -30,14 +30,22 @@ class SpeedControl:
         Its time.
     watch : callable
         Called when there may be something to watch.
+    cancel_program : callable
+        Ends the program that runs, for a reason; returns whether one did.
     """
 
     def __init__(
-        self, node: Node, dispatcher: Dispatcher, clock: MotionClock, watch: Callable[[], None]
+        self,
+        node: Node,
+        dispatcher: Dispatcher,
+        clock: MotionClock,
+        watch: Callable[[], None],
+        cancel_program: Callable[[str], bool],
     ) -> None:
         self._dispatcher = dispatcher
         self._clock = clock
         self._watch = watch
+        self._cancel_program = cancel_program
         node.create_service(Trigger, "~/pause", self._pause)
         node.create_service(Trigger, "~/resume", self._resume)
         node.create_service(Trigger, "~/cancel", self._cancel)
@@ -63,10 +71,14 @@ class SpeedControl:
         return _said(response, True, "the robot moves on" if moves else "nothing was waiting")
 
     def _cancel(self, request: Any, response: Any) -> Any:
-        count = self._dispatcher.cancel("cancelled by the service cancel", self._clock.now())
+        text = "cancelled by the service cancel"
+        ran = self._cancel_program(f"program {text}")
+        count = self._dispatcher.cancel(text, self._clock.now())
         self._watch()
         what = f"{count} trajectories given up; the robot stops on its path"
-        return _said(response, True, what if count else "nothing was under way or waiting")
+        if not count:
+            what = "the program is given up" if ran else "nothing was under way or waiting"
+        return _said(response, True, what)
 
     def _set_speed(self, request: Any, response: Any) -> Any:
         now = self._clock.now()
