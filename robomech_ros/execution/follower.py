@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.job import Code, End, Job, Outcome
 from robomech_ros.execution.joining import join
 from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.pacing import paced_step
 from robomech_ros.execution.simulation import JointSimulation, at_rest
 from robomech_ros.execution.smoothing import braking_time
 from robomech_ros.execution.stopping import slowed_down
@@ -84,7 +85,9 @@ class Follower:
     now, held_since : float
         The time up to which it has moved, and since when it has held if it does, s.
     pace : float
-        How fast the curve is followed: 1, or less while slowing down.
+        How fast the curve is followed: 1, or less while slowing down or scaled.
+    scale : float
+        The pace that is wanted, 0 to 1; it may be set at any time.
     """
 
     def __init__(
@@ -100,7 +103,7 @@ class Follower:
         self.active: Job | None = None
         self.waiting: Job | None = None
         self.now = self.held_since = now
-        self.pace = 1.0
+        self.pace = self.scale = 1.0
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
         self.simulation = JointSimulation(position, self.settings.lag)
         self.wanted = self.actual = at_rest(position)
@@ -194,7 +197,7 @@ class Follower:
         if self.active is None or (job is not None and job is not self.active):
             return waited
         if self.phase is not Phase.STOPPING:
-            self.phase, self.pace = Phase.STOPPING, 1.0
+            self.phase = Phase.STOPPING
             self._ending = (end, code, text)
         return True
 
@@ -213,8 +216,13 @@ class Follower:
         """Where the robot will be after `delay` (s) if nothing comes between."""
         if delay <= 0.0 or self.active is None or self.phase is Phase.STOPPING:
             return self.wanted
-        sample = self.active.curve.sample(self.active.time + delay)
-        return State(sample.position, sample.velocity, sample.acceleration)
+        return self.at(self.active, self.active.time + self.pace * delay)
+
+    def at(self, job: Job, time: float, rate: float = 0.0) -> State:
+        """Give the state at a time (s) of a job's curve, at a pace that changes by `rate` (1/s)."""
+        sample, pace = job.curve.sample(time), self.pace
+        acceleration = sample.acceleration * pace * pace + sample.velocity * rate
+        return State(sample.position, sample.velocity * pace, acceleration)
 
     def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
         return join(waypoints, present, self.joints, self.settings.start_tolerance, late)
@@ -224,7 +232,9 @@ class Follower:
             self._end(*self._ending)
         else:
             self._end(End.ABORTED, Code.PREEMPTED, text)
-        self.active, self.phase, self.pace = job, Phase.MOVING, 1.0
+        # A curve that begins moving begins with the speed that the joints have.
+        self.pace = 1.0 if self.wanted.velocity.any() else self.scale
+        self.active, self.phase = job, Phase.MOVING
 
     def _begin_waiting(self, job: Job) -> None:
         self.waiting = None
@@ -261,9 +271,10 @@ class Follower:
                 self._stand()
                 self._end(*self._ending)
             return
-        job.time += span
-        sample = job.curve.sample(job.time)
-        self.wanted = State(sample.position, sample.velocity, sample.acceleration)
+        job.time, self.pace, rate = paced_step(
+            job.curve, job.time, self.pace, self.scale, span, self.joints.acceleration
+        )
+        self.wanted = self.at(job, job.time, rate)
         self._follow(span)
         self._supervise(job)
 

@@ -44,9 +44,11 @@ def planned_state(follower: Follower, ahead: float) -> State:
         if ahead < 0.0:
             raise _too_early(ahead, "the robot is being stopped")
         return _while_stopping(follower, job, ahead)
-    if job.time + ahead < 0.0:
-        raise _too_early(ahead, f"the trajectory under way began {job.time:.6g} s ago")
-    return _sampled(job, job.time + ahead)
+    time = job.time + follower.pace * ahead
+    if time < 0.0:
+        began = job.time / follower.pace
+        raise _too_early(ahead, f"the trajectory under way began {began:.6g} s ago")
+    return follower.at(job, time)
 
 
 def _sampled(job: Job, time: float) -> State:

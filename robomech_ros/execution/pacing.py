@@ -14,7 +14,14 @@ from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Schedule", "constant_pace", "pace_change", "paced_waypoints", "slowed_waypoints"]
+__all__ = [
+    "Schedule",
+    "constant_pace",
+    "pace_change",
+    "paced_step",
+    "paced_waypoints",
+    "slowed_waypoints",
+]
 
 # The pace never rises from 0 to 1 in less than this, s.
 SHORTEST_START = 0.02
@@ -118,6 +125,44 @@ def pace_change(
         time += step
         rows.append((time, place, pace, 0.0))
     return Schedule(begin, *np.array(rows).T)
+
+
+def paced_step(
+    curve: PiecewisePolynomial,
+    place: float,
+    pace: float,
+    target: float,
+    span: float,
+    limit: FloatArray,
+) -> tuple[float, float, float]:
+    """Let time pass while the pace goes to its target as fast as it may.
+
+    Parameters
+    ----------
+    curve, place, pace, target, limit
+        As of `pace_change`.
+    span : float
+        How much time, s.
+
+    Returns
+    -------
+    place, pace, rate : float
+        Where on the curve it is then (s), the pace, and how fast that changes (1/s).  Beyond the
+        end of the curve time passes as it is.
+    """
+    rate, left, end = 0.0, span, float(curve.breaks[-1])
+    while left > 0.0 and pace != target and place < end:
+        rate = _rate(curve, place, pace, target, limit)
+        step = min(left, max(_STEP, span / _MAX_STEPS))
+        reached = bool(rate) and (target - pace) / rate <= step
+        step = (target - pace) / rate if reached else step
+        place += (pace + 0.5 * rate * step) * step
+        pace = target if reached else pace + rate * step
+        left -= step
+    if place < end:
+        inside = min(left, (end - place) / pace) if pace else left
+        place, left = place + pace * inside, left - inside
+    return place + max(left, 0.0) * (place >= end), pace, rate if pace != target else 0.0
 
 
 def _rate(

@@ -54,3 +54,16 @@ def test_a_stop_is_foreseen():
         planned_state(arm, -0.1)
     run(arm, 0.4, 0.5)
     np.testing.assert_allclose(arm.wanted.position, foreseen, atol=1e-5)
+
+
+def test_at_the_present_pace():
+    arm = follower()
+    arm.scale = 0.5
+    arm.start(to_rest(GOAL), tolerances(), 0.0)
+    run(arm, 0.0, 0.8)
+    foreseen = planned_state(arm, 0.4)
+    run(arm, 0.8, 1.2)
+    np.testing.assert_allclose(foreseen.position, arm.wanted.position, atol=1e-9)
+    np.testing.assert_allclose(foreseen.velocity, arm.wanted.velocity, atol=1e-9)
+    with pytest.raises(TrajectoryRefusedError, match=r"under way began 1.2 s ago"):
+        planned_state(arm, -1.5)

@@ -10,7 +10,7 @@ __all__ = ["ControlInterfaces"]
 
 
 class ControlInterfaces:
-    """The action follow_joint_trajectory, the topic controller_state, the service query_state.
+    """The action follow_joint_trajectory, and topics and services of the controller's state.
 
     Parameters
     ----------
@@ -31,13 +31,18 @@ class ControlInterfaces:
         self.servers: list[GoalServer] = []
         try:
             from robomech_ros.nodes.controller.follow_action import FollowAction
-            from robomech_ros.nodes.controller.state_topics import ControllerState, StateQuery
+            from robomech_ros.nodes.controller.state_topics import (
+                ControllerState,
+                SpeedScaling,
+                StateQuery,
+            )
         except ImportError as error:
             if getattr(error, "name", "") != "control_msgs":
                 node.get_logger().warning(f"no follow_joint_trajectory: {error}")
             return
         self.servers.append(GoalServer(node, robot, FollowAction(robot.joint_names)))
         self._state = ControllerState(node, robot)
+        SpeedScaling(node, robot)
         StateQuery(node, robot, clock, lambda: robot.refuse_all)
 
     def publish(self) -> None:

@@ -1,9 +1,9 @@
-"""The topic controller_state and the service query_state of joint_trajectory_controller."""
+"""Topics controller_state, speed_scaling_input, and service query_state, as of ros2_control."""
 
 from collections.abc import Callable
 from typing import Any
 
-from control_msgs.msg import JointTrajectoryControllerState
+from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
 from control_msgs.srv import QueryTrajectoryState
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -15,7 +15,7 @@ from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.robot import SimulatedRobot
 from robomech_ros.nodes.conversions import duration_from_seconds, floats
 
-__all__ = ["ControllerState", "StateQuery"]
+__all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
 
 _DEPTH = 10
 
@@ -34,9 +34,7 @@ class ControllerState:
     def __init__(self, node: Node, robot: SimulatedRobot) -> None:
         self._follower = robot.follower
         self._clock = node.get_clock()
-        self._message = JointTrajectoryControllerState(
-            joint_names=robot.joint_names, speed_scaling_factor=1.0
-        )
+        self._message = JointTrajectoryControllerState(joint_names=robot.joint_names)
         self._publisher = node.create_publisher(
             JointTrajectoryControllerState, "~/controller_state", _DEPTH
         )
@@ -48,6 +46,7 @@ class ControllerState:
         message, wanted, actual = self._message, self._follower.wanted, self._follower.actual
         job = self._follower.active
         time = duration_from_seconds(job.time if job is not None else 0.0)
+        message.speed_scaling_factor = self._follower.scale
         message.header.stamp = self._clock.now().to_msg()
         message.reference = _point(wanted, time)
         message.feedback = _point(actual, time)
@@ -61,6 +60,31 @@ class ControllerState:
         message.output.positions = message.reference.positions
         message.output.time_from_start = time
         self._publisher.publish(message)
+
+
+class SpeedScaling:
+    """Lets clients say at which part of its speed trajectories are followed.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    robot : SimulatedRobot
+        What moves.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+        self._robot = robot
+        self._logger = node.get_logger()
+        node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
+
+    def _take(self, message: SpeedScalingFactor) -> None:
+        if not 0.0 <= message.factor <= 1.0:
+            text = f"speed scaling factor is {message.factor}, expected from 0 (pause) to 1"
+            self._logger.error(text)
+            return
+        self._robot.advance()
+        self._robot.follower.scale = message.factor
 
 
 class StateQuery:

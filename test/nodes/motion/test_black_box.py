@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
-from control_msgs.msg import JointTrajectoryControllerState
+from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
 from drivers import seconds
 from follow_cases import CODES, JOINTS, START, Follower, tolerance
 from trajectory_msgs.msg import MultiDOFJointTrajectory
@@ -422,6 +422,37 @@ def test_query_state_outside_the_range(follower):
     np.testing.assert_array_equal(answer.velocity, ZERO)
     handle.cancel_goal_async()
     assert arm.outcome(handle)[0] == CANCELED
+
+
+def test_scaling_execution_time_succeeds(follower):
+    arm = follower()
+    factors = arm.graph.client.create_publisher(
+        SpeedScalingFactor, "joint_trajectory_controller/speed_scaling_input", 10
+    )
+    arm.until(factors.get_subscription_count)
+
+    def scaled(factor, expected):
+        factors.publish(SpeedScalingFactor(factor=factor))
+        topic = "joint_trajectory_controller/controller_state"
+        kind = JointTrajectoryControllerState
+        arm.graph.receive(kind, topic, 10, lambda s: s.speed_scaling_factor == expected)
+
+    scaled(0.5, 0.5)
+    since = len(arm.states)
+    assert arm.follow(arm.points((1.0, FAR, ZERO, ZERO))) == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    arm.until_at(FAR)
+    moving = [state.header.stamp for state in arm.states[since:] if any(state.velocity)]
+    took = moving[-1].sec - moving[0].sec + 1e-9 * (moving[-1].nanosec - moving[0].nanosec)
+    assert 1.8 < took < 2.2
+    # What makes no sense changes nothing.
+    factors.publish(SpeedScalingFactor(factor=-1.0))
+    factors.publish(SpeedScalingFactor(factor=math.nan))
+    scaled(0.0, 0.0)
+    handle = arm.send_goal(arm.points((0.5, START, ZERO, ZERO)))
+    arm.until(lambda: len(arm.states) > since + 300)
+    np.testing.assert_allclose(arm.position, FAR, atol=1e-9)
+    scaled(1.0, 1.0)
+    assert arm.outcome(handle)[0] == SUCCEEDED
 
 
 def test_controller_state(follower):
