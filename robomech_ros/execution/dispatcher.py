@@ -28,6 +28,8 @@ _NO_STATE = 107
 _TIMED_OUT = 205
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 _CONFIRMATION = 1.0
+# So long after it should stand a robot that does not was not told in time, s.
+_UNHEARD = 0.1
 
 
 class Dispatcher:
@@ -157,6 +159,15 @@ class Dispatcher:
             self._watch_from_now(delivery)
             self._gateway.send(delivery)
 
+    def _repace_again(self, delivery: Delivery) -> bool:
+        """Send a change of pace anew that the controller did not take; whether that was done."""
+        limit = self._gateway.acceleration(delivery.names)
+        changed = self._pacer.change_again(delivery, self._now, limit)
+        self._watch_from_now(delivery)
+        if changed:
+            self._gateway.send(delivery)
+        return changed
+
     def _watch_from_now(self, delivery: Delivery) -> None:
         positions = self._gateway.positions(delivery.names)
         if positions is not None:
@@ -189,6 +200,10 @@ class Dispatcher:
         if delivery is not self.current:
             return
         self._now = now
+        if code and self._gateway.runs_before(delivery):
+            if self._repace_again(delivery):
+                return
+            self._gateway.cancel(delivery)
         if code:
             self._end(delivery, code, text)
         elif self._cancelled:
@@ -313,6 +328,8 @@ class Dispatcher:
     def _watch_stop(self, delivery: Delivery, elapsed: float, progress: Progress, off: str) -> None:
         """See that the robot stands where it was told to, and end what was cancelled."""
         late = elapsed - delivery.lasts
+        if late > _UNHEARD and off and not progress.stands and self._repace_again(delivery):
+            return
         if late > self._settings.arrival_timeout and off:
             self._end(delivery, Code.GOAL_TOLERANCE, f"it did not stop as it was told to: {off}")
         elif late >= 0.0 and self._cancelled and progress.stands:

@@ -40,6 +40,9 @@ class Gateway(Protocol):
     def cancel(self, delivery: Delivery) -> None:
         """Ask the controller to give up a delivery sent by action."""
 
+    def runs_before(self, delivery: Delivery) -> bool:
+        """Say whether the controller still executes what was sent before of this delivery."""
+
     def positions(self, names: Sequence[str]) -> FloatArray | None:
         """Give the present positions, rad or m; None if not known."""
 

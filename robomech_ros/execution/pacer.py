@@ -21,8 +21,10 @@ __all__ = ["Pacer"]
 # What changes the pace takes over this long after it is sent (s), for it to arrive in time.  The
 # pace stays for a while after that (s), in which the controller makes the way to the first point
 # from where the robot really is.
-LEAD = 0.15
+LEAD = 0.2
 APPROACH = 0.05
+# A change that was too late for the controller is sent so often, each time with twice the lead.
+_TRIES = 4
 # Where acceleration limits are not known, the largest speed of a trajectory may be braked in this
 # time, s, or as fast as the trajectory itself brakes.
 _TIME_TO_STOP = 0.5
@@ -46,6 +48,9 @@ class Pacer:
         self._waypoints: Waypoints | None = None
         self._curve: PiecewisePolynomial | None = None
         self._schedule: Schedule | None = None
+        self._before: tuple[Schedule, Waypoints, float, float] | None = None
+        self._lead = LEAD
+        self._tries = 0
 
     @property
     def stops(self) -> bool:
@@ -96,13 +101,34 @@ class Pacer:
         TrajectoryRefusedError
             The delivery waits for its stamp.
         """
+        assert self._schedule is not None
+        self._before = self._schedule, delivery.waypoints, delivery.sent_at, delivery.delay
+        self._lead, self._tries = LEAD, 1
+        return self._change(delivery, now, target, limit)
+
+    def change_again(self, delivery: Delivery, now: float, limit: FloatArray | None) -> bool:
+        """Make the change of pace anew that the controller did not take, since it came too late.
+
+        Parameters are those of `change`; returns whether there is something to send.  Where there
+        is not, since the end is too near, the delivery is again what the controller executes.
+        """
+        if self._schedule is None or self._before is None or self._tries >= _TRIES:
+            return False
+        target = self._schedule.pace
+        self._schedule, delivery.waypoints, delivery.sent_at, delivery.delay = self._before
+        self._lead, self._tries = 2.0 * self._lead, self._tries + 1
+        return self._change(delivery, now, target, limit)
+
+    def _change(
+        self, delivery: Delivery, now: float, target: float, limit: FloatArray | None
+    ) -> bool:
         schedule, curve, waypoints = self._schedule, self._curve, self._waypoints
         assert schedule is not None and curve is not None and waypoints is not None
         if now < schedule.begin and not delivery.paced_on_way:
             wait = schedule.begin - now
             raise TrajectoryRefusedError(f"the trajectory under way only begins in {wait:.3g} s")
-        moves = schedule.pace_at(now + LEAD) > 0.0
-        lead, approach = (LEAD, APPROACH) if moves else (0.0, 0.0)
+        moves = schedule.pace_at(now + self._lead) > 0.0
+        lead, approach = (self._lead, APPROACH) if moves else (0.0, 0.0)
         takes_over = max(now + lead, schedule.begin)
         begin = takes_over + approach
         place, pace = schedule.place(begin), schedule.pace_at(begin)

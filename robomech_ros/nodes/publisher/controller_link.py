@@ -105,6 +105,10 @@ class ControllerLink:
         sent = self._client.send_goal_async(ExecuteTrajectory.Goal(trajectory=message))
         sent.add_done_callback(lambda future: self._take_handle(number, delivery, future))
 
+    def runs_before(self, delivery: Delivery) -> bool:
+        """Say whether the controller still executes a goal before the last one."""
+        return bool(self._handles)
+
     def cancel(self, delivery: Delivery) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
         self._cancelled = self._last
@@ -143,9 +147,6 @@ class ControllerLink:
         self._conclude(number, delivery, result.error_code, result.error_msg)
 
     def _conclude(self, number: int, delivery: Delivery, code: int, text: str) -> None:
-        """Hand over the result of what was sent last; what that has replaced must not go on."""
-        if number != self._last:
-            return
-        if code:
-            self.cancel(delivery)
-        self._on_result(delivery, code, text)
+        """Hand over the result of what was sent last."""
+        if number == self._last:
+            self._on_result(delivery, code, text)
