@@ -46,7 +46,7 @@ setup: notice ## make .venv: ROS 2 from wheels, interfaces, package, kernels
 	@$(if $(MAKECMDGOALS:setup=),:,echo "next: make demo ROBOT=ur5e shows all of it at work; make test checks it (make help lists more)")
 	@$(if $(MAKECMDGOALS:setup=),:,echo "      or: . $(VENV)/bin/activate && robomech bringup --robot ur5e, then robomech call in another shell")
 
-compat: notice ## add the message types of compat/ to .venv: compute_ik and compute_fk of moveit_msgs
+compat: notice ## add the message types of compat/ to .venv: those of moveit_msgs, control_msgs and tf2_msgs
 	@$(call set_up,$(VENV),--distribution $(ROS_DISTRO) --compat)
 
 compat-other: notice

@@ -1,5 +1,7 @@
 # wire_types(dependency ...): generate all messages, services and actions of the project.
 # Every package of compat/ is built by this; tools/set_up.py calls it.
+# Definitions that differ between distributions are in folders of their own, of which the variable
+# WIRE_TYPES_VARIANT names one.
 
 if(NOT CMAKE_CXX_STANDARD)
   set(CMAKE_CXX_STANDARD 17)
@@ -28,6 +30,12 @@ macro(wire_types)
     ${PROJECT_SOURCE_DIR}/srv/*.srv
     ${PROJECT_SOURCE_DIR}/action/*.action
   )
+  if(WIRE_TYPES_VARIANT)
+    set(variant ${PROJECT_SOURCE_DIR}/${WIRE_TYPES_VARIANT})
+    file(GLOB varying RELATIVE ${variant} ${variant}/*/*.msg ${variant}/*/*.srv ${variant}/*/*.action)
+    list(TRANSFORM varying PREPEND ${variant}:)
+    list(APPEND definitions ${varying})
+  endif()
   # Types for C++ would take longer than all the rest, and rclpy does not use them.
   list(FILTER AMENT_EXTENSIONS_rosidl_generate_idl_interfaces EXCLUDE REGEX "_cpp:")
   rosidl_generate_interfaces(${PROJECT_NAME} ${definitions} DEPENDENCIES ${ARGN})

@@ -12,6 +12,8 @@ INTERFACES = ROOT / "robomech_interfaces"
 FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
 FOREIGN = {
     "sensor_msgs/msg/JointState",
+    "control_msgs/action/FollowJointTrajectory",
+    "control_msgs/srv/QueryTrajectoryState",
     "std_srvs/srv/Trigger",
     "trajectory_msgs/msg/JointTrajectory",
 }

@@ -61,6 +61,12 @@ class Delivery:
         How it is sent.
     delay : float
         When it is to begin after it was sent, s.
+    paced : bool
+        Whether it is sent at another pace than planned, by its waypoints instead of `trajectory`.
+    paced_on_way : bool
+        Whether its pace was changed after it had begun.
+    begun_at : float
+        When it was sent first, s; `sent_at` is when its pace was changed last.
     """
 
     trajectory: Any
@@ -68,8 +74,11 @@ class Delivery:
     waypoints: Waypoints
     transport: Transport
     delay: float = 0.0
+    paced: bool = False
+    paced_on_way: bool = False
     stage: Stage = Stage.QUEUED
     sent_at: float = 0.0
+    begun_at: float = 0.0
     report: Report | None = None
     _listeners: list[Callable[[Report], None]] = field(default_factory=list)
 

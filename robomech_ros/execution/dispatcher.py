@@ -5,98 +5,31 @@ dispatcher says what time it is.
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
-import numpy.typing as npt
+from collections.abc import Callable
 
 from robomech_ros.execution.comparison import off_goal, off_start
 from robomech_ros.execution.delivery import Delivery, Report, Stage, Transport
+from robomech_ros.execution.dispatching import (
+    DispatcherSettings,
+    Gateway,
+    QueueFullError,
+    Tally,
+)
 from robomech_ros.execution.job import Code
+from robomech_ros.execution.pacer import Pacer
 from robomech_ros.execution.progress import Progress
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Dispatcher", "DispatcherSettings", "Gateway", "QueueFullError", "Tally"]
+__all__ = ["Dispatcher"]
 
 # The numbers of ErrorCode that only this module uses.
 _NO_STATE = 107
 _TIMED_OUT = 205
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 _CONFIRMATION = 1.0
-
-
-class QueueFullError(TrajectoryRefusedError):
-    """As many trajectories wait as may."""
-
-    def __init__(self, capacity: int) -> None:
-        self.capacity = capacity
-        super().__init__(f"{capacity} trajectories are waiting already, no more can be accepted")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.capacity,)
-
-
-class Gateway(Protocol):
-    """The way to the controller and to the robot's state."""
-
-    def missing(self, transport: Transport) -> str:
-        """Say what is not there to send by; empty if all is."""
-
-    def send(self, delivery: Delivery) -> None:
-        """Send; by action, `Dispatcher.concluded` is called with the result."""
-
-    def cancel(self, delivery: Delivery) -> None:
-        """Ask the controller to give up a delivery sent by action."""
-
-    def positions(self, names: Sequence[str]) -> FloatArray | None:
-        """Give the present positions, rad or m; None if not known."""
-
-    def heard(self, names: Sequence[str]) -> int:
-        """Give a number that has grown when all these joints were heard of anew."""
-
-    def continuous(self, names: Sequence[str]) -> npt.NDArray[np.bool_]:
-        """Say which joints turn without limits."""
-
-
-@dataclass(frozen=True)
-class DispatcherSettings:
-    """What the owner decides.
-
-    Attributes
-    ----------
-    capacity : int
-        How many trajectories may wait.
-    start_tolerance, goal_tolerance : float
-        How far the joints may be from start and goal, rad or m.
-    controller_timeout : float
-        How long the controller may be away before those who wait are told, s.
-    arrival_timeout : float
-        How long after its end a motion may take to arrive, s.
-    standstill_timeout : float
-        How long the robot may stand away from the goal while a trajectory sent by topic should
-        move it, s; then it was stopped.
-    """
-
-    capacity: int = 50
-    start_tolerance: float = 0.01
-    goal_tolerance: float = 0.01
-    controller_timeout: float = 3.0
-    arrival_timeout: float = 2.0
-    standstill_timeout: float = 1.0
-
-
-@dataclass
-class Tally:
-    """What has happened so far, for the diagnostics."""
-
-    sent: int = 0
-    arrived: int = 0
-    failed: int = 0
-    last_failure: str = ""
-    stalled: str = ""
+# So long after it should stand a robot that does not was not told in time, s.
+_UNHEARD = 0.1
 
 
 class Dispatcher:
@@ -121,6 +54,10 @@ class Dispatcher:
         Those that wait.
     tally : Tally
         What has happened so far.
+    speed : float
+        Part of the planned speed at which deliveries are executed, above 0 up to 1.
+    paused : bool
+        Whether nothing is sent and nothing moves until `resume`.
     """
 
     def __init__(
@@ -142,11 +79,99 @@ class Dispatcher:
         self._silent_since: float | None = None
         self._result: tuple[int, str, float] | None = None
         self._progress: Progress | None = None
+        self._pacer = Pacer()
+        self._cancelled = ""
 
     @property
     def busy(self) -> bool:
         """Whether anything is being executed or waits."""
         return self.current is not None or bool(self.queue)
+
+    @property
+    def speed(self) -> float:
+        """Part of the planned speed."""
+        return self._pacer.speed
+
+    @property
+    def paused(self) -> bool:
+        """Whether everything waits."""
+        return self._pacer.paused
+
+    def set_speed(self, speed: float, now: float) -> None:
+        """Execute at another part of the planned speed, also what is under way.
+
+        Raises
+        ------
+        TrajectoryRefusedError
+            What is under way waits for its stamp; nothing has changed.
+        """
+        self._change(now, speed, self.paused)
+
+    def pause(self, now: float) -> None:
+        """Stop what is under way on its path, and send nothing; raises as `set_speed` does."""
+        self._change(now, self.speed, True)
+
+    def resume(self, now: float) -> None:
+        """Go on where `pause` has stopped; raises as `set_speed` does."""
+        self._change(now, self.speed, False)
+        self.step(now)
+
+    def cancel(self, text: str, now: float) -> int:
+        """Stop what is under way on its path and give it up, and all that waits, for a reason.
+
+        Returns
+        -------
+        int
+            How many deliveries that are.
+        """
+        self._now = now
+        count = len(self.queue) + (self.current is not None)
+        while self.queue:
+            self._end(self.queue.popleft(), Code.PREEMPTED, f"not sent: {text}")
+        delivery, self._pacer.paused = self.current, False
+        if delivery is None or self._cancelled:
+            return count
+        self._cancelled = text
+        if delivery.transport is Transport.ACTION and not self._pacer.stops:
+            self._gateway.cancel(delivery)
+        else:
+            self._stop(delivery)
+        self.step(now)
+        return count
+
+    def _stop(self, delivery: Delivery) -> None:
+        """Stop a delivery that was cancelled; one that has not begun cannot be called back."""
+        try:
+            self._repace(delivery, 0.0)
+        except TrajectoryRefusedError as error:
+            text = f"{self._cancelled}; {error}, and the controller may still execute it"
+            self._end(delivery, Code.PREEMPTED, text)
+
+    def _change(self, now: float, speed: float, paused: bool) -> None:
+        self._now = now
+        if self.current is not None and not self._cancelled and self._result is None:
+            self._repace(self.current, 0.0 if paused else speed)
+        self._pacer.speed, self._pacer.paused = speed, paused
+
+    def _repace(self, delivery: Delivery, pace: float) -> None:
+        limit = self._gateway.acceleration(delivery.names)
+        if self._pacer.change(delivery, self._now, pace, limit):
+            self._watch_from_now(delivery)
+            self._gateway.send(delivery)
+
+    def _repace_again(self, delivery: Delivery) -> bool:
+        """Send a change of pace anew that the controller did not take; whether that was done."""
+        limit = self._gateway.acceleration(delivery.names)
+        changed = self._pacer.change_again(delivery, self._now, limit)
+        self._watch_from_now(delivery)
+        if changed:
+            self._gateway.send(delivery)
+        return changed
+
+    def _watch_from_now(self, delivery: Delivery) -> None:
+        positions = self._gateway.positions(delivery.names)
+        if positions is not None:
+            self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
 
     def offer(self, delivery: Delivery, now: float) -> None:
         """Queue a delivery, and send it if nothing is before it.
@@ -166,7 +191,7 @@ class Dispatcher:
         self._now = now
         if self.current is not None:
             self._watch(self.current)
-        while self.current is None and self.queue:
+        while self.current is None and self.queue and not self.paused:
             if not self._send_next(self.queue[0]):
                 break
 
@@ -175,9 +200,15 @@ class Dispatcher:
         if delivery is not self.current:
             return
         self._now = now
+        if code and self._gateway.runs_before(delivery):
+            if self._repace_again(delivery):
+                return
+            self._gateway.cancel(delivery)
         if code:
             self._end(delivery, code, text)
-        else:
+        elif self._cancelled:
+            self._end(delivery, Code.PREEMPTED, self._cancelled)
+        elif not self._pacer.stops:
             self._result = (code, text, now)
         self.step(now)
 
@@ -205,7 +236,9 @@ class Dispatcher:
             self._end(delivery, Code.REJECTED, off)
             return True
         self.current, self._result = delivery, None
-        delivery.stage, delivery.sent_at = Stage.SENT, self._now
+        delivery.stage = Stage.SENT
+        delivery.sent_at = delivery.begun_at = self._now
+        self._pacer.begin(delivery, positions)
         self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
         self.tally.sent += 1
         self._gateway.send(delivery)
@@ -262,6 +295,8 @@ class Dispatcher:
         elif gone := self._gone(delivery, progress, self._settings.controller_timeout):
             self._gateway.cancel(delivery)
             self._end(delivery, Code.REJECTED, _with(gone, off))
+        elif self._pacer.stops:
+            self._watch_stop(delivery, elapsed, progress, off)
         elif delivery.transport is Transport.ACTION:
             self._watch_controller(delivery, elapsed)
         else:
@@ -289,6 +324,16 @@ class Dispatcher:
                 self._end(delivery, Code.REJECTED, _with(gone, off))
             else:
                 self._end(delivery, Code.GOAL_TOLERANCE, off or "the robot does not come to rest")
+
+    def _watch_stop(self, delivery: Delivery, elapsed: float, progress: Progress, off: str) -> None:
+        """See that the robot stands where it was told to, and end what was cancelled."""
+        late = elapsed - delivery.lasts
+        if late > _UNHEARD and off and not progress.stands and self._repace_again(delivery):
+            return
+        if late > self._settings.arrival_timeout and off:
+            self._end(delivery, Code.GOAL_TOLERANCE, f"it did not stop as it was told to: {off}")
+        elif late >= 0.0 and self._cancelled and progress.stands:
+            self._end(delivery, Code.PREEMPTED, self._cancelled)
 
     def _gone(self, delivery: Delivery, progress: Progress, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
@@ -328,9 +373,9 @@ class Dispatcher:
         return off_goal(delivery, positions, continuous, self._settings.goal_tolerance)
 
     def _end(self, delivery: Delivery, code: int, text: str) -> None:
-        duration = self._now - delivery.sent_at if delivery.stage is Stage.SENT else 0.0
+        duration = self._now - delivery.begun_at if delivery.stage is Stage.SENT else 0.0
         if delivery is self.current:
-            self.current, self._away_since = None, None
+            self.current, self._away_since, self._cancelled = None, None, ""
         if code:
             self.tally.failed += 1
         else:

@@ -3,17 +3,17 @@
 It knows neither ROS nor a clock: whoever owns it says what time it is.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-
-import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.job import Code, End, Job, Outcome
 from robomech_ros.execution.joining import join
 from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.pacing import paced_step
+from robomech_ros.execution.simulation import JointSimulation, at_rest
+from robomech_ros.execution.smoothing import braking_time
 from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.supervision import verdict
 from robomech_ros.execution.tolerance import Tolerances
@@ -22,6 +22,10 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Follower", "FollowerSettings", "Phase"]
+
+
+# The number of ErrorCode that only this module uses.
+_TIMED_OUT = 205
 
 
 class Phase(Enum):
@@ -44,11 +48,14 @@ class FollowerSettings:
         Time constant with which the simulated joints follow what is wanted, s; 0 = exactly.
     longest_wait : float
         How far in the future a trajectory may begin, s.
+    command_timeout : float
+        How long after its end a trajectory may be under way, s; 0 = any time.
     """
 
     start_tolerance: float = 0.01
     lag: float = 0.0
     longest_wait: float = 3600.0
+    command_timeout: float = 0.0
 
 
 class Follower:
@@ -73,6 +80,14 @@ class Follower:
         What the robot is doing.
     active, waiting : Job or None
         The trajectory that is being followed, and the one whose time has not come.
+    simulation : JointSimulation
+        The joints themselves.
+    now, held_since : float
+        The time up to which it has moved, and since when it has held if it does, s.
+    pace : float
+        How fast the curve is followed: 1, or less while slowing down or scaled.
+    scale : float
+        The pace that is wanted, 0 to 1; it may be set at any time.
     """
 
     def __init__(
@@ -87,10 +102,11 @@ class Follower:
         self.phase = Phase.HOLDING
         self.active: Job | None = None
         self.waiting: Job | None = None
-        self._now = now
-        self._pace = 1.0
+        self.now = self.held_since = now
+        self.pace = self.scale = 1.0
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
-        self.wanted = self.actual = _at_rest(position)
+        self.simulation = JointSimulation(position, self.settings.lag)
+        self.wanted = self.actual = at_rest(position)
 
     def start(
         self,
@@ -135,7 +151,9 @@ class Follower:
         late = max(-delay, 0.0)
         delay = max(delay, 0.0)
         curve = self._joined(waypoints, self._expected(delay), late)
-        job = Job(waypoints, tolerances, self._now + delay, curve, late, on_end)
+        job = Job(waypoints, tolerances, self.now + delay, curve, late, on_end)
+        if waypoints.velocities is not None:
+            job.braking = braking_time(waypoints.velocities[-1], self.joints)
         if delay > 0.0:
             self._drop_waiting(f"replaced by {by}")
             self.waiting = job
@@ -146,8 +164,8 @@ class Follower:
 
     def advance(self, now: float) -> None:
         """Let time pass until `now` (s); a clock that goes backwards stands still."""
-        span = now - self._now
-        self._now = now
+        span = now - self.now
+        self.now = now
         if not span > 0.0:
             return
         job = self.waiting
@@ -179,27 +197,32 @@ class Follower:
         if self.active is None or (job is not None and job is not self.active):
             return waited
         if self.phase is not Phase.STOPPING:
-            self.phase, self._pace = Phase.STOPPING, 1.0
+            self.phase = Phase.STOPPING
             self._ending = (end, code, text)
         return True
 
     def halt(self, code: int, text: str) -> None:
         """Hold where the joints are, at once, and abort whatever was to be done."""
         self._drop_waiting(text, code=code)
-        self.wanted = self.actual = _at_rest(self.actual.position)
+        self._stand()
         self._end(End.ABORTED, code, text)
 
     def reset(self, position: FloatArray, text: str) -> None:
         """Put the joints somewhere else (rad or m), at once."""
         self.halt(Code.PREEMPTED, text)
-        self.wanted = self.actual = _at_rest(position)
+        self.wanted, self.actual = at_rest(position), self.simulation.put(position)
 
     def _expected(self, delay: float) -> State:
         """Where the robot will be after `delay` (s) if nothing comes between."""
         if delay <= 0.0 or self.active is None or self.phase is Phase.STOPPING:
             return self.wanted
-        sample = self.active.curve.sample(self.active.time + delay)
-        return State(sample.position, sample.velocity, sample.acceleration)
+        return self.at(self.active, self.active.time + self.pace * delay)
+
+    def at(self, job: Job, time: float, rate: float = 0.0) -> State:
+        """Give the state at a time (s) of a job's curve, at a pace that changes by `rate` (1/s)."""
+        sample, pace = job.curve.sample(time), self.pace
+        acceleration = sample.acceleration * pace * pace + sample.velocity * rate
+        return State(sample.position, sample.velocity * pace, acceleration)
 
     def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
         return join(waypoints, present, self.joints, self.settings.start_tolerance, late)
@@ -209,7 +232,9 @@ class Follower:
             self._end(*self._ending)
         else:
             self._end(End.ABORTED, Code.PREEMPTED, text)
-        self.active, self.phase, self._pace = job, Phase.MOVING, 1.0
+        # A curve that begins moving begins with the speed that the joints have.
+        self.pace = 1.0 if self.wanted.velocity.any() else self.scale
+        self.active, self.phase = job, Phase.MOVING
 
     def _begin_waiting(self, job: Job) -> None:
         self.waiting = None
@@ -228,6 +253,7 @@ class Follower:
 
     def _end(self, end: End, code: int, text: str) -> None:
         job, self.active, self.phase = self.active, None, Phase.HOLDING
+        self.held_since = self.now
         if job is not None:
             job.finish(end, code, text, self.actual.position)
 
@@ -240,57 +266,53 @@ class Follower:
         if self.phase is Phase.STOPPING:
             self._slow_down(job, span)
             self._follow(span)
-            if self._pace <= 0.0:
+            if self.pace <= 0.0:
                 # Joints that lag behind stay where they are, as ros2_control lets them.
-                self.wanted = self.actual = _at_rest(self.actual.position)
+                self._stand()
                 self._end(*self._ending)
             return
-        job.time += span
-        sample = job.curve.sample(job.time)
-        self.wanted = State(sample.position, sample.velocity, sample.acceleration)
+        job.time, self.pace, rate = paced_step(
+            job.curve, job.time, self.pace, self.scale, span, self.joints.acceleration
+        )
+        self.wanted = self.at(job, job.time, rate)
         self._follow(span)
         self._supervise(job)
 
     def _slow_down(self, job: Job, span: float) -> None:
         """Integrate the pace along the curve."""
-        job.time, self._pace, drop = slowed_down(
-            job.curve, job.time, self._pace, span, self.joints.acceleration
+        job.time, self.pace, drop = slowed_down(
+            job.curve, job.time, self.pace, span, self.joints.acceleration
         )
-        sample, pace = job.curve.sample(job.time), self._pace
+        sample, pace = job.curve.sample(job.time), self.pace
         if pace <= 0.0 or job.time >= job.curve.duration:
-            self._pace = 0.0
-            self.wanted = _at_rest(sample.position)
+            self.pace = 0.0
+            self.wanted = at_rest(sample.position)
             return
         acceleration = sample.acceleration * pace * pace - sample.velocity * drop
         self.wanted = State(sample.position, sample.velocity * pace, acceleration)
 
     def _follow(self, span: float) -> None:
         """Let the joints follow what is wanted."""
-        if not self.settings.lag:
-            self.actual = self.wanted
-            return
-        if span <= 0.0:
-            return
-        part = -math.expm1(-span / self.settings.lag)
-        change = part * (self.wanted.position - self.actual.position)
-        velocity = change / span
-        acceleration = (velocity - self.actual.velocity) / span
-        self.actual = State(self.actual.position + change, velocity, acceleration)
+        self.actual = self.simulation.follow(self.wanted, span)
+
+    def _stand(self) -> None:
+        """Have the joints stand where they are."""
+        place = self.simulation.position
+        self.wanted, self.actual = at_rest(place), self.simulation.put(place)
 
     def _supervise(self, job: Job) -> None:
         """End or give up the motion where that is due."""
-        found = verdict(job, self.wanted.position, self.actual, self.joints)
+        found = verdict(job, self.wanted, self.actual, self.joints)
+        over, allowed = job.time - job.arrival, self.settings.command_timeout
+        if found is None and 0.0 < allowed < over:
+            text = f"still not at its goal {over:.4g} s after its end, allowed are {allowed:g} s"
+            found = _TIMED_OUT, text
         if found is None:
             return
         code, text = found
         if code:
             self.stop(End.ABORTED, code, text)
             return
-        self.wanted = _at_rest(job.goal)
+        self.wanted = at_rest(job.goal)
         self._follow(0.0)
         self._end(End.REACHED, Code.SUCCESS, "")
-
-
-def _at_rest(position: FloatArray) -> State:
-    still = np.zeros(len(position))
-    return State(np.array(position, dtype=np.float64), still, still)

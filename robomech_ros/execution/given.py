@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.refusals import JointMismatchError, TrajectoryRefusedError
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
@@ -16,6 +16,8 @@ __all__ = ["GivenPoint", "GivenTrajectory", "joint_order", "read_waypoints"]
 
 # A velocity up to this (rad/s, m/s) in the last point is zero with rounding.
 REST = 1e-6
+# Place of a joint that a trajectory does not name.
+MISSING = -1
 # No robot has numbers beyond this (SI); curves through larger ones could overflow.
 LARGEST = 1e6
 
@@ -49,7 +51,13 @@ class GivenTrajectory:
 
 
 def read_waypoints(
-    given: GivenTrajectory, joint_names: Sequence[str], max_points: int, max_duration: float
+    given: GivenTrajectory,
+    joint_names: Sequence[str],
+    max_points: int,
+    max_duration: float,
+    *,
+    partial: bool = False,
+    to_rest: bool = True,
 ) -> Waypoints:
     """Check a trajectory by the rules of joint_trajectory_controller, and put its joints in order.
 
@@ -63,19 +71,23 @@ def read_waypoints(
         The most points there may be.
     max_duration : float
         The longest time from start, s.
+    partial : bool
+        Whether joints may be missing, as long as there is one.
+    to_rest : bool
+        Whether the last velocity, where there is one, must be 0.
 
     Returns
     -------
     Waypoints
         Arrays of shape (m,) and (m, n), joints in the order of `joint_names`; a point without
-        velocities or accelerations has a row of NaN.
+        velocities or accelerations has a row of NaN, a joint that is missing a column.
 
     Raises
     ------
     UnknownJointError, WrongSizeError, NonFiniteError, BadValueError, TrajectoryRefusedError
         With the point, the joint and the number at fault.
     """
-    order = joint_order(given.joint_names, joint_names)
+    order = joint_order(given.joint_names, joint_names, partial=partial)
     if not given.points:
         raise TrajectoryRefusedError("the trajectory has no points")
     if len(given.points) > max_points:
@@ -86,18 +98,30 @@ def read_waypoints(
     velocities = _rows(given.points, "velocities", names)
     accelerations = _rows(given.points, "accelerations", names)
     _refuse_effort(given.points)
-    _require_rest(velocities[-1], names)
-    return Waypoints(times, positions[:, order], velocities[:, order], accelerations[:, order])
+    if to_rest:
+        _require_rest(velocities[-1], names)
+    rows = [values[:, order] for values in (positions, velocities, accelerations)]
+    missing = [place == MISSING for place in order]
+    for values in rows:
+        values[:, missing] = math.nan
+    return Waypoints(times, *rows)
 
 
-def joint_order(given: Sequence[str], wanted: Sequence[str]) -> list[int]:
+def joint_order(given: Sequence[str], wanted: Sequence[str], *, partial: bool = False) -> list[int]:
     """Find where each wanted joint is among the given ones.
+
+    Parameters
+    ----------
+    given, wanted : sequence of str
+        Names of joints.
+    partial : bool
+        Whether wanted joints may be missing, which have the place -1 then.
 
     Raises
     ------
     UnknownJointError
         A given name that is not wanted.
-    WrongSizeError
+    JointMismatchError
         A name given twice, or a wanted one missing.
     """
     known = set(wanted)
@@ -107,12 +131,13 @@ def joint_order(given: Sequence[str], wanted: Sequence[str]) -> list[int]:
     place = {name: index for index, name in enumerate(given)}
     if len(place) != len(given):
         twice = next(name for index, name in enumerate(given) if place[name] != index)
-        raise WrongSizeError("joint_names", len(given), f"every joint once; '{twice}' is repeated")
+        expected = f"every joint once; '{twice}' is repeated"
+        raise JointMismatchError("joint_names", len(given), expected)
     missing = [name for name in wanted if name not in place]
-    if missing:
+    if missing and not (partial and place):
         expected = f"{len(wanted)}, all joints of the robot; missing: {', '.join(missing)}"
-        raise WrongSizeError("joint_names", len(given), expected)
-    return [place[name] for name in wanted]
+        raise JointMismatchError("joint_names", len(given), expected)
+    return [place.get(name, MISSING) for name in wanted]
 
 
 def _times(given: Sequence[float], max_duration: float) -> FloatArray:

@@ -74,6 +74,10 @@ class Job:
         None until it has ended.
     time : float
         How far it has come on its curve, s.
+    braking : float
+        How long before the end of the curve the trajectory is over and the robot brakes, s.
+    arrived : bool
+        Whether it was where it should be when the trajectory was over.
     """
 
     waypoints: Waypoints
@@ -84,6 +88,8 @@ class Job:
     on_end: Callable[[Outcome], None] = field(default=lambda outcome: None)
     outcome: Outcome | None = None
     time: float = 0.0
+    braking: float = 0.0
+    arrived: bool = False
 
     @property
     def goal(self) -> FloatArray:
@@ -91,9 +97,14 @@ class Job:
         return self.curve.sample(self.curve.breaks[-1]).position
 
     @property
+    def arrival(self) -> float:
+        """When the last point is to be reached, s on the curve."""
+        return self.curve.duration - self.braking
+
+    @property
     def progress(self) -> float:
         """Part of the duration that has passed, 0 to 1."""
-        duration = self.curve.duration
+        duration = self.arrival
         return min(self.time / duration, 1.0) if duration > 0.0 else 1.0
 
     def finish(self, end: End, code: int, text: str, actual: FloatArray) -> None:

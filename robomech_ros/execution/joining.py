@@ -3,11 +3,12 @@
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
-from robomech_ros.execution.smoothing import fading_time, with_fading
+from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
+from robomech_ros.execution.smoothing import fading_time, with_braking, with_fading
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -43,7 +44,7 @@ def join(
     Parameters
     ----------
     waypoints : Waypoints
-        m points of n joints.
+        m points of n joints.  A joint whose column is NaN stays where it is.
     present : State
         Where the robot is when the trajectory begins.
     joints : Joints
@@ -58,18 +59,19 @@ def join(
     Returns
     -------
     PiecewisePolynomial
-        From t = 0, now, to the end; within the limits of position and velocity.
+        From t = 0, now, to the end and, where the robot moves there, on until it has braked;
+        within the limits of position and velocity.
 
     Raises
     ------
     StartMismatchError
         The start is farther from the present position than allowed.
-    TrajectoryRefusedError
+    TrajectoryOverError
         The trajectory has ended already.
     LimitExceededError
         A position or velocity limit would be exceeded, on the points or between them.
     """
-    remaining = _remaining(waypoints, late)
+    remaining = _remaining(_completed(waypoints, present), late)
     turns = np.round((present.position - remaining.positions[0]) / math.tau)
     shift = np.where(joints.continuous, turns * math.tau, 0.0)
     on_time = remaining.times[0] <= 0.0
@@ -83,11 +85,31 @@ def join(
     else:
         curve = _approached(remaining, positions, present)
     velocities = remaining.velocities
+    if velocities is not None:
+        curve = with_braking(curve, velocities[-1], joints)
     step = present.position - curve.sample(0.0).position
     kick = present.velocity - curve.sample(0.0).velocity
     if velocities is None or np.isnan(velocities[0]).any():
         kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
     return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
+
+
+def _completed(waypoints: Waypoints, present: State) -> Waypoints:
+    """Let the joints that the trajectory does not name stay where they are."""
+    missing = np.isnan(waypoints.positions[0])
+    if not missing.any():
+        return waypoints
+    positions = np.where(missing, present.position, waypoints.positions)
+    rates = (_stilled(rate, missing) for rate in (waypoints.velocities, waypoints.accelerations))
+    return Waypoints(waypoints.times, positions, *rates)
+
+
+def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatArray | None:
+    """Fill the columns of missing joints with 0 in those rows that have numbers at all."""
+    if rate is None:
+        return None
+    there = ~np.all(np.isnan(rate), axis=1, keepdims=True)
+    return np.where(missing & there, 0.0, rate)
 
 
 def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
@@ -96,11 +118,7 @@ def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
         return waypoints
     left = waypoints.times > late
     if not left.any():
-        over = late - waypoints.times[-1]
-        raise TrajectoryRefusedError(
-            f"the trajectory ended {over:.6g} s ago: its stamp is {late:.6g} s old and it lasts "
-            f"{waypoints.times[-1]:.6g} s"
-        )
+        raise TrajectoryOverError(late, waypoints.times[-1])
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times[left] - late,

@@ -8,7 +8,7 @@ from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Progress"]
+__all__ = ["Progress", "curve_from"]
 
 # A trajectory that leads farther than this (rad, m) from where it was should be seen to move.
 NOTICEABLE = 10.0 * STILL
@@ -36,7 +36,7 @@ class Progress:
 
     def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
         self.moved = self.stands = False
-        self._curve = _curve(delivery.waypoints, position)
+        self._curve = curve_from(delivery.waypoints, position)
         self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
         self._sent_at = self._heard_at = self._now = delivery.sent_at
         self._heard = heard
@@ -91,8 +91,8 @@ def _leads(before: FloatArray, after: FloatArray) -> bool:
     return bool(np.max(np.abs(after - before)) > NOTICEABLE)
 
 
-def _curve(waypoints: Waypoints, position: FloatArray) -> PiecewisePolynomial:
-    """Make the curve through the waypoints, from the present position where they begin later."""
+def curve_from(waypoints: Waypoints, position: FloatArray) -> PiecewisePolynomial:
+    """Make the curve through waypoints, from a position (rad or m) where they begin later."""
     if waypoints.times[0] <= 0.0:
         return waypoints.curve
     still = np.zeros(len(position))

@@ -1,14 +1,46 @@
 """Why a trajectory that is well formed is not executed."""
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import RobomechError, WrongSizeError
 
-__all__ = ["StartMismatchError", "TrajectoryRefusedError"]
+__all__ = [
+    "JointMismatchError",
+    "StartMismatchError",
+    "TrajectoryOverError",
+    "TrajectoryRefusedError",
+]
 
 _TURN = 6.283185307179586
 
 
 class TrajectoryRefusedError(RobomechError):
     """The trajectory is not executed, for a reason that lies outside its numbers."""
+
+
+class TrajectoryOverError(TrajectoryRefusedError):
+    """The trajectory should have ended by now.
+
+    Parameters
+    ----------
+    late : float
+        How long ago it should have begun, s.
+    lasts : float
+        How long it lasts, s.
+    """
+
+    def __init__(self, late: float, lasts: float) -> None:
+        self.late = float(late)
+        self.lasts = float(lasts)
+        super().__init__(
+            f"the trajectory ended {self.late - self.lasts:.6g} s ago: its stamp is "
+            f"{self.late:.6g} s old and it lasts {self.lasts:.6g} s"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.late, self.lasts)
+
+
+class JointMismatchError(WrongSizeError):
+    """The joints of the trajectory are not those of the robot: some are missing or repeated."""
 
 
 class StartMismatchError(TrajectoryRefusedError):

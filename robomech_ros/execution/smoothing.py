@@ -1,4 +1,4 @@
-"""Fades out a step at the start of a curve within the acceleration limits."""
+"""What is added to a curve: a step at its start fades out, speed at its end is braked."""
 
 import math
 
@@ -9,10 +9,13 @@ from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["fading_time", "with_fading"]
+__all__ = ["braking_time", "fading_time", "with_braking", "with_fading"]
 
 # Shortest time in which a step at the start is smoothed out, s.
 SHORTEST_BLEND = 0.05
+# Shortest time in which speed at the end is braked, s; slower than REST (rad/s, m/s) is at rest.
+SHORTEST_BRAKING = 0.02
+REST = 1e-6
 # Peak second derivatives of the smoothing quintic over one unit of time, per unit of step in
 # position and in velocity.
 _PEAK_OF_POSITION, _PEAK_OF_VELOCITY = 5.7736, 3.941
@@ -43,6 +46,31 @@ def with_fading(
             break
         coefficients[:, segment] += _moved(fading.coefficients[:, 0], float(begin))
     return PiecewisePolynomial(curve.breaks, coefficients)
+
+
+def braking_time(velocity: FloatArray, joints: Joints) -> float:
+    """Give the time (s) in which all joints brake together; NaN (no velocity given) is at rest."""
+    speed = np.nan_to_num(np.abs(velocity))
+    if np.max(speed) <= REST:
+        return 0.0
+    return max(float(np.max(speed / joints.acceleration)), SHORTEST_BRAKING)
+
+
+def with_braking(
+    curve: PiecewisePolynomial, velocity: FloatArray, joints: Joints
+) -> PiecewisePolynomial:
+    """Add a segment in which the velocity at the end (n,), rad/s or m/s, falls to 0 linearly."""
+    time = braking_time(velocity, joints)
+    if not time:
+        return curve
+    order = max(len(curve.coefficients), 3)
+    segments = curve.coefficients.shape[1] if len(curve.breaks) > 1 else 0
+    coefficients = np.zeros((order, segments + 1, curve.joints))
+    coefficients[: len(curve.coefficients), :segments] = curve.coefficients[:, :segments]
+    coefficients[0, -1] = curve.sample(curve.breaks[-1]).position
+    coefficients[1, -1] = velocity
+    coefficients[2, -1] = -velocity / (2.0 * time)
+    return PiecewisePolynomial(np.append(curve.breaks, curve.breaks[-1] + time), coefficients)
 
 
 def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:

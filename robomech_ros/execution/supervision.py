@@ -9,15 +9,15 @@ from robomech_ros.trajectory.sample import FloatArray
 __all__ = ["verdict"]
 
 
-def verdict(job: Job, wanted: FloatArray, actual: State, joints: Joints) -> tuple[int, str] | None:
+def verdict(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
     """Decide whether a motion has reached its goal, or must be given up.
 
     Parameters
     ----------
     job : Job
-        What is being followed.
-    wanted : ndarray, shape (n,)
-        Where its curve is now, rad or m.
+        What is being followed; that it has arrived is noted in it.
+    wanted : State
+        Where its curve is now.
     actual : State
         Where the joints are.
     joints : Joints
@@ -29,24 +29,58 @@ def verdict(job: Job, wanted: FloatArray, actual: State, joints: Joints) -> tupl
         None while there is nothing to decide; code 0 at the goal; else the code, and a text that
         names the joint, how far it is off, and the tolerance.
     """
-    over = job.time - job.curve.duration
+    over = job.time - job.arrival
     if over < 0.0:
-        off = np.abs(wanted - actual.position)
-        return _complaint(Code.PATH_TOLERANCE, "its path", off, job.tolerances.path, joints)
-    off = np.abs(job.goal - actual.position)
-    speed = np.abs(actual.velocity)
-    found = _complaint(
-        Code.GOAL_TOLERANCE, "its goal", off, job.tolerances.goal, joints
-    ) or _complaint(Code.GOAL_TOLERANCE, "rest", speed, job.tolerances.velocity, joints, "/s")
-    if found is None:
-        return int(Code.SUCCESS), ""
-    return found if over > job.tolerances.goal_time else None
+        return _off_path(job, wanted, actual, joints)
+    if not job.arrived:
+        found = _off_goal(job, wanted, actual, joints)
+        if found is not None:
+            return found if over > job.tolerances.goal_time else None
+        job.arrived = True
+    return (int(Code.SUCCESS), "") if over >= job.braking else None
+
+
+def _off_path(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
+    allowed, code = job.tolerances, Code.PATH_TOLERANCE
+    off = wanted.position - actual.position
+    change = wanted.velocity - actual.velocity
+    push = wanted.acceleration - actual.acceleration
+    return (
+        _complaint(code, "its path", off, allowed.path, joints)
+        or _complaint(code, "the velocity of its path", change, allowed.path_velocity, joints, "/s")
+        or _complaint(
+            code, "the acceleration of its path", push, allowed.path_acceleration, joints, "/s^2"
+        )
+    )
+
+
+def _off_goal(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
+    allowed, code = job.tolerances, Code.GOAL_TOLERANCE
+    rest = "the velocity at its goal" if job.braking else "rest"
+    off = wanted.position - actual.position
+    change = wanted.velocity - actual.velocity
+    push = wanted.acceleration - actual.acceleration
+    return (
+        _complaint(code, "its goal", off, allowed.goal, joints)
+        or _complaint(code, rest, change, allowed.velocity, joints, "/s")
+        or _complaint(
+            code, "its last acceleration", push, allowed.goal_acceleration, joints, "/s^2"
+        )
+    )
 
 
 def _complaint(
-    code: int, what: str, off: FloatArray, allowed: FloatArray, joints: Joints, per: str = ""
+    code: int,
+    what: str,
+    difference: FloatArray,
+    allowed: FloatArray | None,
+    joints: Joints,
+    per: str = "",
 ) -> tuple[int, str] | None:
     """Name the joint that is worst, if it is off by more than allowed."""
+    if allowed is None:
+        return None
+    off = np.abs(difference)
     worst = int(np.argmax(off - allowed))
     if off[worst] <= allowed[worst]:
         return None

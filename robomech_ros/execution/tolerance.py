@@ -25,13 +25,21 @@ class Tolerances:
     velocity : ndarray, shape (n,)
         Largest speed at the end, rad/s or m/s.
     goal_time : float
-        How long after the end the goal may still be reached, s.
+        How long after the end the goal may still be reached, s; infinite = any time.
+    path_velocity, path_acceleration : ndarray, shape (n,), or None
+        Largest deviation from the velocity and acceleration of the path while moving, rad or m
+        per s and s^2; None = any.
+    goal_acceleration : ndarray, shape (n,), or None
+        Largest acceleration at the end, rad/s^2 or m/s^2; None = any.
     """
 
     path: FloatArray
     goal: FloatArray
     velocity: FloatArray
     goal_time: float
+    path_velocity: FloatArray | None = None
+    path_acceleration: FloatArray | None = None
+    goal_acceleration: FloatArray | None = None
 
 
 def override(
@@ -50,7 +58,7 @@ def override(
     given : sequence of float
         Empty, or one for each joint in the order of the trajectory: 0 = default, -1 = none.
     order : sequence of int
-        Where each joint of the robot is in the trajectory.
+        Where each joint of the robot is in the trajectory; -1 = nowhere, it keeps its default.
     names : sequence of str
         Joints in the order of the trajectory.
     what : str
@@ -76,5 +84,5 @@ def override(
         if value < 0.0 and value != NONE:
             expected = "positive, 0 (default) or -1 (none)"
             raise BadValueError(f"{what} of joint '{name}'", value, expected)
-    values = values[list(order)]
+    values = np.where(np.array(order) < 0, DEFAULT, values[list(order)])
     return np.where(values == NONE, np.inf, np.where(values == DEFAULT, default, values))

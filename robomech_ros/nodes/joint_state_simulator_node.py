@@ -14,6 +14,10 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.follower import Phase
 from robomech_ros.execution.job import Code, End, Outcome
 from robomech_ros.nodes.controller.condition import robot_condition
+from robomech_ros.nodes.controller.control_interfaces import ControlInterfaces
+from robomech_ros.nodes.controller.execute_action import ExecuteAction
+from robomech_ros.nodes.controller.fault_settings import faults_of
+from robomech_ros.nodes.controller.frame_publisher import frame_publisher
 from robomech_ros.nodes.controller.goal_server import GoalServer
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.robot import SimulatedRobot
@@ -38,17 +42,24 @@ class JointStateSimulatorNode(Node):
     SETTINGS = ControllerSettings
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("joint_trajectory_controller", **options)
-        self._settings = NodeParameters(self, ControllerSettings).settings
+        self._servers: list[GoalServer] = []
         self._robot: SimulatedRobot | None = None
+        super().__init__("joint_trajectory_controller", **options)
+        self._settings = NodeParameters(
+            self, ControllerSettings, self._change, self._check
+        ).settings
         self._standing: Future | None = None
         when_robot_known(self, self._settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
         clock = MotionClock(self)
         robot = self._robot = SimulatedRobot(model.chain, self._settings, clock)
+        robot.follower.simulation.inject(faults_of(self._settings, model.chain))
         self._states = StatePublisher(self, model)
-        self._goals = GoalServer(self, robot)
+        self._frames = frame_publisher(self, model.description, self._settings.publish_frames)
+        self._servers = [GoalServer(self, robot, ExecuteAction(robot.joint_names))]
+        self._control = ControlInterfaces(self, robot, clock)
+        self._servers += self._control.servers
         hardware = f"{model.chain.name} (simulated)"
         StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
         self.create_subscription(JointTrajectory, "~/joint_trajectory", self._take, _DEPTH)
@@ -56,11 +67,25 @@ class JointStateSimulatorNode(Node):
         self.create_service(Trigger, "~/reset", self._reset)
         rate = self._settings.publish_rate
         self._feedback_cycles = max(round(rate / self._settings.action_monitor_rate), 1)
+        self._frame_cycles = max(round(rate / self._settings.frame_rate), 1)
+        self._state_cycles = max(round(rate / self._settings.state_publish_rate), 1)
         self._cycle = 0
         self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
         self.get_logger().info(
             f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
         )
+
+    def _change(self, settings: ControllerSettings) -> None:
+        """Have the simulated joints the faults that were asked for at run time."""
+        self._settings = settings
+        if self._robot is not None:
+            faults = faults_of(settings, self._robot.chain)
+            self._robot.follower.simulation.inject(faults)
+
+    def _check(self, settings: ControllerSettings) -> None:
+        """Refuse faults that the robot cannot have."""
+        if self._robot is not None:
+            faults_of(settings, self._robot.chain)
 
     def _tick(self) -> None:
         robot = self._robot
@@ -73,8 +98,13 @@ class JointStateSimulatorNode(Node):
         self._states.publish(robot.follower.actual)
         self._tell_standing()
         self._cycle += 1
-        if self._goals.busy and self._cycle % self._feedback_cycles == 0:
-            self._goals.publish_feedback()
+        if self._frames is not None and self._cycle % self._frame_cycles == 0:
+            self._frames.publish(self._states.positions)
+        if self._cycle % self._state_cycles == 0:
+            self._control.publish()
+        if self._cycle % self._feedback_cycles == 0:
+            for server in self._servers:
+                server.publish_feedback()
 
     def _take(self, trajectory: JointTrajectory) -> None:
         assert self._robot is not None
@@ -119,7 +149,8 @@ class JointStateSimulatorNode(Node):
         await self._standing
         self.destroy_timer(deadline)
         self._states.publish(robot.follower.actual)
-        await self._goals.all_ended()
+        for server in self._servers:
+            await server.all_ended()
 
     def _halt(self) -> None:
         """Hold at once."""
@@ -135,9 +166,9 @@ class JointStateSimulatorNode(Node):
             self._standing.set_result(None)
 
     def destroy_node(self) -> None:
-        """Destroy the node and, what rclpy leaves out, its action server."""
-        if hasattr(self, "_goals"):
-            self._goals.destroy()
+        """Destroy the node and, what rclpy leaves out, its action servers."""
+        for server in self._servers:
+            server.destroy()
         super().destroy_node()
 
 

@@ -223,6 +223,8 @@ class NodeParameters(Generic[Settings]):
         Frozen dataclass whose fields come from :func:`parameter`.
     on_change : callable, optional
         Called with the new settings after a parameter changed at run time.
+    check : callable, optional
+        Called with the new settings before; it raises ParameterError to refuse them.
 
     Raises
     ------
@@ -235,9 +237,11 @@ class NodeParameters(Generic[Settings]):
         node: Node,
         table: type[Settings],
         on_change: Callable[[Settings], None] | None = None,
+        check: Callable[[Settings], None] = lambda settings: None,
     ) -> None:
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change
+        self._check_settings = check
         self.settings: Settings = table(**{r.name: _declared(node, r) for r in self._rows.values()})
         for name, hint in _unknown_overrides(node, self._rows):
             node.get_logger().warning(f"unknown parameter '{name}' is ignored{hint}")
@@ -246,23 +250,28 @@ class NodeParameters(Generic[Settings]):
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         try:
-            for change in changes:
-                if change.name in self._rows:
-                    self._rows[change.name].checked(change.value)
+            self._check_settings(self._changed(changes))
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _store(self, changes: list[Parameter]) -> None:
+        settings = self._changed(changes)
+        if settings is not self.settings:
+            self.settings = settings
+            if self._on_change is not None:
+                self._on_change(settings)
+
+    def _changed(self, changes: list[Parameter]) -> Settings:
+        """Give the settings with these changes; the same object if none concerns them."""
         values = {
             change.name: self._rows[change.name].checked(change.value)
             for change in changes
             if change.name in self._rows
         }
-        if values:
-            self.settings = dataclasses.replace(self.settings, **values)  # type: ignore[type-var]
-            if self._on_change is not None:
-                self._on_change(self.settings)
+        if not values:
+            return self.settings
+        return dataclasses.replace(self.settings, **values)  # type: ignore[type-var]
 
 
 def _declared(node: Node, row: ParameterRow) -> Any:

@@ -10,25 +10,32 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import Execute
-from robomech_ros.errors import RobomechError, UnknownJointError, WrongSizeError
+from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError, WrongSizeError
 from robomech_ros.execution.comparison import off_goal, off_start
 from robomech_ros.execution.delivery import Delivery, Report, Transport
 from robomech_ros.execution.dispatcher import Dispatcher
 from robomech_ros.execution.given import read_waypoints
+from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.controller.given_trajectory import given_trajectory
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.conversions import duration_from_seconds
 from robomech_ros.nodes.error_codes import NoStateError, answer, code_of, name_of
-from robomech_ros.nodes.parameters import NodeParameters
+from robomech_ros.nodes.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.publisher.controller_link import ControllerLink
+from robomech_ros.nodes.publisher.program import read_program
+from robomech_ros.nodes.publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.publisher.settings import PublisherSettings, dispatcher_settings
+from robomech_ros.nodes.publisher.speed_control import SpeedControl
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.nodes.status_report import Condition, StatusReport
+from robomech_ros.robots import SerialChain
 
 TOPIC = "planned_trajectory"
 # Plans may come faster than they are taken.
@@ -59,8 +66,11 @@ class TrajectoryPublisherNode(Node):
         self._latest: Delivery | None = None
         self._next_plan: Future | None = None
         self._robot_joints: tuple[str, ...] = ()
+        self._chain: SerialChain | None = None
         self._refusal = ""
-        self._link = ControllerLink(self, settings.controller, self._take_result)
+        self._link = ControllerLink(
+            self, settings.controller, self._motion_clock, self._take_result
+        )
         self._dispatcher = Dispatcher(
             self._link, dispatcher_settings(settings), self._log_end, self._log_stall
         )
@@ -74,6 +84,10 @@ class TrajectoryPublisherNode(Node):
         self.create_service(
             Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup()
         )
+        limits = settings.max_points, settings.max_duration
+        self._runner = ProgramRunner(self, self._motion_clock, self._offer, limits)
+        SpeedControl(self, self._dispatcher, self._motion_clock, self._watch, self._runner.cancel)
+        self.create_service(Trigger, "~/run_program", self._run_program)
         StatusReport(self, "execution", settings.controller, self._condition)
         how = f"by {settings.transport}" if settings.auto_execute else "on request only"
         self.get_logger().info(f"ready: sends trajectories to '{settings.controller}', {how}")
@@ -84,8 +98,11 @@ class TrajectoryPublisherNode(Node):
             for joint in model.description.joints
             if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
         ]
-        self._link.know_continuous(endless)
+        chain = model.chain
+        acceleration = Joints.of(chain).acceleration.tolist()
+        self._link.know_robot(endless, dict(zip(chain.joint_names, acceleration, strict=True)))
         self._robot_joints = tuple(model.joint_names)
+        self._chain = model.chain
 
     def _listen(self, planner_topic: str) -> None:
         """Subscribe to plans, to none twice."""
@@ -138,6 +155,10 @@ class TrajectoryPublisherNode(Node):
 
     def _offer(self, delivery: Delivery) -> None:
         self._dispatcher.offer(delivery, self._motion_clock.now())
+        self._watch()
+
+    def _watch(self) -> None:
+        """Look at the robot again and again while there is something to see."""
         if self._dispatcher.busy:
             self._timer.reset()
 
@@ -168,6 +189,32 @@ class TrajectoryPublisherNode(Node):
         response.duration = duration_from_seconds(report.duration)
         done = "executed before this request; the robot stands at its end"
         return answer(response, report.code, done if before and not report.code else report.text)
+
+    def _run_program(self, request: Any, response: Any) -> Any:
+        try:
+            response.message = self._start_program(self._table.settings.program)
+            response.success = True
+        except RobomechError as error:
+            response.message = str(error)
+        return response
+
+    def _start_program(self, path: str) -> str:
+        """Read a program and begin it; says so."""
+        chain = self._chain
+        if not path:
+            raise BadValueError("the parameter program", path, "the path of a YAML file")
+        if chain is None:
+            allowed = "a robot, for a program to be planned"
+            raise ParameterError("robot_description", "", allowed)
+        if self._runner.runs or self._dispatcher.busy:
+            raise TrajectoryRefusedError("something is being executed already; ~/cancel ends it")
+        program = read_program(path, chain)
+        position = self._link.positions(chain.joint_names)
+        if position is None:
+            raise NoStateError(chain.joint_names, "joint_states")
+        self._runner.start(program, chain, position)
+        count = f"{program.cycles} cycles" if program.cycles else "cycles until cancelled"
+        return f"{len(program.steps)} steps, {count}"
 
     async def _plan_on_its_way(self) -> None:
         """Wait a moment for a plan that was made before the request but has not arrived."""
@@ -231,18 +278,22 @@ class TrajectoryPublisherNode(Node):
         dispatcher, tally = self._dispatcher, self._dispatcher.tally
         trouble = tally.stalled or self._refusal or tally.last_failure
         summary = "executing" if dispatcher.current is not None else "idle"
+        summary = "paused" if dispatcher.paused else summary
         values = {
+            "speed": f"{dispatcher.speed:g}",
             "waiting": len(dispatcher.queue),
             "sent": tally.sent,
             "arrived": tally.arrived,
             "failed": tally.failed,
             "last failure": tally.last_failure,
             "last refusal": self._refusal,
+            "program": self._runner.condition,
         }
         return Condition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""
+        self._runner.cancel("the trajectory publisher shuts down")
         self._dispatcher.close("the trajectory publisher shuts down")
 
     def destroy_node(self) -> None:

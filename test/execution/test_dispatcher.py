@@ -6,7 +6,8 @@ from execution_cases import to_rest
 
 from robomech_ros.execution.comparison import apart
 from robomech_ros.execution.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.dispatcher import Dispatcher, DispatcherSettings, QueueFullError
+from robomech_ros.execution.dispatcher import Dispatcher
+from robomech_ros.execution.dispatching import DispatcherSettings, QueueFullError
 from robomech_ros.trajectory import Waypoints
 
 NAMES = ("shoulder", "elbow", "roll")
@@ -23,6 +24,7 @@ class Robot:
         self.said = 0
         self.sent = []
         self.cancelled = []
+        self.old_goal_runs = False
 
     def missing(self, transport):
         return self.lacking
@@ -42,6 +44,12 @@ class Robot:
 
     def continuous(self, names):
         return np.array([False, False, True])
+
+    def acceleration(self, names):
+        return np.full(3, 10.0)
+
+    def runs_before(self, delivery):
+        return self.old_goal_runs
 
 
 @pytest.fixture
@@ -385,3 +393,92 @@ def test_late_listeners_are_told_at_once(robot, dispatcher):
     told = []
     one.listen(told.append)
     assert told == [one.report]
+
+
+def move_along(robot, dispatcher, path, begin, end):
+    """Let the robot be where a function of time has it, and look every 50 ms."""
+    for now in np.arange(begin, end, 0.05):
+        robot.at = path(now)
+        dispatcher.step(now)
+
+
+@pytest.mark.parametrize("transport", list(Transport))
+def test_a_pause_that_comes_too_late_is_sent_again(robot, dispatcher, transport):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 3.0), transport)
+    planned = one.waypoints.curve
+    dispatcher.offer(one, 0.0)
+    dispatcher.pause(0.2)
+    assert len(robot.sent) == 2
+    first, now = one.goal.copy(), 0.4
+    robot.old_goal_runs = True
+    if transport is Transport.ACTION:
+        dispatcher.concluded(one, 221, "it should be over by now", now)
+    while len(robot.sent) < 3:
+        now += 0.05
+        move_along(robot, dispatcher, lambda time: planned.sample(time).position, now, now + 0.04)
+    assert now < 1.0
+    assert one.report is None
+    # From where the robot is now, since it has moved on.
+    assert one.goal[0] > first[0]
+    assert one.delay == pytest.approx(0.4)
+
+
+def test_a_pause_too_late_for_the_end_lets_the_robot_arrive(robot, dispatcher):
+    one = delivery()
+    planned, goal = one.waypoints.curve, one.goal.copy()
+    dispatcher.offer(one, 0.0)
+    dispatcher.pause(0.4)
+    assert len(robot.sent) == 2
+    move_along(robot, dispatcher, lambda now: planned.sample(now).position, 0.45, 2.0)
+    np.testing.assert_array_equal(one.goal, goal)
+    assert one.report.code == 0
+    assert len(robot.sent) == 2
+    assert dispatcher.paused
+
+
+def test_a_pause_that_is_refused_again_and_again_is_given_up(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.pause(0.01)
+    robot.old_goal_runs = True
+    now = 0.01
+    while one.report is None:
+        now += 0.01
+        dispatcher.concluded(one, 221, "no", now)
+    assert 2 <= len(robot.sent) <= 5
+    assert robot.cancelled == [one]
+    assert (one.report.code, one.report.text) == (221, "no")
+
+
+def test_what_was_paused_goes_on_to_its_end(robot, dispatcher):
+    one = delivery()
+    planned = one.waypoints.curve
+    dispatcher.offer(one, 0.0)
+    dispatcher.pause(0.2)
+    stop = one.waypoints.curve
+    begin = one.sent_at + one.delay
+    move_along(robot, dispatcher, lambda now: planned.sample(now).position, 0.2, begin)
+    place = one.goal.copy()
+    assert 0.0 < place[0] < 0.5
+    move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, begin + 0.05, 3.0)
+    assert one.report is None
+    assert len(robot.sent) == 2
+    dispatcher.resume(3.0)
+    np.testing.assert_allclose(one.waypoints.positions[0], place, atol=1e-12)
+    rest = one.waypoints.curve
+    move_along(robot, dispatcher, lambda now: rest.sample(now - 3.0).position, 3.0, 6.0)
+    assert one.report.code == 0
+    assert len(robot.sent) == 3
+
+
+def test_cancel_ends_when_the_robot_stands(robot, dispatcher):
+    one, two = delivery(), delivery(start=(0.5, 0.2, 0.1), goal=HOME)
+    dispatcher.offer(one, 0.0)
+    dispatcher.offer(two, 0.0)
+    assert dispatcher.cancel("enough", 0.3) == 2
+    assert (two.report.code, two.report.text) == (222, "not sent: enough")
+    assert one.report is None
+    stop, begin = one.waypoints.curve, one.sent_at + one.delay
+    move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, 0.35, 2.0)
+    assert (one.report.code, one.report.text) == (222, "enough")
+    assert not dispatcher.busy

@@ -257,3 +257,52 @@ def test_the_outcome_is_told_once():
     run(arm, 0.0, 1.2)
     arm.halt(222, "again")
     assert len(told) == 1
+
+
+@pytest.mark.parametrize("scale", [0.5, 0.1])
+def test_scaled_from_the_begin(scale):
+    arm = follower()
+    arm.scale = scale
+    job = arm.start(to_rest(GOAL), tolerances(), 0.0)
+    planned = to_rest(GOAL).curve
+    for now, state in run(arm, 0.0, 0.95 / scale):
+        np.testing.assert_allclose(state.position, planned.sample(scale * now).position, atol=1e-9)
+        velocity = scale * planned.sample(scale * now).velocity
+        np.testing.assert_allclose(state.velocity, velocity, atol=1e-9)
+    assert job.outcome is None
+    run(arm, 0.95 / scale, 1.0 / scale + 0.05)
+    assert job.outcome.end is End.REACHED
+
+
+def test_scale_changes_on_the_way_within_the_limits():
+    arm = follower()
+    goal = np.array([1.0, -0.5, 0.3])
+    job = arm.start(to_rest(goal, duration=1.2), tolerances(), 0.0)
+    seen = run(arm, 0.0, 0.5)
+    arm.scale = 0.2
+    seen += run(arm, 0.5, 1.5)
+    slow = seen[-1][1].position
+    assert 0.3 < slow[0] < 0.8
+    arm.scale = 0.0
+    seen += run(arm, 1.5, 2.5)
+    np.testing.assert_array_equal(arm.actual.velocity, 0.0)
+    assert job.outcome is None
+    arm.scale = 1.0
+    seen += run(arm, 2.5, 4.0)
+    assert job.outcome.end is End.REACHED
+    assert_continuous(seen, 1.02 * ACCELERATION)
+    positions = np.array([state.position for _, state in seen])
+    np.testing.assert_allclose(positions, np.outer(positions[:, 0], goal), atol=1e-9)
+
+
+def test_a_stop_and_a_replacement_while_scaled_are_smooth():
+    arm = follower()
+    arm.scale = 0.3
+    arm.start(to_rest((1.0, -0.5, 0.3), duration=1.2), tolerances(), 0.0)
+    seen = run(arm, 0.0, 2.0)
+    arm.start(single_point((0.0, 0.0, 0.0), 1.5), tolerances(), 2.0)
+    seen += run(arm, 2.0, 2.6)
+    arm.stop(End.ABORTED, 222, "hold")
+    seen += run(arm, 2.6, 4.0)
+    assert arm.phase is Phase.HOLDING
+    assert_continuous(seen)

@@ -75,7 +75,7 @@ def documented(node):
 
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_parameter_is_documented_with_its_default(node):
-    shown = {"''": '""', "True": "true", "()": "empty"}
+    shown = {"''": '""', "True": "true", "False": "false", "()": "empty"}
     expected = {}
     for row in table_rows(bringup._factory(node).SETTINGS):
         unit = f" {row.unit}" if row.unit in ("s", "Hz") else ""

@@ -1,29 +1,59 @@
-"""The action execute_trajectory: every goal is accepted, and what is refused aborted with a text.
+"""Serves an action that executes trajectories.
 
-A rejected goal would carry no reason to the client.
+Every goal is accepted, and one that is refused is aborted with a text: a rejected goal would carry
+no reason to the client.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
-import numpy as np
+from builtin_interfaces.msg import Time
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
-from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.job import Code, End, Job, Outcome
 from robomech_ros.execution.joints import State
+from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.controller.robot import SimulatedRobot
 from robomech_ros.nodes.conversions import duration_from_seconds, floats
-from robomech_ros.nodes.error_codes import code_of
 
-__all__ = ["GoalServer"]
+__all__ = ["Dialect", "GoalServer", "fill_states"]
 
 # A client may ask for the result this long after the motion has ended, s.
 _RESULT_KEPT = 60
+
+
+class Dialect(Protocol):
+    """An action type: what its goals ask for, and how its results are put.
+
+    Attributes
+    ----------
+    kind : type
+        The action.
+    name : str
+        Its name below the node.
+    """
+
+    kind: Any
+    name: str
+
+    def tolerances(
+        self, goal: Any, default: Tolerances, joint_names: Sequence[str]
+    ) -> tuple[Tolerances, str]:
+        """Read the tolerances of a goal, and say what of them does not hold."""
+
+    def refused(self, error: RobomechError) -> Any:
+        """Make the result of a goal that is not executed."""
+
+    def ended(self, outcome: Outcome, note: str) -> Any:
+        """Make the result of a motion."""
+
+    def feedback(self, job: Job, wanted: State, actual: State, stamp: Time) -> Any:
+        """Tell how far a motion has come."""
 
 
 @dataclass
@@ -43,19 +73,21 @@ class GoalServer:
         Owner of the action server.
     robot : SimulatedRobot
         What executes.
+    dialect : Dialect
+        The action.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot, dialect: Dialect) -> None:
         self._node = node
         self._robot = robot
+        self._dialect = dialect
         self._goals: dict[bytes, _Goal] = {}
         self._idle: Future = Future()
         self._destroyed = False
-        self._feedback = ExecuteTrajectory.Feedback(joint_names=robot.joint_names)
         self._server = ActionServer(
             node,
-            ExecuteTrajectory,
-            "~/execute_trajectory",
+            dialect.kind,
+            f"~/{dialect.name}",
             self._execute,
             cancel_callback=self._cancel,
             result_timeout=_RESULT_KEPT,
@@ -64,13 +96,11 @@ class GoalServer:
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()
         try:
-            goal = handle.request
-            by = "a newer goal of the action"
-            job = self._robot.execute(goal.trajectory, by, ended.set_result, goal)
+            job, note = self._start(handle.request, ended)
         except RobomechError as error:
             self._node.get_logger().warning(f"goal refused: {error}")
             handle.abort()
-            return self._result(code_of(error), str(error))
+            return self._dialect.refused(error)
         key = _key(handle)
         self._goals[key] = _Goal(handle, job)
         if handle.is_cancel_requested:
@@ -80,7 +110,22 @@ class GoalServer:
         self._conclude(handle, outcome)
         if not self._goals and not self._idle.done():
             self._idle.set_result(None)
-        return self._result(outcome.code, outcome.text, outcome.error)
+        return self._dialect.ended(outcome, note)
+
+    def _start(self, goal: Any, ended: Future) -> tuple[Job, str]:
+        """Have a goal executed; returns its job, and what of it does not hold."""
+        notes: list[str] = []
+
+        def tolerances(default: Tolerances) -> Tolerances:
+            found, note = self._dialect.tolerances(goal, default, self._robot.joint_names)
+            notes.append(note)
+            return found
+
+        by = "a newer goal of the action"
+        job = self._robot.execute(goal.trajectory, by, ended.set_result, tolerances)
+        if notes[0]:
+            self._node.get_logger().warning(notes[0])
+        return job, notes[0]
 
     def _conclude(self, handle: ServerGoalHandle, outcome: Outcome) -> None:
         if outcome.end is End.REACHED:
@@ -103,21 +148,15 @@ class GoalServer:
         self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
         return CancelResponse.ACCEPT
 
-    def _result(
-        self, code: int, text: str, error: "np.ndarray[Any, np.dtype[np.float64]] | None" = None
-    ) -> Any:
-        return ExecuteTrajectory.Result(
-            joint_names=self._robot.joint_names,
-            final_position_error=[] if error is None else floats(error),
-            error_code=code,
-            error_msg=text,
-        )
-
     def publish_feedback(self) -> None:
         """Tell the clients how far their goals have come."""
+        follower = self._robot.follower
         for goal in self._goals.values():
-            self._fill_feedback(goal.job)
-            goal.handle.publish_feedback(self._feedback)
+            wanted = follower.actual if goal.job is follower.waiting else follower.wanted
+            stamp = self._node.get_clock().now().to_msg()
+            goal.handle.publish_feedback(
+                self._dialect.feedback(goal.job, wanted, follower.actual, stamp)
+            )
 
     def destroy(self) -> None:
         """Give up the action server; once is enough."""
@@ -132,25 +171,16 @@ class GoalServer:
             self._idle.set_result(None)
         return self._idle
 
-    @property
-    def busy(self) -> bool:
-        """Whether there are goals on their way."""
-        return bool(self._goals)
 
-    def _fill_feedback(self, job: Job) -> None:
-        message, follower = self._feedback, self._robot.follower
-        wanted, actual = follower.wanted, follower.actual
-        if job is follower.waiting:
-            wanted = actual
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        _put(message.desired, wanted)
-        _put(message.actual, actual)
-        message.error.positions = floats(wanted.position - actual.position)
-        message.error.velocities = floats(wanted.velocity - actual.velocity)
-        message.desired.time_from_start = duration_from_seconds(job.time)
-        message.actual.time_from_start = message.desired.time_from_start
-        message.error.time_from_start = message.desired.time_from_start
-        message.progress = job.progress
+def fill_states(message: Any, wanted: State, actual: State, time: float) -> None:
+    """Fill the points desired, actual and error of a feedback, at a time (s) of the trajectory."""
+    _put(message.desired, wanted)
+    _put(message.actual, actual)
+    message.error.positions = floats(wanted.position - actual.position)
+    message.error.velocities = floats(wanted.velocity - actual.velocity)
+    message.desired.time_from_start = duration_from_seconds(time)
+    message.actual.time_from_start = message.desired.time_from_start
+    message.error.time_from_start = message.desired.time_from_start
 
 
 def _put(point: Any, state: State) -> None:

@@ -43,6 +43,10 @@ class MotionClock:
         """Give the time, s."""
         return (self._nanoseconds() - self._epoch) * _NANO
 
+    def stamp(self, time: float) -> int:
+        """Give the ROS time (ns) that belongs to a time of this clock (s)."""
+        return int(self._ros.now().nanoseconds) - round((self.now() - time) / _NANO)
+
     def until(self, stamp: Time) -> float:
         """Give how far a stamp is in the future, s, negative if past; 0 for the stamp 0."""
         if not (stamp.sec or stamp.nanosec):

@@ -1,18 +1,17 @@
 """The simulated robot as the topic, the action and the services command it."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.follower import Follower, FollowerSettings
-from robomech_ros.execution.given import joint_order, read_waypoints
+from robomech_ros.execution.given import read_waypoints
 from robomech_ros.execution.job import Job, Outcome
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.execution.tolerance import Tolerances, override
+from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.controller.given_trajectory import given_trajectory
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.settings import (
@@ -20,7 +19,6 @@ from robomech_ros.nodes.controller.settings import (
     default_tolerances,
     initial_position,
 )
-from robomech_ros.nodes.conversions import seconds_from_duration
 from robomech_ros.robots import SerialChain
 
 __all__ = ["Counts", "SimulatedRobot"]
@@ -73,7 +71,10 @@ class SimulatedRobot:
         self._initial = initial_position(settings, chain)
         self._tolerances = default_tolerances(settings, chain.n)
         follower_settings = FollowerSettings(
-            settings.start_tolerance, settings.tracking_lag, settings.max_duration
+            settings.start_tolerance,
+            settings.tracking_lag,
+            settings.max_duration,
+            settings.cmd_timeout,
         )
         self.follower = Follower(
             Joints.of(chain), self._initial, follower_settings, self._clock.now()
@@ -88,7 +89,7 @@ class SimulatedRobot:
         trajectory: JointTrajectory,
         by: str,
         on_end: Callable[[Outcome], None],
-        goal: Any = None,
+        tolerances: Callable[[Tolerances], Tolerances] = lambda default: default,
     ) -> Job:
         """Execute a trajectory from now on, or from its stamp on.
 
@@ -100,8 +101,8 @@ class SimulatedRobot:
             Who sent it, for the text of the motion that it replaces.
         on_end : callable
             Called once, with the outcome.
-        goal : ExecuteTrajectory.Goal, optional
-            Brings tolerances.
+        tolerances : callable, optional
+            Makes the tolerances of the motion from those that hold by default.
 
         Returns
         -------
@@ -121,10 +122,12 @@ class SimulatedRobot:
                 self.joint_names,
                 self._settings.max_points,
                 self._settings.max_duration,
+                partial=self._settings.allow_partial_joints_goal,
+                to_rest=not self._settings.allow_nonzero_velocity_at_trajectory_end,
             )
-            tolerances = self._with_tolerances(goal, trajectory.joint_names)
+            held_to = tolerances(self._tolerances)
             job = self.follower.start(
-                waypoints, tolerances, self._clock.now(), delay, self._counted(on_end), by
+                waypoints, held_to, self._clock.now(), delay, self._counted(on_end), by
             )
         except RobomechError as error:
             self.counts.refused += 1
@@ -148,20 +151,3 @@ class SimulatedRobot:
             on_end(outcome)
 
         return count
-
-    def _with_tolerances(self, goal: Any, names: Sequence[str]) -> Tolerances:
-        if goal is None:
-            return self._tolerances
-        order = joint_order(names, self.joint_names)
-        fields = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_tolerance")
-        default = self._tolerances
-        path, at_goal, velocity = (
-            override(values, getattr(goal, field), order, names, field)
-            for field, values in zip(
-                fields, (default.path, default.goal, default.velocity), strict=True
-            )
-        )
-        time = seconds_from_duration(goal.goal_time_tolerance, "goal_time_tolerance")
-        return replace(
-            default, path=path, goal=at_goal, velocity=velocity, goal_time=time or default.goal_time
-        )

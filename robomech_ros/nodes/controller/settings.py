@@ -10,7 +10,15 @@ from robomech_ros.nodes.parameters import ParameterError, parameter
 from robomech_ros.nodes.robot_description import RobotSettings
 from robomech_ros.robots import SerialChain
 
-__all__ = ["ControllerSettings", "default_tolerances", "initial_position"]
+__all__ = [
+    "FRAMES_AUTO",
+    "FRAMES_NEVER",
+    "ControllerSettings",
+    "default_tolerances",
+    "initial_position",
+]
+
+FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
 
 
 @dataclass(frozen=True)
@@ -22,6 +30,9 @@ class ControllerSettings(RobotSettings):
     )
     action_monitor_rate: float = parameter(
         20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    state_publish_rate: float = parameter(
+        50.0, "How often controller_state is published; at most publish_rate", 0.1, 1000.0, "Hz"
     )
     initial_positions: tuple[float, ...] = parameter(
         (),
@@ -51,7 +62,26 @@ class ControllerSettings(RobotSettings):
         0.01, "How fast a joint may be at the end, rad/s or m/s; 0 = any speed", 0.0, 10.0
     )
     goal_time: float = parameter(
-        1.0, "How long after its end a trajectory may still reach its goal", 0.0, 3600.0, "s"
+        1.0,
+        "How long after its end a trajectory may still reach its goal; 0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    cmd_timeout: float = parameter(
+        0.0,
+        "How long after its end a trajectory may be under way at all; then the robot holds. "
+        "0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    allow_partial_joints_goal: bool = parameter(
+        False, "Whether a trajectory may name some of the joints only; the others stay"
+    )
+    allow_nonzero_velocity_at_trajectory_end: bool = parameter(
+        False,
+        "Whether a trajectory may end moving; the robot then brakes beyond its last point",
     )
     max_points: int = parameter(
         10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
@@ -70,6 +100,57 @@ class ControllerSettings(RobotSettings):
         100.0,
         "s",
     )
+    publish_frames: str = parameter(
+        FRAMES_AUTO,
+        "Whether /tf and /tf_static are published, as far as tf2_msgs is installed; auto = unless "
+        "robot_state_publisher is installed, which does it",
+        choices=(FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER),
+    )
+    frame_rate: float = parameter(
+        20.0, "How often /tf is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    fault_stuck_joints: str = parameter(
+        "",
+        "Simulated fault: joints that do not move, names with commas between. Empty = none",
+        read_only=False,
+    )
+    fault_delay: float = parameter(
+        0.0,
+        "Simulated fault: how long commands take to get to the joints",
+        0.0,
+        10.0,
+        "s",
+        read_only=False,
+    )
+    fault_dropped_commands: float = parameter(
+        0.0,
+        "Simulated fault: part of the commands that get lost; joints then keep the one before",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_offset: tuple[float, ...] = parameter(
+        (),
+        "Simulated fault: what the sensors of the joints show too much, base to tip, rad or m. "
+        "Empty = nothing",
+        -10.0,
+        10.0,
+        read_only=False,
+    )
+    fault_noise: float = parameter(
+        0.0,
+        "Simulated fault: standard deviation of the noise on measured positions, rad or m",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_seed: int = parameter(
+        0,
+        "Seed of the noise, and of which commands get lost",
+        0,
+        2**31 - 1,
+        read_only=False,
+    )
 
 
 def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
@@ -80,7 +161,7 @@ def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
         settings.stopped_velocity_tolerance,
     )
     path, goal, velocity = (np.full(joints, value or np.inf) for value in values)
-    return Tolerances(path, goal, velocity, settings.goal_time)
+    return Tolerances(path, goal, velocity, settings.goal_time or np.inf)
 
 
 def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArray[np.float64]:

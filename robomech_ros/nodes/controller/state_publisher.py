@@ -42,6 +42,11 @@ class StatePublisher:
         self._velocity = np.frombuffer(self._message.velocity)
         self._publisher = node.create_publisher(JointState, "joint_states", _DEPTH)
 
+    @property
+    def positions(self) -> dict[str, float]:
+        """Position (rad or m) of every joint, as published last."""
+        return dict(zip(self._message.name, self._message.position, strict=True))
+
     def publish(self, state: State) -> None:
         """Publish a state with the present time."""
         self._put(self._position, state.position)

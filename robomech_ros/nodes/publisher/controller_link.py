@@ -1,6 +1,6 @@
 """The way to the controller by topic and by action, and to the state of the robot."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,10 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.execution.delivery import Delivery, Transport
 from robomech_ros.execution.job import Code
+from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.publisher.trajectory_message import trajectory_message
+from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ControllerLink"]
 
@@ -31,11 +34,15 @@ class ControllerLink:
         Owner of publisher, client and subscription.
     controller : str
         Name of the controller.
+    clock : MotionClock
+        The time of deliveries.
     on_result : callable
         Called with every delivery by action whose result has come, its code and its text.
     """
 
-    def __init__(self, node: Node, controller: str, on_result: OnResult) -> None:
+    def __init__(
+        self, node: Node, controller: str, clock: MotionClock, on_result: OnResult
+    ) -> None:
         self._on_result = on_result
         self._monitor = JointStateMonitor(node)
         self._publisher = node.create_publisher(
@@ -46,11 +53,16 @@ class ControllerLink:
         self._action_name = node.resolve_service_name(name)
         self._destroyed = False
         self._continuous: frozenset[str] | None = None
-        self._handle: tuple[Delivery, Any] | None = None
+        self._acceleration: dict[str, float] = {}
+        self._clock = clock
+        # Goals are numbered; the result of the last one counts.
+        self._last = self._cancelled = 0
+        self._handles: dict[int, Any] = {}
 
-    def know_continuous(self, joints: Sequence[str]) -> None:
-        """Take note of the joints that turn without limits."""
-        self._continuous = frozenset(joints)
+    def know_robot(self, continuous: Sequence[str], acceleration: Mapping[str, float]) -> None:
+        """Take note of the joints that turn without limits, and of acceleration limits by joint."""
+        self._continuous = frozenset(continuous)
+        self._acceleration = dict(acceleration)
 
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""
@@ -76,19 +88,32 @@ class ControllerLink:
         known = self._continuous
         return np.array([known is None or name in known for name in names])
 
+    def acceleration(self, names: Sequence[str]) -> FloatArray | None:
+        """Give the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
+        if not all(name in self._acceleration for name in names):
+            return None
+        return np.array([self._acceleration[name] for name in names])
+
     def send(self, delivery: Delivery) -> None:
         """Send by the transport of the delivery."""
+        message = trajectory_message(delivery, self._clock.stamp(delivery.sent_at))
         if delivery.transport is Transport.TOPIC:
-            self._publisher.publish(delivery.trajectory)
+            self._publisher.publish(message)
             return
-        goal = ExecuteTrajectory.Goal(trajectory=delivery.trajectory)
-        sent = self._client.send_goal_async(goal)
-        sent.add_done_callback(lambda future: self._take_handle(delivery, future))
+        self._last += 1
+        number = self._last
+        sent = self._client.send_goal_async(ExecuteTrajectory.Goal(trajectory=message))
+        sent.add_done_callback(lambda future: self._take_handle(number, delivery, future))
+
+    def runs_before(self, delivery: Delivery) -> bool:
+        """Say whether the controller still executes a goal before the last one."""
+        return bool(self._handles)
 
     def cancel(self, delivery: Delivery) -> None:
-        """Ask the controller to give up a delivery."""
-        if self._handle is not None and self._handle[0] is delivery:
-            self._handle[1].cancel_goal_async()
+        """Ask the controller to give up all that was sent, also what it has not accepted yet."""
+        self._cancelled = self._last
+        for handle in self._handles.values():
+            handle.cancel_goal_async()
 
     def destroy(self) -> None:
         """Give up the action client; once is enough."""
@@ -96,25 +121,32 @@ class ControllerLink:
             self._destroyed = True
             self._client.destroy()
 
-    def _take_handle(self, delivery: Delivery, future: Future) -> None:
+    def _take_handle(self, number: int, delivery: Delivery, future: Future) -> None:
         if future.exception() is not None:
-            self._on_result(
-                delivery, Code.REJECTED, f"sending the goal failed: {future.exception()}"
-            )
+            text = f"sending the goal failed: {future.exception()}"
+            self._conclude(number, delivery, Code.REJECTED, text)
             return
         handle = future.result()
         if not handle.accepted:
             text = f"action '{self._action_name}' rejected the goal without a reason"
-            self._on_result(delivery, Code.REJECTED, text)
+            self._conclude(number, delivery, Code.REJECTED, text)
             return
-        self._handle = delivery, handle
+        self._handles[number] = handle
+        if number <= self._cancelled:
+            handle.cancel_goal_async()
         result = handle.get_result_async()
-        result.add_done_callback(lambda done: self._take_result(delivery, done))
+        result.add_done_callback(lambda done: self._take_result(number, delivery, done))
 
-    def _take_result(self, delivery: Delivery, future: Future) -> None:
+    def _take_result(self, number: int, delivery: Delivery, future: Future) -> None:
+        self._handles.pop(number, None)
         if future.exception() is not None:
             text = f"asking for the result failed: {future.exception()}"
-            self._on_result(delivery, Code.REJECTED, text)
+            self._conclude(number, delivery, Code.REJECTED, text)
             return
         result = future.result().result
-        self._on_result(delivery, result.error_code, result.error_msg)
+        self._conclude(number, delivery, result.error_code, result.error_msg)
+
+    def _conclude(self, number: int, delivery: Delivery, code: int, text: str) -> None:
+        """Hand over the result of what was sent last."""
+        if number == self._last:
+            self._on_result(delivery, code, text)

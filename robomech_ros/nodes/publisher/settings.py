@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.execution.delivery import Transport
-from robomech_ros.execution.dispatcher import DispatcherSettings
+from robomech_ros.execution.dispatching import DispatcherSettings
 from robomech_ros.nodes.parameters import parameter
 from robomech_ros.nodes.robot_description import RobotSettings
 
@@ -25,6 +25,11 @@ class PublisherSettings(RobotSettings):
     auto_execute: bool = parameter(
         True,
         "Whether every newly planned trajectory is executed; else only what ~/execute asks for",
+        read_only=False,
+    )
+    program: str = parameter(
+        "",
+        "Path of a YAML file with the program that ~/run_program runs. Empty = none",
         read_only=False,
     )
     transport: str = parameter(

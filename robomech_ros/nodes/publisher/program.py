@@ -1,0 +1,158 @@
+"""Programs: postures, and moves between them again and again, read from a YAML file.
+
+::
+
+    cycles: 3                  # 0 = until it is cancelled
+    postures:                  # rad or m, base to tip
+      above: [0.1, 0.5, -0.6, 0.0, 0.3, 0.0]
+      down: [0.1, 0.7, -0.8, 0.0, 0.3, 0.0]
+    steps:
+      - {move: above, profile: ruckig, velocity_scale: 0.5}
+      - {move: down, duration: 1.5}
+      - {wait: 0.2}            # s
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots import SerialChain
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.trajectory import PROFILES
+
+__all__ = ["Program", "Step", "read_program"]
+
+_PROFILE = "poly345"
+_OPTIONS = ("profile", "duration", "velocity_scale", "acceleration_scale", "jerk_scale")
+_LONGEST_WAIT = 3600.0
+_MOST_CYCLES = 1_000_000
+
+
+@dataclass(frozen=True)
+class Step:
+    """A move to a posture, or a wait.
+
+    Attributes
+    ----------
+    posture : str
+        Where to move; empty for a wait.
+    positions : tuple of float
+        Its joint positions, rad or m.
+    wait : float
+        How long to wait, s.
+    options : mapping
+        Of `point_to_point`.
+    """
+
+    posture: str = ""
+    positions: tuple[float, ...] = ()
+    wait: float = 0.0
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Program:
+    """What to do, and how often.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+        In their order.
+    cycles : int
+        How often; 0 = until it is cancelled.
+    """
+
+    steps: tuple[Step, ...]
+    cycles: int
+
+
+def read_program(path: str, chain: SerialChain) -> Program:
+    """Read a program for a robot.
+
+    Parameters
+    ----------
+    path : str
+        Of the YAML file.
+    chain : SerialChain
+        The robot, for the number of joints and their ranges.
+
+    Returns
+    -------
+    Program
+
+    Raises
+    ------
+    RobotDescriptionError
+        The file cannot be read, or says something that cannot be; with the place in it.
+    """
+    try:
+        with Path(path).expanduser().open("rb") as file:
+            text = file.read(LARGEST_YAML + 1)
+    except (OSError, ValueError) as error:
+        raise RobotDescriptionError(f"program '{path}'", f"not readable: {error}") from None
+    where = f"program '{path}'"
+    given = check_keys(parse_yaml(text, where), where, ("postures", "steps"), ("cycles",))
+    cycles = given.get("cycles", 1)
+    if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
+        why = f"cycles is {cycles!r}, expected a whole number from 0 (until cancelled) on"
+        raise RobotDescriptionError(where, f"{why} to {_MOST_CYCLES}")
+    postures = _postures(given["postures"], where, chain)
+    steps = given["steps"]
+    if not isinstance(steps, list) or not steps:
+        raise RobotDescriptionError(where, "steps is no list with at least one step")
+    read = [_step(step, f"{where}: step {k + 1}", postures) for k, step in enumerate(steps)]
+    if not any(step.posture for step in read):
+        raise RobotDescriptionError(where, "no step moves")
+    return Program(tuple(read), cycles)
+
+
+def _postures(given: object, where: str, chain: SerialChain) -> dict[str, tuple[float, ...]]:
+    if not isinstance(given, dict) or not given:
+        raise RobotDescriptionError(where, "postures is no mapping with at least one posture")
+    return {
+        str(name): _positions(values, f"{where}: posture '{name}'", chain)
+        for name, values in given.items()
+    }
+
+
+def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ...]:
+    if not isinstance(given, list) or len(given) != chain.n:
+        names = ", ".join(chain.joint_names)
+        raise RobotDescriptionError(where, f"expected {chain.n} positions, of {names}")
+    for name, value, low, high in zip(
+        chain.joint_names, given, chain.lower, chain.upper, strict=True
+    ):
+        if not _is_number(value) or not low <= value <= high:
+            expected = f"a number from {low:.6g} to {high:.6g}"
+            raise RobotDescriptionError(where, f"joint '{name}' is {value!r}, expected {expected}")
+    return tuple(float(value) for value in given)
+
+
+def _step(given: object, where: str, postures: Mapping[str, tuple[float, ...]]) -> Step:
+    if isinstance(given, dict) and "wait" in given:
+        wait = check_keys(given, where, ("wait",), ())["wait"]
+        if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
+            expected = f"a number from 0 to {_LONGEST_WAIT:g} s"
+            raise RobotDescriptionError(where, f"wait is {wait!r}, expected {expected}")
+        return Step(wait=float(wait))
+    step = check_keys(given, where, ("move",), _OPTIONS)
+    name = str(step["move"])
+    if name not in postures:
+        why = f"no posture '{name[:80]}'; there are {', '.join(postures)}"
+        raise RobotDescriptionError(where, why)
+    options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
+    if options["profile"] not in PROFILES:
+        why = f"profile is {options['profile']!r}, expected one of {', '.join(PROFILES)}"
+        raise RobotDescriptionError(where, why)
+    for key in _OPTIONS[1:]:
+        if key in options and not (_is_number(options[key]) and options[key] > 0.0):
+            why = f"{key} is {options[key]!r}, expected a number above 0"
+            raise RobotDescriptionError(where, why)
+    return Step(posture=name, positions=postures[name], options=options)
+
+
+def _is_number(value: object) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)  # type: ignore[arg-type]

@@ -1,0 +1,192 @@
+"""Floods, giants, jumps of the clock, and controllers that die: nothing moves that should not."""
+
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from action_msgs.msg import GoalStatus
+from drivers import NAME, ROBOT, TIMEOUT, Driver, Suite, ended
+from rosgraph_msgs.msg import Clock
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+
+MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
+COUNT = 100_000
+
+
+def assert_no_jump(arm, since=0):
+    """No joint moved farther between two states than it can at its speed."""
+    states = arm.states[since:]
+    stamps = np.array([s.header.stamp.sec + 1e-9 * s.header.stamp.nanosec for s in states])
+    steps = np.abs(np.diff([state.position for state in states], axis=0))
+    assert (steps <= arm.chain.velocity * (np.diff(stamps) + 0.03)[:, None]).all()
+
+
+def long_trajectory(arm):
+    """100,000 points from the present position on, in 10 s."""
+    points = np.linspace(arm.position, arm.position + MOVE, COUNT)
+    message = JointTrajectory(joint_names=arm.names)
+    for k, row in enumerate(points):
+        point = JointTrajectoryPoint(positions=row.tolist())
+        point.time_from_start.sec, point.time_from_start.nanosec = divmod(k * 10**5, 10**9)
+        message.points.append(point)
+    return message
+
+
+def test_a_hundred_thousand_points_are_too_many_by_default(arm):
+    start = arm.position
+    status, result = arm.execute(long_trajectory(arm))
+    assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.WRONG_SIZE)
+    assert result.error_msg == "points has size 100000, expected at most 10000"
+    np.testing.assert_array_equal(arm.position, start)
+    assert arm.execute(arm.trajectory((0.3, MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
+
+
+def test_a_hundred_thousand_points_are_executed_where_they_may_be(drive):
+    arm = drive(max_points=COUNT)
+    start = arm.position
+    assert arm.execute(long_trajectory(arm))[0] == GoalStatus.STATUS_SUCCEEDED
+    arm.until_at(start + MOVE)
+    assert_no_jump(arm)
+
+
+def test_a_flood_of_replacements(arm):
+    start, since = arm.position, len(arm.states)
+    last = None
+    for k in range(1000):
+        goal = start + MOVE * (1.0 if k % 2 else -1.0)
+        last = arm.trajectory((0.5, 0.0), start=goal)
+        del last.points[0]
+        arm.publish(last)
+        time.sleep(0.001)
+    arm.until_at(np.array(last.points[0].positions))
+    assert_no_jump(arm, since)
+    # The flood leaves time for the states.
+    assert len(arm.states) - since > 30
+    assert arm.execute(arm.trajectory((0.3, -MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
+
+
+def test_a_flood_of_goals(arm):
+    start = arm.position
+    handles = []
+    for k in range(100):
+        goal = arm.trajectory((0.5, 0.0), start=start + MOVE * (1.0 if k % 2 else -1.0))
+        del goal.points[0]
+        handles.append(arm.send(goal))
+    outcomes = [arm.result(handle) for handle in handles]
+    assert outcomes[-1][0] == GoalStatus.STATUS_SUCCEEDED
+    for status, result in outcomes[:-1]:
+        assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.PREEMPTED)
+        assert result.error_msg == "preempted by a newer goal of the action"
+    assert_no_jump(arm)
+
+
+@pytest.mark.parametrize("jump", [-3600.0, -0.5])
+def test_the_simulated_clock_jumps_back(graph, drive, jump):
+    clock = graph.client.create_publisher(Clock, "/clock", 10)
+    now, lock = [10_000.0], threading.Lock()
+
+    def tick():
+        with lock:
+            now[0] += 0.01
+            stamp = round(now[0] * 1e9)
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(stamp, 10**9)
+        clock.publish(message)
+
+    graph.client.create_timer(0.02, tick)
+    arm = drive(use_sim_time=True)
+    start = arm.position
+    handle = arm.send(arm.trajectory((1.5, MOVE)))
+    arm.until(lambda: abs(arm.position[0] - start[0]) > 0.02)
+    with lock:
+        now[0] += jump
+    status, result = arm.result(handle)
+    assert (status, result.error_code) == (GoalStatus.STATUS_SUCCEEDED, ErrorCode.NONE)
+    arm.until_at(start + MOVE)
+    positions = np.array([state.position for state in arm.states])
+    # The robot goes on from where it was; nothing is done twice.
+    assert (np.diff(positions[:, 0]) >= -1e-9).all()
+    assert np.abs(np.diff(positions, axis=0)).max() < 0.02
+
+
+def test_two_publishers_of_trajectories_at_once(graph, arm):
+    other = graph.client.create_publisher(JointTrajectory, f"{NAME}/joint_trajectory", 10)
+    start = arm.position
+    ours = arm.send(arm.trajectory((20.0, 5 * MOVE)))
+    arm.until_moving()
+    theirs = arm.trajectory((1.0, 0.0), start=start - MOVE)
+    del theirs.points[0]
+    other.publish(theirs)
+    status, result = arm.result(ours)
+    assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.PREEMPTED)
+    assert result.error_msg == "preempted by a trajectory on the topic joint_trajectory"
+    arm.until_at(start - MOVE)
+    assert_no_jump(arm)
+
+
+def test_two_trajectory_publishers_at_once(graph):
+    first = Suite(graph)
+    second = graph.start(
+        lambda **options: TrajectoryPublisherNode(
+            cli_args=["--ros-args", "-r", "__node:=second", "-r", "planned_trajectory:=other_plan"],
+            **options,
+        )
+    )
+    waiting = first.start_execute(first.trajectory(0.0, 5 * MOVE, duration=20.0))
+    first.until_moving()
+    client = graph.client.create_publisher(JointTrajectory, "other_plan", 10)
+    graph.client.wait_for_node("second", TIMEOUT)
+    while not client.get_subscription_count():
+        time.sleep(0.01)
+    plan = first.trajectory(0.0, -MOVE, duration=1.0)
+    del plan.points[0]
+    client.publish(plan)
+    answer = ended(waiting)
+    assert answer.error_code == ErrorCode.PREEMPTED
+    assert "trajectory on the topic" in answer.error_msg
+    first.until_at(first.home - MOVE)
+    assert second.get_name() == "second"
+
+
+def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
+    controllers = [process(JointStateSimulatorNode, robot_description=ROBOT)]
+    arm = Suite(graph, controller=False, controller_timeout=1.0)
+    arm.until(lambda: arm.states)
+    lost = arm.start_execute(arm.trajectory(0.0, 5 * MOVE, duration=20.0))
+    queued = arm.start_execute(arm.trajectory(5 * MOVE, 0.0, duration=1.0))
+    arm.until_moving()
+    controllers[0].send_signal(signal.SIGKILL)
+    answer = ended(lost)
+    assert answer.error_code == ErrorCode.REJECTED
+    assert "the controller is gone" in answer.error_msg
+    assert "how the motion ended is not known; at last joint 'waist' is at" in answer.error_msg
+    since = len(arm.states)
+    process(JointStateSimulatorNode, robot_description=ROBOT)
+    # What waited begins where the robot is not: it is refused, and the robot that came back stays.
+    answer = ended(queued)
+    assert answer.error_code == ErrorCode.REJECTED
+    arm.until(lambda: len(arm.states) > since + 20)
+    places = np.array([state.position for state in arm.states[since + 1 :]])
+    np.testing.assert_array_equal(places, np.broadcast_to(arm.home, places.shape))
+    answer = arm.execute(arm.trajectory(0.0, MOVE, duration=0.3))
+    assert (answer.error_code, answer.error_msg) == (ErrorCode.NONE, "")
+
+
+def test_a_client_of_a_controller_that_dies_is_not_moved_again(graph, process):
+    started = []
+    arm = Driver(graph, lambda *args, **given: started.append(process(*args, **given)))
+    arm.send(arm.trajectory((20.0, 5 * MOVE)))
+    arm.until_moving()
+    started[0].send_signal(signal.SIGKILL)
+    started[0].wait(TIMEOUT)
+    since = len(arm.states)
+    process(JointStateSimulatorNode, robot_description=ROBOT)
+    arm.until(lambda: len(arm.states) > since + 50)
+    places = np.array([state.position for state in arm.states[since + 1 :]])
+    np.testing.assert_array_equal(places, np.broadcast_to(places[-1], places.shape))

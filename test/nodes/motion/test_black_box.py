@@ -1,0 +1,477 @@
+"""What the tests of ros2_control's joint_trajectory_controller ask of it, by their names there."""
+
+import math
+
+import numpy as np
+import pytest
+from action_msgs.msg import GoalStatus
+from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
+from drivers import seconds
+from follow_cases import CODES, JOINTS, START, Follower, tolerance
+from trajectory_msgs.msg import MultiDOFJointTrajectory
+
+SUCCEEDED, ABORTED, CANCELED = (
+    GoalStatus.STATUS_SUCCEEDED,
+    GoalStatus.STATUS_ABORTED,
+    GoalStatus.STATUS_CANCELED,
+)
+ZERO = np.zeros(3)
+NEAR = START + np.array([0.1, -0.1, 0.05])
+FAR = START + np.array([0.4, -0.3, 0.2])
+# Longer than a busy machine takes to do something about the motion, s.
+SLOWLY = 20.0
+
+
+@pytest.fixture
+def follower(graph):
+    return lambda **parameters: Follower(graph, graph.start, **parameters)
+
+
+def lagging(follower, **parameters):
+    """A robot that is behind its path by about the speed times 0.2 s."""
+    return follower(tracking_lag=0.2, goal_time=5.0, **parameters)
+
+
+def test_success_single_point_sendgoal(follower):
+    arm = follower()
+    assert arm.follow(arm.points((0.3, NEAR))) == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    arm.until_at(NEAR)
+
+
+def test_success_multi_point_sendgoal(follower):
+    arm = follower()
+    trajectory = arm.points((0.2, NEAR), (0.5, FAR))
+    assert arm.follow(trajectory) == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    arm.until_at(FAR)
+
+
+def test_time_from_start_populated(follower):
+    arm, seen = follower(), []
+    trajectory = arm.points((1.0, NEAR, ZERO), (2.0, FAR, ZERO))
+    handle = arm.send_goal(trajectory, lambda message: seen.append(message.feedback))
+    assert arm.outcome(handle)[0] == SUCCEEDED
+    arm.until(lambda: len(seen) > 2)
+    for feedback in seen:
+        assert list(feedback.joint_names) == list(JOINTS)
+        times = [
+            getattr(feedback, point).time_from_start for point in ("desired", "actual", "error")
+        ]
+        assert times[0] == times[1] == times[2]
+        elapsed = times[0].sec + 1e-9 * times[0].nanosec
+        assert elapsed > 0.0
+        if hasattr(feedback, "index"):
+            assert feedback.index == (0 if elapsed < 1.0 else 1)
+        np.testing.assert_array_equal(feedback.error.positions, ZERO)
+
+
+def test_tolerances_via_actions(follower):
+    arm = lagging(follower)
+    trajectory = arm.points((0.5, FAR, ZERO, ZERO))
+    path = [tolerance("joint3", 9.0), tolerance("joint1", 0.01), tolerance("joint2", 9.0)]
+    status, code, text = arm.follow(trajectory, path_tolerance=path)
+    assert (status, code) == (ABORTED, CODES.PATH_TOLERANCE_VIOLATED)
+    assert "joint 'joint1' is 0.0" in text
+    assert "off its path, the tolerance is 0.01 rad" in text
+    # Without tolerances of its own the next goal has the defaults again.
+    arm.until_still()
+    assert arm.follow(arm.points((0.5, START, ZERO, ZERO)))[:2] == (SUCCEEDED, 0)
+
+
+@pytest.mark.parametrize("field", ["velocity", "acceleration"])
+def test_tolerances_of_rates_via_actions(follower, field):
+    arm = lagging(follower)
+    status, code, text = arm.follow(
+        arm.points((0.5, FAR, ZERO, ZERO)), path_tolerance=[tolerance("joint2", **{field: 0.05})]
+    )
+    assert (status, code) == (ABORTED, CODES.PATH_TOLERANCE_VIOLATED)
+    assert f"off the {field} of its path, the tolerance is 0.05 rad/s" in text
+    assert "joint 'joint2'" in text
+
+
+def test_deactivate_tolerances(follower):
+    arm = lagging(follower, path_tolerance=0.001, goal_tolerance=1e-6)
+    anything = [tolerance(joint, -1.0, -1.0, -1.0) for joint in JOINTS]
+    trajectory = arm.points((0.5, FAR, ZERO, ZERO))
+    outcome = arm.follow(trajectory, path_tolerance=anything, goal_tolerance=anything)
+    assert outcome == (SUCCEEDED, CODES.SUCCESSFUL, "")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (tolerance("joint1", -123.0), "position of joint 'joint1' is -123.0"),
+        (tolerance("joint1", math.nan), "position of joint 'joint1' is nan"),
+        (tolerance("joint4", 1e-9), "unknown joint 'joint4'"),
+    ],
+)
+def test_invalid_tolerances(follower, given, said):
+    # Covers test_invalid_joints_path_tolerance, too.
+    arm = follower()
+    outcome = arm.follow(arm.points((0.3, NEAR)), path_tolerance=[given])
+    assert outcome[:2] == (SUCCEEDED, CODES.SUCCESSFUL)
+    assert "the default tolerances hold" in outcome[2]
+    assert said in outcome[2]
+
+
+def test_state_tolerances_fail(follower):
+    arm = lagging(follower, path_tolerance=0.01)
+    status, code, text = arm.follow(arm.points((0.5, FAR, ZERO, ZERO)))
+    assert (status, code) == (ABORTED, CODES.PATH_TOLERANCE_VIOLATED)
+    assert "off its path, the tolerance is 0.01 rad" in text
+    arm.until_still()
+    held = arm.position
+    assert np.abs(held - FAR).max() > 0.05
+    since = len(arm.states) + 20
+    arm.until(lambda: len(arm.states) > since)
+    np.testing.assert_array_equal(arm.position, held)
+
+
+def test_goal_tolerances_fail(follower):
+    arm = follower(tracking_lag=5.0, goal_time=0.1)
+    status, code, text = arm.follow(arm.points((0.3, FAR, ZERO, ZERO)))
+    assert (status, code) == (ABORTED, CODES.GOAL_TOLERANCE_VIOLATED)
+    assert "joint 'joint1' is 0." in text
+    assert "off its goal, the tolerance is 0.01 rad" in text
+    arm.until_still()
+    assert np.abs(arm.position - FAR).max() > 0.1
+
+
+def test_goal_time_of_the_goal(follower):
+    arm = follower(tracking_lag=0.3, goal_time=0.01)
+    trajectory = arm.points((0.1, NEAR, ZERO, ZERO))
+    assert arm.follow(trajectory)[1] == CODES.GOAL_TOLERANCE_VIOLATED
+    arm.until_still()
+    trajectory = arm.points((0.1, START, ZERO, ZERO))
+    assert arm.follow(trajectory, goal_time_tolerance=seconds(-1))[0] == SUCCEEDED
+
+
+def test_no_time_from_start_state_tolerance_fail(follower):
+    arm = follower()
+    status, code, text = arm.follow(arm.points((0.0, FAR)))
+    assert (status, code) == (ABORTED, CODES.PATH_TOLERANCE_VIOLATED)
+    assert "joint 'joint1' at 1.5, but the joint is at 1.1: 0.4 apart" in text
+    np.testing.assert_array_equal(arm.position, START)
+
+
+def test_preempted_goal_receives_aborted_result(follower):
+    arm = follower()
+    first = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    second = arm.send_goal(arm.points((0.5, START, ZERO, ZERO)))
+    assert arm.outcome(first) == (
+        ABORTED,
+        CODES.INVALID_GOAL,
+        "preempted by a newer goal of the action",
+    )
+    assert arm.outcome(second)[0] == SUCCEEDED
+    arm.until_at(START)
+
+
+def test_a_goal_of_one_action_preempts_that_of_the_other(follower):
+    arm = follower()
+    first = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    second = arm.send(arm.points((0.5, START, ZERO, ZERO)))
+    assert arm.outcome(first)[:2] == (ABORTED, CODES.INVALID_GOAL)
+    assert arm.result(second)[0] == SUCCEEDED
+
+
+def test_blend_action_replaces_action_with_future_stamp(follower):
+    arm = follower()
+    first = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    # The first goes on until the second begins.
+    second = arm.send_goal(arm.stamped(arm.points((0.5, START, ZERO, ZERO)), 1.0))
+    seen = len(arm.states)
+    assert arm.outcome(first)[:2] == (ABORTED, CODES.INVALID_GOAL)
+    assert arm.outcome(second)[0] == SUCCEEDED
+    arm.until_at(START)
+    speeds = np.array([state.velocity[0] for state in arm.states[seen:]])
+    assert (speeds[: int(np.argmax(speeds < 0.0))] > 0.0).sum() > 5
+
+
+def test_cancel_hold_position(follower):
+    # Covers test_cancel_decelerate_to_hold_position: the robot always slows down on its path.
+    arm = follower()
+    handle = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    cancelled = handle.cancel_goal_async()
+    status, code, text = arm.outcome(handle)
+    assert (status, code) == (CANCELED, CODES.SUCCESSFUL)
+    assert text == "cancelled by the client; the robot has stopped on its path"
+    assert len(cancelled.result().goals_canceling) == 1
+    arm.until_still()
+    moved = (arm.position - START) / (FAR - START)
+    np.testing.assert_allclose(moved, moved[0], atol=1e-9)
+    speeds = np.abs([state.velocity[0] for state in arm.states])
+    # No joint of this robot states its acceleration: 5 rad/s in 0.2 s is taken.
+    assert np.abs(np.diff(speeds)).max() < 0.5
+
+
+def test_allow_nonzero_velocity_at_trajectory_end_true(follower):
+    arm = follower(allow_nonzero_velocity_at_trajectory_end=True)
+    speed = np.array([0.4, -0.3, 0.2])
+    outcome = arm.follow(arm.points((0.5, FAR, speed)))
+    assert outcome == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    arm.until_still()
+    # It brakes within 0.02 s, beyond the last point.
+    np.testing.assert_allclose(arm.position, FAR + 0.01 * speed, atol=1e-9)
+    np.testing.assert_allclose(arm.query().position, arm.position, atol=1e-9)
+
+
+def test_allow_nonzero_velocity_at_trajectory_end_false(follower):
+    arm = follower()
+    status, code, text = arm.follow(arm.points((0.5, FAR, [0.4, -0.3, 0.2])))
+    assert (status, code) == (ABORTED, CODES.INVALID_GOAL)
+    assert "velocity of joint 'joint1' in the last point is 0.4" in text
+    np.testing.assert_array_equal(arm.position, START)
+
+
+def _changed(trajectory, **fields):
+    for name, value in fields.items():
+        setattr(trajectory.points[-1], name, value)
+
+
+MUTATIONS = {
+    "no joints": (lambda t: setattr(t, "joint_names", []), -2, "missing: joint1"),
+    "missing joint": (lambda t: setattr(t, "joint_names", JOINTS[:2]), -2, "missing: joint3"),
+    "wrong name": (
+        lambda t: setattr(t, "joint_names", ["bad", "joint2", "joint3"]),
+        -2,
+        "unknown joint 'bad'",
+    ),
+    "repeated": (
+        lambda t: setattr(t, "joint_names", ["joint1", "joint1", "joint3"]),
+        -2,
+        "'joint1' is repeated",
+    ),
+    "no points": (lambda t: setattr(t, "points", []), -1, "no points"),
+    "few positions": (lambda t: _changed(t, positions=[1.0]), -1, "positions has size 1"),
+    "many positions": (lambda t: _changed(t, positions=[1.0] * 4), -1, "positions has size 4"),
+    "no positions": (lambda t: _changed(t, positions=[]), -1, "positions has size 0"),
+    "velocities": (lambda t: _changed(t, velocities=[1.0]), -1, "velocities has size 1"),
+    "accelerations": (lambda t: _changed(t, accelerations=[0.0]), -1, "accelerations has size 1"),
+    "effort": (lambda t: _changed(t, effort=[1.0] * 3), -1, "commands positions only"),
+    "times": (lambda t: _changed(t, time_from_start=seconds(0.1)), -1, "time_from_start is 0.1"),
+    "nan": (lambda t: _changed(t, positions=[math.nan, 2.0, 3.0]), -1, "joint 'joint1' is nan"),
+    "limit": (lambda t: _changed(t, positions=[6.3, 2.0, 3.0]), -1, "joint 'joint1' is 6.3"),
+    "old": (lambda t: setattr(t.header.stamp, "sec", 1), -3, "the trajectory ended"),
+}
+
+
+def test_invalid_message(follower):
+    arm = follower()
+    for case, (change, code, text) in MUTATIONS.items():
+        trajectory = arm.points((0.2, NEAR), (4.0, FAR))
+        change(trajectory)
+        outcome = arm.follow(trajectory)
+        assert outcome[:2] == (ABORTED, code), (case, outcome)
+        assert text in outcome[2], case
+    np.testing.assert_array_equal(arm.position, START)
+
+
+def test_joints_of_several_freedoms_are_refused(follower):
+    arm = follower()
+    goal = arm.points((0.3, NEAR))
+    compound = MultiDOFJointTrajectory(joint_names=["floating"])
+    status, code, text = arm.follow(goal, multi_dof_trajectory=compound)
+    assert (status, code) == (ABORTED, CODES.INVALID_JOINTS)
+    assert "multi_dof_trajectory has floating" in text
+
+
+def test_jumbled_joint_order(follower):
+    arm = follower()
+    trajectory = arm.points((0.3, FAR[[1, 2, 0]]), names=("joint2", "joint3", "joint1"))
+    assert arm.follow(trajectory)[0] == SUCCEEDED
+    arm.until_at(FAR)
+
+
+def test_partial_joint_list(follower):
+    arm = follower(allow_partial_joints_goal=True)
+    trajectory = arm.points((0.3, FAR[[2, 0]], [0.0, 0.0]), names=("joint3", "joint1"))
+    path = [tolerance("joint1", 0.1)]
+    assert arm.follow(trajectory, path_tolerance=path)[0] == SUCCEEDED
+    arm.until_at([FAR[0], START[1], FAR[2]])
+    # By our own action, with tolerances in the order of the trajectory.
+    back = arm.points((0.3, [START[2]]), names=("joint3",))
+    assert arm.execute(back, path_position_tolerance=[0.1])[0] == SUCCEEDED
+    arm.until_at([FAR[0], START[1], START[2]])
+    assert arm.follow(arm.points(names=()))[:2] == (ABORTED, CODES.INVALID_JOINTS)
+
+
+def test_partial_joint_list_while_the_others_move(follower):
+    arm = follower(allow_partial_joints_goal=True)
+    arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    assert arm.follow(arm.points((0.5, [START[0]], [0.0]), names=("joint1",)))[0] == SUCCEEDED
+    arm.until_still()
+    assert arm.position[0] == pytest.approx(START[0], abs=1e-9)
+    assert 0.0 < START[1] - arm.position[1] < 0.3
+
+
+def test_partial_joint_list_not_allowed(follower):
+    arm = follower()
+    status, code, text = arm.follow(arm.points((0.3, FAR[[2, 0]]), names=("joint3", "joint1")))
+    assert (status, code) == (ABORTED, CODES.INVALID_JOINTS)
+    assert "missing: joint2" in text
+
+
+def test_trajectory_replace(follower):
+    arm = follower()
+    arm.publish(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    arm.publish(arm.points((0.5, START, ZERO, ZERO)))
+    arm.until(lambda: arm.velocity[0] < 0.0)
+    arm.until_at(START)
+
+
+def test_ignore_old_trajectory(follower):
+    arm = follower()
+    arm.publish(arm.stamped(arm.points((0.2, FAR)), -1.0))
+    status = arm.diagnosis(lambda status: "refused" in status.message)
+    assert "the trajectory ended 0." in status.message
+    outcome = arm.follow(arm.stamped(arm.points((0.2, FAR)), -1.0))
+    assert outcome[:2] == (ABORTED, CODES.OLD_HEADER_TIMESTAMP)
+    np.testing.assert_array_equal(arm.position, START)
+
+
+def test_ignore_partial_old_trajectory(follower):
+    arm = follower()
+    # What should have been reached a second ago is passed over.
+    trajectory = arm.points((0.5, START - 1.0), (3.0, NEAR))
+    assert arm.follow(arm.stamped(trajectory, -1.5))[0] == SUCCEEDED
+    arm.until_at(NEAR)
+    assert min(state.position[0] for state in arm.states) >= START[0] - 1e-9
+
+
+def test_execute_partial_traj_in_future(follower):
+    arm = follower()
+    arm.publish(arm.points((0.4, NEAR, ZERO)))
+    arm.publish(arm.stamped(arm.points((0.4, FAR, ZERO)), 2.0))
+    arm.until_at(NEAR)
+    arm.until_at(FAR)
+
+
+def test_position_error_angle_wraparound(follower):
+    arm = follower(kind="continuous", path_tolerance=0.5)
+    turned = START + np.array([2.0 * math.pi, -2.0 * math.pi, 4.0 * math.pi])
+    trajectory = arm.points((0.0, turned), (0.4, turned + 0.1))
+    assert arm.follow(trajectory) == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    # The short way, not a turn.
+    arm.until_at(START + 0.1)
+
+
+def test_hold_on_startup(follower):
+    arm = follower()
+    answer = arm.query()
+    assert answer.success
+    assert list(answer.name) == list(JOINTS)
+    np.testing.assert_array_equal(answer.position, START)
+    np.testing.assert_array_equal(answer.velocity, ZERO)
+    np.testing.assert_array_equal(arm.position, START)
+
+
+def test_timeout(follower):
+    arm = follower(tracking_lag=5.0, goal_time=0.0, cmd_timeout=0.3)
+    status, code, text = arm.follow(arm.points((0.3, FAR, ZERO, ZERO)))
+    assert (status, code) == (ABORTED, CODES.INVALID_GOAL)
+    assert "still not at its goal 0.3" in text
+    arm.until_still()
+
+
+@pytest.mark.parametrize("given", ["pos", "pos_vel", "pos_vel_accel"])
+def test_interpolation(follower, given):
+    # Upstream: interpolation_pos_vel, interpolation_pos_vel_accel.
+    arm = follower()
+    goal, part = START + 0.2, 0.25
+    states = [goal, ZERO, ZERO][: len(given.split("_"))]
+    starts = [START, ZERO, ZERO][: len(states)]
+    arm.publish(arm.stamped(arm.points((0.0, *starts), (2.0, *states)), 30.0))
+    expected = {
+        "pos": part,
+        "pos_vel": 3.0 * part**2 - 2.0 * part**3,
+        "pos_vel_accel": 10.0 * part**3 - 15.0 * part**4 + 6.0 * part**5,
+    }[given]
+    begin = arm.graph.client.get_clock().now().nanoseconds
+    answer = None
+    while answer is None or answer.position[0] == START[0]:
+        # The trajectory may not have arrived yet.
+        late = (arm.graph.client.get_clock().now().nanoseconds - begin) * 1e-9
+        answer = arm.query(30.0 + 2.0 * part - late)
+        assert late < 20.0
+    assert answer.success
+    # A message takes some of the time.
+    np.testing.assert_allclose(answer.position, START + 0.2 * expected, atol=5e-3)
+
+
+def test_query_state_outside_the_range(follower):
+    arm = follower()
+    answer = arm.query(-1000.0)
+    assert not answer.success
+    assert "1000" in answer.message
+    assert "not known any more: the robot has held since" in answer.message
+    handle = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
+    arm.until_moving()
+    answer = arm.query(-100.0)
+    assert not answer.success
+    assert "the trajectory under way began" in answer.message
+    # After the end the robot holds there.
+    answer = arm.query(100.0)
+    assert (answer.success, answer.message) == (True, "")
+    np.testing.assert_allclose(answer.position, FAR, atol=1e-12)
+    np.testing.assert_array_equal(answer.velocity, ZERO)
+    handle.cancel_goal_async()
+    assert arm.outcome(handle)[0] == CANCELED
+
+
+def test_scaling_execution_time_succeeds(follower):
+    arm = follower()
+    factors = arm.graph.client.create_publisher(
+        SpeedScalingFactor, "joint_trajectory_controller/speed_scaling_input", 10
+    )
+    arm.until(factors.get_subscription_count)
+
+    def scaled(factor, expected):
+        factors.publish(SpeedScalingFactor(factor=factor))
+        topic = "joint_trajectory_controller/controller_state"
+        kind = JointTrajectoryControllerState
+        arm.graph.receive(kind, topic, 10, lambda s: s.speed_scaling_factor == expected)
+
+    scaled(0.5, 0.5)
+    since = len(arm.states)
+    assert arm.follow(arm.points((1.0, FAR, ZERO, ZERO))) == (SUCCEEDED, CODES.SUCCESSFUL, "")
+    arm.until_at(FAR)
+    moving = [state.header.stamp for state in arm.states[since:] if any(state.velocity)]
+    took = moving[-1].sec - moving[0].sec + 1e-9 * (moving[-1].nanosec - moving[0].nanosec)
+    assert 1.8 < took < 2.2
+    # What makes no sense changes nothing.
+    factors.publish(SpeedScalingFactor(factor=-1.0))
+    factors.publish(SpeedScalingFactor(factor=math.nan))
+    scaled(0.0, 0.0)
+    handle = arm.send_goal(arm.points((0.5, START, ZERO, ZERO)))
+    arm.until(lambda: len(arm.states) > since + 300)
+    np.testing.assert_allclose(arm.position, FAR, atol=1e-9)
+    scaled(1.0, 1.0)
+    assert arm.outcome(handle)[0] == SUCCEEDED
+
+
+def test_controller_state(follower):
+    arm = lagging(follower)
+    trajectory = arm.points((1.0, FAR, ZERO, ZERO))
+    arm.publish(trajectory)
+    topic = "joint_trajectory_controller/controller_state"
+    message = arm.graph.receive(
+        JointTrajectoryControllerState,
+        topic,
+        10,
+        lambda state: any(np.abs(state.reference.velocities) > 0.1),
+    )
+    assert list(message.joint_names) == list(JOINTS)
+    assert message.speed_scaling_factor == 1.0
+    reference, feedback, error = (
+        np.array(getattr(message, point).positions) for point in ("reference", "feedback", "error")
+    )
+    np.testing.assert_allclose(error, reference - feedback, atol=1e-15)
+    assert np.abs(error).max() > 1e-3
+    np.testing.assert_array_equal(message.output.positions, reference)
+    assert message.header.stamp.sec > 0
