@@ -125,7 +125,7 @@ class ProgramRunner:
     def _plan(self, step: Step, start: FloatArray) -> Delivery:
         plan = plan_that_fits(
             self._chain,
-            (start, np.array(step.positions)),
+            np.stack([start, step.positions]),
             wanted_period=0.0,
             usual_period=_PERIOD,
             max_points=self._max_points,
