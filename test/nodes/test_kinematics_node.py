@@ -93,7 +93,9 @@ def test_ik_gives_all_solutions_nearest_first_with_every_list_filled(puma):
     assert (response.error_code, response.complete) == (0, True)
     assert response.joint_names == list(PUMA.joint_names)
     assert response.family == expected.family == "decoupled"
-    np.testing.assert_allclose(positions(response), expected.q, atol=1e-9)
+    # A joint half a turn away from its seed may be given either way.
+    turns = (positions(response) - expected.q) / (2.0 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns), atol=1e-9)
     k = len(expected.q)
     assert k == 8
     np.testing.assert_allclose(positions(response)[0], Q, atol=1e-9)
