@@ -178,5 +178,6 @@ def test_a_peer_that_cannot_be_installed_is_left_out(monkeypatch, capsys, tmp_pa
 
     monkeypatch.setattr(environment, "pip", pip)
     environment.add_extra()
-    assert len(tried) == 4
+    listed = (ROOT / "requirements" / set_up.PEERS).read_text(encoding="utf-8").splitlines()
+    assert len(tried) == sum("==" in line for line in listed) >= 4
     assert "is left out: no wheel for this Python" in capsys.readouterr().out
