@@ -11,6 +11,7 @@ from robomech_interfaces.srv import PlanCartesian
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.cartesian_planning import FollowedPath, PathBounds
 from robomech_ros.nodes.conversions import joint_trajectory, matrix_from_pose
+from robomech_ros.nodes.planning import check_waypoints
 from robomech_ros.nodes.robot_description import RobotModel
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import PATH_PROFILES, SampledPlan, TipSpeeds
@@ -21,6 +22,8 @@ _PROFILES = {
     getattr(PlanCartesian.Request, name): name.lower()
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
+# Slower motions would take years; finer steps would fill the memory.
+_LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
 _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
 
 
@@ -42,14 +45,15 @@ def path_profile(number: int) -> str:
     return name
 
 
-def waypoint_poses(request: Any, model: RobotModel) -> NDArray[np.float64]:
+def waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.float64]:
     """Read the waypoints in the base, shape (m, 4, 4).
 
     Raises
     ------
     RobomechError
-        A frame that the base does not know, or a pose that is none.
+        More than ``most``, a frame that the base does not know, or a pose that is none.
     """
+    check_waypoints("waypoints", len(request.waypoints), most)
     poses = np.empty((len(request.waypoints), 4, 4))
     for k, waypoint in enumerate(request.waypoints):
         frame = model.frame_in_base(waypoint.header.frame_id)
@@ -101,8 +105,10 @@ def _positive(request: Any, name: str) -> float:
     value = float(getattr(request, name))
     if not math.isfinite(value):
         raise NonFiniteError(name, value)
-    if value < 0.0:
-        raise BadValueError(name, value, "a positive number, or 0 for the default")
+    least = _LEAST.get(name, 0.0)
+    if (value and not value >= least) or value < 0.0:
+        expected = f"at least {least:g}" if least else "a positive number"
+        raise BadValueError(name, value, f"{expected}, or 0 for the default")
     return value
 
 

@@ -16,7 +16,7 @@ from robomech_ros.nodes.conversions import (
     seconds_from_duration,
     stamped_pose,
 )
-from robomech_ros.nodes.planning import check_duration
+from robomech_ros.nodes.planning import check_duration, check_waypoints
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import PROFILES, VIA_PROFILES, Limits, SampledPlan
 
@@ -86,7 +86,7 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def via_points(request: Any, chain: SerialChain) -> NDArray[np.float64]:
+def via_points(request: Any, chain: SerialChain, most: int) -> NDArray[np.float64]:
     """Read the points to pass on the way, shape (m, n).
 
     Parameters
@@ -94,16 +94,19 @@ def via_points(request: Any, chain: SerialChain) -> NDArray[np.float64]:
     request : PlanJoint.Request
     chain : SerialChain
         Of n joints.
+    most : int
+        How many there may be.
 
     Raises
     ------
     WrongSizeError, NonFiniteError
-        A point has not one finite position for each joint.
+        More than ``most`` points, or one that has not a finite position for each joint.
     BadValueError
         A point states velocities, accelerations or efforts: they follow from the profile.
     LimitExceededError
         A point is outside the position limits.
     """
+    check_waypoints("via", len(request.via), most)
     points = np.empty((len(request.via), chain.n))
     limits = Limits.of(chain)
     for k, point in enumerate(request.via):

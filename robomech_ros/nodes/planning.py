@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import SampledPlan, sampled_through_points, through_points
 
-__all__ = ["check_duration", "plan_that_fits"]
+__all__ = ["check_duration", "check_waypoints", "plan_that_fits"]
 
 _SHORTEST = "shortest duration within the scaled limits"
 
@@ -79,3 +79,15 @@ def check_duration(seconds: float, longest: float, what: str = "duration") -> No
     if seconds > longest:
         expected = f"at most {longest:g} s, the parameter max_duration"
         raise BadValueError(what, float(f"{seconds:.9g}"), expected)
+
+
+def check_waypoints(what: str, count: int, most: int) -> None:
+    """Refuse more points to go through than can be planned in some seconds.
+
+    Raises
+    ------
+    WrongSizeError
+        There are more than ``most``.
+    """
+    if count > most:
+        raise WrongSizeError(what, count, f"at most {most}, the parameter max_waypoints")

@@ -85,6 +85,15 @@ class PlannerSettings(StateSettings):
         "s",
         read_only=False,
     )
+    max_waypoints: int = parameter(
+        200,
+        "Most via points, or waypoints of a Cartesian path; planning takes up to some 20 ms for "
+        "each of them, in which nobody else is served",
+        1,
+        100_000,
+        "points",
+        read_only=False,
+    )
     max_step: float = parameter(
         0.01,
         "Along a Cartesian path, where a request names none: distance of neighbouring poses "
@@ -173,12 +182,13 @@ class TrajectoryPlannerNode(Node):
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         options = plan_options(request, settings.max_duration)
+        via = via_points(request, self._chain, settings.max_waypoints)
         goal = self._joints.given(self._chain, request.goal, "goal")
         start = await self._start(request.start, settings)
         try:
             plan = plan_that_fits(
                 self._chain,
-                np.vstack([start, *via_points(request, self._chain), goal]),
+                np.vstack([start, *via, goal]),
                 wanted_period=wanted_period(request),
                 usual_period=settings.sample_period,
                 max_points=settings.max_points,
@@ -196,7 +206,7 @@ class TrajectoryPlannerNode(Node):
         settings = self._table.settings
         profile, speeds = path_profile(request.profile), tip_speeds(request)
         bounds = path_bounds(request, settings)
-        poses = waypoint_poses(request, self._model)
+        poses = waypoint_poses(request, self._model, settings.max_waypoints)
         start = await self._start(request.start, settings)
         path = path_through(forward_kinematics(self._chain, start), poses, request.path)
         if path is None:

@@ -9,6 +9,7 @@ L. Biagiotti and C. Melchiorri, *Trajectory Planning for Automatic Machines and 
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -28,7 +29,7 @@ Phases = list[tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
-class _Straight(MotionToRest):
+class _Straight(MotionToRest, ABC):
     """From rest to rest on a straight line, in phases in which one derivative is constant."""
 
     REQUIRED: ClassVar[tuple[Rate, ...]]
@@ -36,9 +37,9 @@ class _Straight(MotionToRest):
     ACCELERATION_STEPS: ClassVar[bool] = False
 
     @staticmethod
+    @abstractmethod
     def phases(*rates: float) -> tuple[Phases, Rate]:
         """Give the phases over a way of 1 within limits of its rates, and which limit binds."""
-        raise NotImplementedError
 
     @classmethod
     def plan(

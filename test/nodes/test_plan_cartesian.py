@@ -196,6 +196,14 @@ CASES = {
     "negative speed": ({"max_linear_speed": -1.0}, ErrorCode.BAD_VALUE, ["max_linear_speed"]),
     "speed is none": ({"max_angular_speed": math.nan}, ErrorCode.NON_FINITE, ["max_angular"]),
     "infinite step": ({"max_step": math.inf}, ErrorCode.NON_FINITE, ["max_step"]),
+    "slow beyond sense": ({"max_linear_speed": 1e-300}, ErrorCode.BAD_VALUE, ["at least 1e-06"]),
+    "fine beyond memory": ({"max_step": 1e-300}, ErrorCode.BAD_VALUE, ["at least 1e-05"]),
+    "too many": (
+        {"waypoints": shifted(*[[0.001 * k, 0, 0] for k in range(201)])},
+        ErrorCode.WRONG_SIZE,
+        ["waypoints", "201", "at most 200, the parameter max_waypoints"],
+    ),
+    "too far": ({"waypoints": shifted([1e300, 0, 0])}, ErrorCode.BAD_VALUE, ["at most 1e+06 m"]),
     "condition": ({"condition_limit": -2.0}, ErrorCode.BAD_VALUE, ["condition_limit"]),
     "start of another size": (
         {"start": JointState(position=[0.0] * 5)},

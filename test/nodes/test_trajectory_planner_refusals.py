@@ -130,6 +130,11 @@ CASES = {
         ErrorCode.BAD_VALUE,
         ["number of via points is 3", "at most 2 for poly345"],
     ),
+    "via points beyond number": (
+        {"via": [JointTrajectoryPoint(positions=[0.1] * 6)] * 201, "profile": 4},
+        ErrorCode.WRONG_SIZE,
+        ["via", "201", "at most 200, the parameter max_waypoints"],
+    ),
     "via point of another size": (
         {"via": [JointTrajectoryPoint(positions=[0.0] * 5)]},
         ErrorCode.WRONG_SIZE,
