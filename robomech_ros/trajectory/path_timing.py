@@ -25,11 +25,11 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
-from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.jerk_smoothing import smoothed
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.motion_to_rest import check_positions
 from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.path_sections import checked_path, sections
 from robomech_ros.trajectory.path_speed import PathLimits, Timed, fastest
@@ -140,7 +140,8 @@ def time_optimal(
     torques = checked_list("torque_limits", torque_limits, TorqueLimits)
     begin, end = _checked_speeds(path_speed)
     known.require(*(("velocity",) if torques else ("velocity", "acceleration")))
-    _check_positions(curve, known)
+    known.check_start(curve.coefficients[0, 0])
+    check_positions(curve, curve.coefficients[0, 0], known)
     allowed = PathLimits(known.velocity, known.acceleration, speeds, torques)
     if not isinstance(jerk_smoothing, bool | np.bool_):
         raise BadValueError("jerk_smoothing", jerk_smoothing, "True or False")
@@ -174,22 +175,6 @@ def _checked_speeds(given: object) -> tuple[float, float]:
     if not (speeds >= 0.0).all():
         raise BadValueError("path_speed", speeds.tolist(), "two speeds, zero or above")
     return float(speeds[0]), float(speeds[1])
-
-
-def _check_positions(curve: PiecewisePolynomial, limits: Limits) -> None:
-    """Refuse a path that leaves the position limits, with the joint and where it goes."""
-    limits.check_start(curve.coefficients[0, 0])
-    if not (np.isfinite(limits.lower) | np.isfinite(limits.upper)).any():
-        return
-    low, high = extremes(curve, 0)
-    for values, bound, sign in ((high, limits.upper, 1.0), (low, limits.lower, -1.0)):
-        excess = sign * (values - bound)
-        joint = int(np.argmax(excess))
-        if excess[joint] > tolerances.POSITION_SLACK:
-            name = limits.joint_names[joint]
-            raise LimitExceededError(
-                "position on the path", name, float(values[joint]), float(bound[joint])
-            )
 
 
 def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:

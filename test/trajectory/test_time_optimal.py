@@ -489,7 +489,7 @@ BENT.coefficients[1, 1] = 0.4
         (
             {"path": line(1.0, 1.75)},
             LimitExceededError,
-            "position on the path of joint 'joint1' is 1.75, over its limit 1.5 by 0.25",
+            "position on the way of joint 'joint1' is 1.75, over its limit 1.5 by 0.25",
         ),
         (
             {"path": PiecewisePolynomial(STRAIGHT.breaks, STRAIGHT.coefficients - 3.0)},
