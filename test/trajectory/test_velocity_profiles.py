@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from robomech_ros.errors import BadValueError, DurationTooShortError, MissingLimitsError
@@ -65,6 +65,7 @@ def test_the_shortest_duration_and_what_binds(profile, limits, shortest, joint, 
     acceleration=st.floats(0.01, 100.0),
     jerk=st.floats(0.1, 1e4),
 )
+@example(rise=[0.0, 0.0, 4.0], velocity=0.03125, acceleration=0.015625, jerk=2091.0)
 def test_any_motion_is_within_its_limits_and_straight(profile, rise, velocity, acceleration, jerk):
     allowed = Limits(JOINTS, velocity=velocity, acceleration=acceleration, jerk=jerk)
     start, goal = np.array([0.3, -0.2, 0.1]), np.array([0.3, -0.2, 0.1]) + rise
@@ -72,7 +73,9 @@ def test_any_motion_is_within_its_limits_and_straight(profile, rise, velocity, a
     report = keeps_to(motion, allowed, start)
     assert report.ok, report.violation
     peaks = [getattr(report, f"peak_{rate}_ratio").max() for rate in motion.REQUIRED]
-    assert motion.duration == pytest.approx(1e-3) or max(peaks) == pytest.approx(1.0, rel=1e-9)
+    # Instants are told to a rounding, in which the acceleration changes by so much of its limit.
+    rounding = 1e-9 + np.spacing(motion.duration) * jerk / acceleration
+    assert motion.duration == pytest.approx(1e-3) or max(peaks) == pytest.approx(1.0, rel=rounding)
     inside = motion.sample(np.linspace(0.0, motion.duration, 50)).position - start
     np.testing.assert_allclose(np.cross(inside, np.array(rise)), 0.0, atol=1e-9)
 
