@@ -30,7 +30,7 @@ def test_a_signal_in_mid_motion(suite, process, number):
 def test_a_controller_that_is_killed(suite, drive_process, transport):
     _, controller = drive_process
     arm = suite(controller=False, controller_timeout=2.0, transport=transport)
-    # A process that is killed may block the middleware's shared memory until its lease of 20 s ends.
+    # One that is killed may block the shared memory of the middleware until its lease of 20 s ends.
     arm.plan(0.0, MOVE, duration=60.0)
     waiting = arm.start_execute()
     arm.until_moving()
