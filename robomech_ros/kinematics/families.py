@@ -11,7 +11,7 @@ from robomech_ros._kernels.inverse import SHORT
 from robomech_ros._kernels.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
 from robomech_ros.kinematics import decoupled, general, iterative, redundant, short
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS, chain_of, reversed_transforms
-from robomech_ros.robots.chain import REVOLUTE, SerialChain
+from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 
@@ -70,7 +70,7 @@ class Family:
 
 
 def _from_tip(chain: SerialChain) -> SerialChain:
-    links = reversed_transforms(decoupled.transforms(chain))
+    links = reversed_transforms(unpack_chain(chain.packed))
     return chain_of(links, chain.types[::-1].tolist())
 
 
