@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels.serial import jacobian
-from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS
+from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_POSTURE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.inverse import inverse_kinematics
@@ -88,8 +89,16 @@ def optimal_posture(
         reason=f"best by {criterion}: {worth:.6g}",
         blocking_joints=(),
         blocking_excess=NO_EXCESS,
-        branch_bits=np.zeros(1, np.int64),
+        branch_bits=_branch(chain, motion.target, q),
     )
+
+
+def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:
+    """Give the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
+    nearest = inverse_kinematics(chain, T, seed=q, max_solutions=1)
+    if len(nearest) and nearest.seed_distance[0] < SAME_POSTURE:
+        return nearest.branch_bits
+    return np.array([bit.SELF_MOTION | bit.UNNAMED])
 
 
 def _starts(

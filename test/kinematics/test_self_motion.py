@@ -136,6 +136,8 @@ def test_the_best_posture_is_best(name, criterion, pose_errors):
             )
         assert np.max(mine) >= worth.max() - 1e-6
         assert f"best by {criterion}" in best.reason
+        same = inverse_kinematics(chain, T, seed=best.q[0], max_solutions=1)
+        assert best.branches == same.branches and best.continuum
 
 
 def test_out_of_reach_there_is_no_motion():
