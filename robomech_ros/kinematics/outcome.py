@@ -29,6 +29,10 @@ Array = NDArray[np.float64]
 # Orientation errors up to this (rad) explain nothing: a search at a singularity leaves as much.
 NO_GAP = 1e-6
 
+# Singular values of a Jacobian below this (of the largest) are those of motions that keep the tip
+# at rest: the posture that stands for a continuum may be off by the root of its rounding.
+STILL = 1e-7
+
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
 
@@ -120,21 +124,36 @@ def reach_outcome(
 
 
 def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) -> str:
-    """Say which joints of the solutions q (k, n) move while the tip stays."""
-    moving: dict[str, None] = {}
-    J = np.empty((6, chain.n))
-    pose = np.empty((4, 4))
-    for k in np.flatnonzero(branch & bit.CONTINUUM):
-        jacobian_one(chain.packed, q[k], J, pose)
-        _, values, rows = np.linalg.svd(J)
-        motion = rows[len(values) - 1]
-        for i in np.flatnonzero(np.abs(motion) > MOVES_IN_CONTINUUM):
-            moving[chain.joint_names[i]] = None
-    joints = [f"'{name}'" for name in chain.joint_names if name in moving]
+    """Say which joints of the solutions q (k, n) move while the tip stays, and in what ratio.
+
+    The direction is that of the first solution that stands for a continuum.
+    """
+    ways = [_still_motions(chain, q[k]) for k in np.flatnonzero(branch & bit.CONTINUUM)]
+    moving = np.flatnonzero(np.concatenate(ways).any(axis=0)).tolist()
+    joints = [f"'{chain.joint_names[i]}'" for i in moving]
+    directions = _and([f"({', '.join(f'{x:.6g}' for x in one)})" for one in ways[0]])
     return (
-        f"singular: joints {_and(joints)} can move while the tip stays; every branch of this "
-        "continuum is represented by one posture"
+        f"singular: joints {_and(joints)} can move while the tip stays, those of the nearest such "
+        f"solution in the direction {directions}; every branch of this continuum is represented "
+        "by one posture"
     )
+
+
+def _still_motions(chain: SerialChain, q: Array) -> Array:
+    """Give unit vectors, shape (k, n), that span the joint motions that keep the tip at rest.
+
+    At least the least moving one; what is rounding is zero, the largest entry of each positive.
+    """
+    J = np.empty((6, chain.n))
+    jacobian_one(chain.packed, q, J, np.empty((4, 4)))
+    _, values, rows = np.linalg.svd(J)
+    lost = values < STILL * values[0]
+    lost[-1] = True
+    still = rows[: len(values)][lost]
+    still[np.abs(still) < MOVES_IN_CONTINUUM] = 0.0
+    largest = np.abs(still).argmax(axis=1)
+    ways: Array = still * np.sign(np.take_along_axis(still, largest[:, None], axis=1))
+    return ways + 0.0  # no zeros with a sign
 
 
 def _components(task: Task) -> str:

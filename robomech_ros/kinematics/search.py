@@ -124,7 +124,7 @@ def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> st
     parts = []
     if chain.n > sum(request.task):
         parts.append(
-            f"{chain.n} joints for {sum(request.task)} conditions: the solutions form a continuum, "
+            f"{chain.n} joints for {_conditions(request)}: the solutions form a continuum, "
             "of which these are samples"
         )
     if search.timed_out:
@@ -146,6 +146,11 @@ def _explained(
         return nothing(chain, T, family, status, reason)
     reason = f"no solution after {search.attempts} starts; {_best(search)}"
     return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
+
+
+def _conditions(request: Request) -> str:
+    count = sum(request.task)
+    return "1 condition" if count == 1 else f"{count} conditions"
 
 
 def _best(search: IterativeSearch) -> str:
