@@ -44,17 +44,17 @@ def nothing(
     status: Status,
     reason: str,
     blocking: tuple[tuple[str, ...], Array] = ((), NO_EXCESS),
+    *,
+    complete: bool = False,
 ) -> InverseKinematicsResult:
-    """Give the result without solutions."""
-    certain = status in (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE)
-    certain = certain or status is Status.LIMITS_EXCLUDE_ALL
+    """Give the result without solutions, ``complete`` where it is certain that there are none."""
     return InverseKinematicsResult(
         chain=chain,
         target=T,
         q=np.empty((0, chain.n)),
         seed_distance=np.empty(0),
         family=family.name,
-        complete=certain and family.closed_form,
+        complete=complete,
         status=status,
         reason=reason,
         blocking_joints=blocking[0],
@@ -65,11 +65,12 @@ def nothing(
 
 
 def explain_limits(
-    chain: SerialChain, T: Array, q: Array, family: Family, continuum: bool
+    chain: SerialChain, T: Array, q: Array, family: Family, *, continuum: bool, proven: bool
 ) -> InverseKinematicsResult:
     """Say which joints keep the solutions q (k, n) from being inside the limits, and by how much.
 
-    Of a continuum only representatives were tried, so that limits may still admit another.
+    Of a continuum only representatives were tried, so that limits may still admit another; else it
+    is ``proven`` whether q are all.
     """
     excess = np.empty_like(q)
     best = excesses(family.turns, chain.lower, chain.upper, q, excess)
@@ -86,13 +87,16 @@ def explain_limits(
     if continuum:
         status = Status.SINGULAR_CONTINUUM
         reason = f"a continuum of postures exists, none found inside the limits: {reason}"
-    return nothing(chain, T, family, status, reason, (joints, amounts))
+    complete = proven and not continuum
+    return nothing(chain, T, family, status, reason, (joints, amounts), complete=complete)
 
 
 def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
     """Say how far the target is out of reach, or by how much its orientation is."""
     status, reason = reach_outcome(chain, T, reach_gap(chain, T))
-    return nothing(chain, T, family, status, reason)
+    missed = status is Status.ORIENTATION_UNREACHABLE and family.exact
+    complete = status is Status.OUT_OF_REACH or missed
+    return nothing(chain, T, family, status, reason, complete=complete)
 
 
 def reach_outcome(

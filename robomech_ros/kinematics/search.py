@@ -48,7 +48,7 @@ def solve_by_search(
         data, target = _task_data(chain, T, request, False)
         beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
         if len(beyond.q):
-            return explain_limits(chain, T, beyond.q, family, continuum=False)
+            return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
     if _left(request, started) == 0.0:
         reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
         return nothing(chain, T, family, Status.TIMED_OUT, reason)
