@@ -16,6 +16,7 @@ from robomech_ros.kinematics.redundancy import SelfMotionBranch, Tracer, margins
 from robomech_ros.kinematics.result import InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["CRITERIA", "optimal_posture"]
 
@@ -64,8 +65,7 @@ def optimal_posture(
         An unknown criterion, a limit margin of a chain without limits, a chain with another number
         of joints, or a target that is none.
     """
-    if criterion not in CRITERIA:
-        raise BadValueError("criterion", criterion, " or ".join(repr(name) for name in CRITERIA))
+    criterion = as_choice("criterion", criterion, tuple(CRITERIA))
     if criterion == "limit_margin" and np.isinf(chain.upper - chain.lower).all():
         raise BadValueError("criterion", criterion, "a chain with a joint that has two limits")
     motion = self_motion(chain, T)

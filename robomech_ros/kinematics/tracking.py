@@ -113,7 +113,7 @@ def track(
         A joint of the start is outside its limits.
     """
     check_chain(chain)
-    targets = as_targets(poses, batch=True)
+    targets = as_targets(poses, "poses", batch=True)
     if not len(targets):
         raise BadValueError("poses", "empty", "at least one pose")
     largest = np.where(

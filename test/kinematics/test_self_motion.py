@@ -153,8 +153,9 @@ def test_bad_requests_are_refused():
     T = forward_kinematics(panda, panda.midrange())
     with pytest.raises(BadValueError, match="number of joints"):
         self_motion(puma, T)
-    with pytest.raises(BadValueError, match="'limit_margin' or 'manipulability'"):
-        optimal_posture(panda, T, criterion="speed")
+    for criterion in ("speed", None, ["limit_margin"]):
+        with pytest.raises(BadValueError, match="one of limit_margin, manipulability"):
+            optimal_posture(panda, T, criterion=criterion)
 
 
 def test_a_redundant_arm_of_any_geometry(pose_errors, apart):
