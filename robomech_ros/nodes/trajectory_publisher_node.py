@@ -78,6 +78,8 @@ class TrajectoryPublisherNode(Node):
             1.0 / settings.watch_rate, self._look, clock=self._motion_clock.clock
         )
         self._timer.cancel()
+        # A timer that has not fired since it was reset would wait until its old time comes again.
+        self._motion_clock.on_jump(lambda by: self._watch())
         if settings.robot_description:
             when_robot_known(self, settings, self._know_robot)
         self._listen(settings.planner_topic)

@@ -9,6 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from drivers import Driver, Suite
+from follow_cases import Follower
 
 
 @pytest.fixture
@@ -27,6 +28,12 @@ def drive(graph):
 def arm(drive):
     """A simulated PUMA 560."""
     return drive()
+
+
+@pytest.fixture
+def follower(graph):
+    """Start a simulated robot of three joints with these parameters."""
+    return lambda **parameters: Follower(graph, graph.start, **parameters)
 
 
 @pytest.fixture
