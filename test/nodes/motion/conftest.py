@@ -9,7 +9,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from drivers import Driver, Suite
-from follow_cases import Follower
 
 
 @pytest.fixture
@@ -33,6 +32,8 @@ def arm(drive):
 @pytest.fixture
 def follower(graph):
     """Start a simulated robot of three joints with these parameters."""
+    from follow_cases import Follower
+
     return lambda **parameters: Follower(graph, graph.start, **parameters)
 
 

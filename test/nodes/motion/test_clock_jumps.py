@@ -121,7 +121,7 @@ def test_what_waits_for_a_stamp_that_is_jumped_over(simulated_time, drive):
 @pytest.mark.parametrize("jump", [-100.0, 100.0])
 def test_the_publisher_waits_for_what_is_under_way(graph, simulated_time, jump):
     parameters = {"robot_description": ROBOT, "use_sim_time": True}
-    arm = Suite(graph, controller=False, **parameters)
+    arm = Suite(graph, with_controller=False, **parameters)
     graph.start(JointStateSimulatorNode, **parameters)
     arm.plan(0.0, MOVE, duration=1.5)
     waiting = arm.start_execute()

@@ -78,7 +78,7 @@ def test_the_node_serves_while_it_waits(suite):
 
 
 def test_execute_without_a_controller(suite):
-    arm = suite(controller=False, controller_timeout=0.3)
+    arm = suite(with_controller=False, controller_timeout=0.3)
     answer = arm.execute(arm.trajectory(0.0, MOVE))
     assert answer.error_code == ErrorCode.REJECTED
     assert "'/joint_trajectory_controller/execute_trajectory' not there" in answer.error_msg
@@ -120,7 +120,7 @@ def test_a_bad_plan_is_reported_and_the_next_one_executed(suite):
 
 
 def test_a_full_queue_is_reported(suite):
-    arm = suite(controller=False, queue_size=2)
+    arm = suite(with_controller=False, queue_size=2)
     for _ in range(3):
         arm.plan(0.0, MOVE)
     assert arm.value("waiting", lambda status: "waiting already" in status.message) == "2"
