@@ -16,6 +16,7 @@ from robomech_ros.execution.job import Code
 __all__ = ["ActionLink", "AskedTolerances", "GoalDialect", "OnResult"]
 
 OnResult = Callable[[Delivery, int, str], None]
+Moved = Callable[[], bool]
 
 _ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_ABORTED, GoalStatus.STATUS_CANCELED)
 
@@ -55,7 +56,7 @@ class GoalDialect(Protocol):
         """Make a goal."""
 
     def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
-        """Give the ErrorCode and the text of a result; `began` says whether feedback came."""
+        """Give the ErrorCode and the text of a result; `began` says whether the robot moved."""
 
 
 class ActionLink:
@@ -93,7 +94,6 @@ class ActionLink:
         # Goals are numbered; the result of the last one counts.
         self._last = self._cancelled = 0
         self._handles: dict[int, Any] = {}
-        self._begun: set[int] = set()
 
     @property
     def ready(self) -> bool:
@@ -105,13 +105,12 @@ class ActionLink:
         """Whether the controller executes a goal."""
         return bool(self._handles)
 
-    def send(self, delivery: Delivery, message: JointTrajectory) -> None:
-        """Send the message of a delivery."""
+    def send(self, delivery: Delivery, message: JointTrajectory, moved: Moved) -> None:
+        """Send the message of a delivery; `moved` says whether the robot has moved since."""
         self._last += 1
         number = self._last
-        goal = self._dialect.goal(message, self._tolerances)
-        sent = self._client.send_goal_async(goal, lambda feedback: self._begun.add(number))
-        sent.add_done_callback(lambda future: self._take_handle(number, delivery, future))
+        sent = self._client.send_goal_async(self._dialect.goal(message, self._tolerances))
+        sent.add_done_callback(lambda future: self._take_handle(number, delivery, moved, future))
 
     def cancel(self) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
@@ -125,7 +124,7 @@ class ActionLink:
             self._destroyed = True
             self._client.destroy()
 
-    def _take_handle(self, number: int, delivery: Delivery, future: Future) -> None:
+    def _take_handle(self, number: int, delivery: Delivery, moved: Moved, future: Future) -> None:
         if future.exception() is not None:
             text = f"sending the goal failed: {future.exception()}"
             self._conclude(number, delivery, Code.REJECTED, text)
@@ -139,12 +138,10 @@ class ActionLink:
         if number <= self._cancelled:
             handle.cancel_goal_async()
         result = handle.get_result_async()
-        result.add_done_callback(lambda done: self._take_result(number, delivery, done))
+        result.add_done_callback(lambda done: self._take_result(number, delivery, moved, done))
 
-    def _take_result(self, number: int, delivery: Delivery, future: Future) -> None:
+    def _take_result(self, number: int, delivery: Delivery, moved: Moved, future: Future) -> None:
         self._handles.pop(number, None)
-        began = number in self._begun
-        self._begun.discard(number)
         if future.exception() is not None:
             text = f"asking for the result failed: {future.exception()}"
             self._conclude(number, delivery, Code.REJECTED, text)
@@ -154,7 +151,7 @@ class ActionLink:
             text = f"action '{self.name}' does not know the goal; how the motion ended is not known"
             self._conclude(number, delivery, Code.REJECTED, text)
             return
-        code, text = self._dialect.outcome(answer.status, answer.result, began)
+        code, text = self._dialect.outcome(answer.status, answer.result, moved())
         self._conclude(number, delivery, code, text)
 
     def _conclude(self, number: int, delivery: Delivery, code: int, text: str) -> None:

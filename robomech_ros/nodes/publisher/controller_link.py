@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_ros.execution.comparison import STILL
 from robomech_ros.execution.delivery import Delivery, Transport
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
@@ -84,7 +85,8 @@ class ControllerLink:
         if delivery.transport is Transport.TOPIC:
             self._publisher.publish(message)
             return
-        self._action.send(delivery, message)
+        start = self.positions(delivery.names)
+        self._action.send(delivery, message, lambda: self._left(start, delivery.names))
 
     def runs_before(self, delivery: Delivery) -> bool:
         """Say whether the controller still executes a goal before the last one."""
@@ -93,6 +95,13 @@ class ControllerLink:
     def cancel(self, delivery: Delivery) -> None:
         """Ask the controller to give up all that was sent, also what it has not accepted yet."""
         self._action.cancel()
+
+    def _left(self, start: FloatArray | None, names: Sequence[str]) -> bool:
+        """Whether the robot is elsewhere than at a start, rad or m."""
+        place = self.positions(names)
+        if start is None or place is None:
+            return False
+        return bool(np.max(np.abs(place - start)) > STILL)
 
     def destroy(self) -> None:
         """Give up the action client; once is enough."""

@@ -53,7 +53,7 @@ class FollowGoals:
         """Translate a result.
 
         The same code, INVALID_GOAL, says that a goal is refused and that its motion was ended by
-        another goal or by the controller's end: whether it had begun tells which.
+        another goal or by the controller's end: whether the robot has moved tells which.
         """
         given, text = int(result.error_code), str(result.error_string)
         if status == GoalStatus.STATUS_SUCCEEDED and given == _RESULT.SUCCESSFUL:
