@@ -7,7 +7,8 @@ import pytest
 from action_msgs.msg import GoalStatus
 from control_msgs.action import FollowJointTrajectory
 from drivers import ROBOT, Suite, ended
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, ActionServer, GoalResponse
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
@@ -19,6 +20,7 @@ from robomech_ros.nodes.publisher.follow_goals import FollowGoals
 from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
 
 FOLLOW = "follow_joint_trajectory"
+NAME = f"/joint_trajectory_controller/{FOLLOW}"
 MOVE = np.array([0.15, -0.05, 0.1, 0.05, 0.1, -0.05])
 CODES = FollowJointTrajectory.Result
 SUCCEEDED, ABORTED, CANCELED = (
@@ -136,9 +138,7 @@ def test_another_client_takes_over(graph, following):
     arm = following()
     waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=20.0))
     arm.until(lambda: np.abs(arm.position - arm.home).max() > 2e-3)
-    client = ActionClient(
-        graph.client, FollowJointTrajectory, f"joint_trajectory_controller/{FOLLOW}"
-    )
+    client = ActionClient(graph.client, FollowJointTrajectory, NAME)
     assert client.wait_for_server(30.0)
     plan = arm.trajectory(0.0, 0.0, duration=0.5)
     del plan.points[0]
@@ -164,6 +164,42 @@ def test_hold_and_cancel(graph, following):
     assert answer.error_code == ErrorCode.PREEMPTED
     assert "cancelled by the" in answer.error_msg
     arm.until(lambda: not arm.velocity.any())
+
+
+def stranger(graph, arm, execute, **options):
+    """Serve the action as another controller would, whose robot stands at home."""
+    states = graph.client.create_publisher(JointState, "joint_states", 10)
+    message = JointState(name=list(arm.chain.joint_names), position=arm.home.tolist())
+    message.velocity = [0.0] * len(message.name)
+    graph.client.create_timer(0.02, lambda: states.publish(message))
+    return ActionServer(graph.client, FollowJointTrajectory, NAME, execute, **options)
+
+
+def aborted(handle):
+    handle.abort()
+    return CODES(error_code=CODES.INVALID_GOAL)
+
+
+def test_a_controller_that_rejects(graph):
+    arm = Suite(graph, with_controller=False, transport=FOLLOW)
+    rejecting = {"goal_callback": lambda goal: GoalResponse.REJECT}
+    server = stranger(graph, arm, aborted, **rejecting)
+    answer = arm.execute(arm.trajectory(0.0, MOVE))
+    assert answer.error_code == ErrorCode.REJECTED
+    assert answer.error_msg == f"action '{NAME}' rejected the goal without a reason"
+    server.destroy()
+
+
+def test_a_controller_that_forgets(graph):
+    arm = Suite(graph, with_controller=False, transport=FOLLOW)
+    # Often the goal is forgotten before its result is asked for.
+    server = stranger(graph, arm, aborted, result_timeout=0)
+    for _ in range(5):
+        answer = arm.execute(arm.trajectory(0.0, MOVE))
+        assert answer.error_code == ErrorCode.REJECTED
+        forgotten = f"action '{NAME}' does not know the goal; how the motion ended is not known"
+        assert answer.error_msg in (forgotten, "INVALID_GOAL, without a reason")
+    server.destroy()
 
 
 def test_without_the_package(graph, monkeypatch):
