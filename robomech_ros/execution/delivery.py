@@ -16,6 +16,12 @@ class Transport(Enum):
 
     TOPIC = "topic"
     ACTION = "action"
+    FOLLOW = "follow_joint_trajectory"
+
+    @property
+    def answers(self) -> bool:
+        """Whether the controller says how the motion ended."""
+        return self is not Transport.TOPIC
 
 
 class Stage(Enum):

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 
 from robomech_ros.execution.comparison import off_goal, off_start
-from robomech_ros.execution.delivery import Delivery, Report, Stage, Transport
+from robomech_ros.execution.delivery import Delivery, Report, Stage
 from robomech_ros.execution.dispatching import (
     DispatcherSettings,
     Gateway,
@@ -132,7 +132,7 @@ class Dispatcher:
         if delivery is None or self._cancelled:
             return count
         self._cancelled = text
-        if delivery.transport is Transport.ACTION and not self._pacer.stops:
+        if delivery.transport.answers and not self._pacer.stops:
             self._gateway.cancel(delivery)
         else:
             self._stop(delivery)
@@ -273,7 +273,7 @@ class Dispatcher:
             self._on_stall(text)
         self.tally.stalled = text
         for delivery in list(self.queue):
-            if delivery.transport is Transport.ACTION:
+            if delivery.transport.answers:
                 self.queue.remove(delivery)
                 self._end(delivery, Code.REJECTED, text)
             else:
@@ -297,7 +297,7 @@ class Dispatcher:
             self._end(delivery, Code.REJECTED, _with(gone, off))
         elif self._pacer.stops:
             self._watch_stop(delivery, elapsed, progress, off)
-        elif delivery.transport is Transport.ACTION:
+        elif delivery.transport.answers:
             self._watch_controller(delivery, elapsed)
         else:
             self._watch_robot(delivery, elapsed, progress, off)

@@ -4,12 +4,12 @@ It knows neither ROS nor a clock: whoever owns it says what time it is.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.job import Code, End, Job, Outcome
-from robomech_ros.execution.joining import join
+from robomech_ros.execution.joining import join, join_in_steps
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.pacing import paced_step
 from robomech_ros.execution.simulation import JointSimulation, at_rest
@@ -50,12 +50,19 @@ class FollowerSettings:
         How far in the future a trajectory may begin, s.
     command_timeout : float
         How long after its end a trajectory may be under way, s; 0 = any time.
+    interpolate : bool
+        Whether the joints move from point to point; else they are told one point after the other.
+    wait_for_stamp : bool
+        Whether the present motion goes on until a later one begins; else that one replaces it when
+        it comes, and its first point is reached at the time that its stamp gives.
     """
 
     start_tolerance: float = 0.01
     lag: float = 0.0
     longest_wait: float = 3600.0
     command_timeout: float = 0.0
+    interpolate: bool = True
+    wait_for_stamp: bool = True
 
 
 class Follower:
@@ -129,7 +136,7 @@ class Follower:
             The time, s.
         delay : float
             When to begin, from now, s; negative if it should have begun already.  Until then the
-            present motion goes on.
+            present motion goes on, if the settings want that.
         on_end : callable
             Called once, with the outcome.
         by : str
@@ -150,9 +157,11 @@ class Follower:
         self.advance(now)
         late = max(-delay, 0.0)
         delay = max(delay, 0.0)
+        if not self.settings.wait_for_stamp:
+            waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
         curve = self._joined(waypoints, self._expected(delay), late)
         job = Job(waypoints, tolerances, self.now + delay, curve, late, on_end)
-        if waypoints.velocities is not None:
+        if self.settings.interpolate and waypoints.velocities is not None:
             job.braking = braking_time(waypoints.velocities[-1], self.joints)
         if delay > 0.0:
             self._drop_waiting(f"replaced by {by}")
@@ -170,11 +179,28 @@ class Follower:
             return
         job = self.waiting
         if job is not None and now >= job.begin:
-            self._step(max(span - (now - job.begin), 0.0))
+            since = min(now - job.begin, span)
+            # A clock that jumped may have passed over the begin.
+            job.late += now - job.begin - since
+            self._step(span - since)
             self._begin_waiting(job)
-            self._step(min(now - job.begin, span))
+            self._step(since)
         else:
             self._step(span)
+
+    def clock_jumped(self, by: float) -> None:
+        """Take note that the time of stamps jumped by `by` (s), and that of motions did not.
+
+        The motion under way goes on from where it is, and says so; what waits keeps to its stamp.
+        """
+        if self.active is not None:
+            how = "forward" if by > 0.0 else "back"
+            self.active.remark = (
+                f"the clock jumped {how} by {abs(by):.4g} s on the way, and the robot went on from "
+                "where it was"
+            )
+        if self.waiting is not None:
+            self.waiting.begin -= by
 
     def stop(self, end: End, code: int, text: str, job: Job | None = None) -> bool:
         """Slow down on the path, hold, and end the motion with this outcome.
@@ -225,7 +251,8 @@ class Follower:
         return State(sample.position, sample.velocity * pace, acceleration)
 
     def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
-        return join(waypoints, present, self.joints, self.settings.start_tolerance, late)
+        joined = join if self.settings.interpolate else join_in_steps
+        return joined(waypoints, present, self.joints, self.settings.start_tolerance, late)
 
     def _begin(self, job: Job, text: str) -> None:
         if self.phase is Phase.STOPPING:

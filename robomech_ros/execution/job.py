@@ -78,6 +78,8 @@ class Job:
         How long before the end of the curve the trajectory is over and the robot brakes, s.
     arrived : bool
         Whether it was where it should be when the trajectory was over.
+    remark : str
+        What else the outcome is to say.
     """
 
     waypoints: Waypoints
@@ -90,6 +92,7 @@ class Job:
     time: float = 0.0
     braking: float = 0.0
     arrived: bool = False
+    remark: str = ""
 
     @property
     def goal(self) -> FloatArray:
@@ -110,5 +113,6 @@ class Job:
     def finish(self, end: End, code: int, text: str, actual: FloatArray) -> None:
         """Set the outcome and tell it; a second call does nothing."""
         if self.outcome is None:
+            text = "; ".join(part for part in (text, self.remark) if part)
             self.outcome = Outcome(end, int(code), text, np.subtract(self.goal, actual))
             self.on_end(self.outcome)

@@ -15,7 +15,7 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.verification import Violation, verify
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["join"]
+__all__ = ["join", "join_in_steps"]
 
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
@@ -25,6 +25,8 @@ NO_STEP = 1e-9
 # A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
+# Without interpolation the last point is told for this long (s) before the trajectory is over.
+_INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
 _STRETCHES = (1.0, 2.0, 4.0, 0.5)
@@ -72,13 +74,8 @@ def join(
         A position or velocity limit would be exceeded, on the points or between them.
     """
     remaining = _remaining(_completed(waypoints, present), late)
-    turns = np.round((present.position - remaining.positions[0]) / math.tau)
-    shift = np.where(joints.continuous, turns * math.tau, 0.0)
-    on_time = remaining.times[0] <= 0.0
-    if on_time:
-        _require_near(remaining.positions[0] + shift, present, joints, start_tolerance)
-    positions = remaining.positions + shift
-    if on_time:
+    positions = _turned(remaining, present, joints, start_tolerance)
+    if remaining.times[0] <= 0.0:
         curve = interpolant(
             remaining.times, positions, remaining.velocities, remaining.accelerations
         )
@@ -92,6 +89,39 @@ def join(
     if velocities is None or np.isnan(velocities[0]).any():
         kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
     return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
+
+
+def join_in_steps(
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float, late: float = 0.0
+) -> PiecewisePolynomial:
+    """Make the curve of a trajectory that is not interpolated: each point is told at once.
+
+    As with ros2_control's ``interpolation_method: none`` the joints stay where they are until a
+    first point later than now, and between two points they are told the second one.  Velocities
+    and accelerations do not matter.  What the joints would do between the points is refused as by
+    `join`; parameters and errors are those of `join`.
+    """
+    remaining = _remaining(_completed(waypoints, present), late)
+    positions = _turned(remaining, present, joints, start_tolerance)
+    times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
+    if times[0] > 0.0:
+        positions = np.vstack([present.position, positions])
+        times, told = np.append(0.0, times), np.vstack([present.position, told])
+    violation = _violation(interpolant(times, positions), joints)
+    if violation is not None:
+        raise _refusal(violation, float(remaining.times[0]))
+    return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), told[None])
+
+
+def _turned(
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float
+) -> FloatArray:
+    """Take whole turns off the positions, and require a first point at time 0 to be near."""
+    turns = np.round((present.position - waypoints.positions[0]) / math.tau)
+    positions = waypoints.positions + np.where(joints.continuous, turns * math.tau, 0.0)
+    if waypoints.times[0] <= 0.0:
+        _require_near(positions[0], present, joints, start_tolerance)
+    return positions
 
 
 def _completed(waypoints: Waypoints, present: State) -> Waypoints:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +64,7 @@ class Joints:
         """Names of the joints."""
         return self.limits.joint_names
 
-    @property
+    @cached_property
     def acceleration(self) -> FloatArray:
         """Acceleration limits; a guess from the velocity limit where there is none."""
         speed = np.where(np.isfinite(self.limits.velocity), self.limits.velocity, USUAL_SPEED)

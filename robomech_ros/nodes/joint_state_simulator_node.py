@@ -70,7 +70,9 @@ class JointStateSimulatorNode(Node):
         self._frame_cycles = max(round(rate / self._settings.frame_rate), 1)
         self._state_cycles = max(round(rate / self._settings.state_publish_rate), 1)
         self._cycle = 0
-        self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
+        timer = self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
+        # A timer that has not fired yet would wait until its old time comes again.
+        clock.on_jump(lambda by: timer.reset())
         self.get_logger().info(
             f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
         )

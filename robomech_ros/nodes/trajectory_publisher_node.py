@@ -27,10 +27,17 @@ from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.conversions import duration_from_seconds
 from robomech_ros.nodes.error_codes import NoStateError, answer, code_of, name_of
 from robomech_ros.nodes.parameters import NodeParameters, ParameterError
+from robomech_ros.nodes.publisher.action_link import ActionLink
 from robomech_ros.nodes.publisher.controller_link import ControllerLink
 from robomech_ros.nodes.publisher.program import read_program
 from robomech_ros.nodes.publisher.program_runner import ProgramRunner
-from robomech_ros.nodes.publisher.settings import PublisherSettings, dispatcher_settings
+from robomech_ros.nodes.publisher.settings import (
+    PublisherSettings,
+    answering_transport,
+    asked_tolerances,
+    dispatcher_settings,
+    goal_dialect,
+)
 from robomech_ros.nodes.publisher.speed_control import SpeedControl
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
@@ -68,9 +75,15 @@ class TrajectoryPublisherNode(Node):
         self._robot_joints: tuple[str, ...] = ()
         self._chain: SerialChain | None = None
         self._refusal = ""
-        self._link = ControllerLink(
-            self, settings.controller, self._motion_clock, self._take_result
+        self._answering = answering_transport(settings)
+        action = ActionLink(
+            self,
+            settings.controller,
+            goal_dialect(self._answering),
+            asked_tolerances(settings),
+            self._take_result,
         )
+        self._link = ControllerLink(self, settings.controller, self._motion_clock, action)
         self._dispatcher = Dispatcher(
             self._link, dispatcher_settings(settings), self._log_end, self._log_stall
         )
@@ -78,6 +91,8 @@ class TrajectoryPublisherNode(Node):
             1.0 / settings.watch_rate, self._look, clock=self._motion_clock.clock
         )
         self._timer.cancel()
+        # A timer that has not fired since it was reset would wait until its old time comes again.
+        self._motion_clock.on_jump(lambda by: self._watch())
         if settings.robot_description:
             when_robot_known(self, settings, self._know_robot)
         self._listen(settings.planner_topic)
@@ -85,7 +100,7 @@ class TrajectoryPublisherNode(Node):
             Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup()
         )
         limits = settings.max_points, settings.max_duration
-        self._runner = ProgramRunner(self, self._motion_clock, self._offer, limits)
+        self._runner = ProgramRunner(self, self._motion_clock, self._offer, self._answering, limits)
         SpeedControl(self, self._dispatcher, self._motion_clock, self._watch, self._runner.cancel)
         self.create_service(Trigger, "~/run_program", self._run_program)
         StatusReport(self, "execution", settings.controller, self._condition)
@@ -232,7 +247,7 @@ class TrajectoryPublisherNode(Node):
     def _asked_for(self, trajectory: JointTrajectory) -> Delivery:
         """Find the delivery that a request means: a new one, or the latest plan's."""
         if trajectory.points or trajectory.joint_names:
-            delivery = self._delivery(trajectory, Transport.ACTION)
+            delivery = self._delivery(trajectory, self._answering)
             self._offer(delivery)
             return delivery
         latest = self._latest
@@ -240,7 +255,7 @@ class TrajectoryPublisherNode(Node):
             raise NoPlanError(self._topics)
         if self._in_hand(latest) or self._stands_at_the_end_of(latest):
             return latest
-        self._latest = self._delivery(latest.trajectory, Transport.ACTION)
+        self._latest = self._delivery(latest.trajectory, self._answering)
         self._offer(self._latest)
         return self._latest
 

@@ -1,6 +1,6 @@
-"""A bare rclpy service that answers every SolveIK request with one response read from a file.
+"""A bare rclpy service that answers every request with one response read from a file.
 
-Run by `drive_nodes.py` in a process of its own: what a round trip costs when nothing is solved.
+Run by `drive_nodes.py` in a process of its own: what a round trip costs when nothing is computed.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.serialization import deserialize_message
 
-from robomech_interfaces.srv import SolveIK
+from robomech_interfaces import srv
 
 
-def main(path: str) -> None:
-    """Serve `bare/solve_ik` with the serialised response in the file at `path` until stopped."""
-    canned = deserialize_message(Path(path).read_bytes(), SolveIK.Response)
+def main(kind: str, path: str) -> None:
+    """Serve `bare/<kind>` with the serialised response in the file at `path` until stopped."""
+    service = getattr(srv, kind)
+    canned = deserialize_message(Path(path).read_bytes(), service.Response)
     rclpy.init()
     node = rclpy.create_node("bare")
-    node.create_service(SolveIK, "~/solve_ik", lambda _request, _response: canned)
+    node.create_service(service, f"~/{kind}", lambda _request, _response: canned)
     try:
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
@@ -31,4 +32,4 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

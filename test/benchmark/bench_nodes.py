@@ -12,6 +12,7 @@ from table import Row
 
 START_LIMIT = 2.5
 ROUND_TRIP_RATIO = 1.3
+PLAN_RATIO = 1.5
 BATCH_LIMIT = 3.0
 MEMORY_LIMIT = 200.0
 IDLE_LIMIT = 5.0
@@ -30,6 +31,13 @@ def environment() -> dict[str, str]:
     return values
 
 
+def round_trip(what: str, quartiles: dict[str, list[float]], limit: float) -> Row:
+    """Return the row of a service beside a bare one, from the quartiles in us."""
+    low, ours, high = quartiles["ours"]
+    bare, spread = quartiles["bare"][1], (high - low) / 2 / ours
+    return Row(what, ours, peer=bare, peer_name="bare rclpy", spread=spread, ratio_limit=limit)
+
+
 def rows(ros_python: Path) -> list[Row]:
     """Measure with the Python at `ros_python`, which has the suite installed."""
     script = Path(__file__).with_name("drive_nodes.py")
@@ -37,19 +45,22 @@ def rows(ros_python: Path) -> list[Row]:
         [str(ros_python), str(script)], env=environment(), stdout=subprocess.PIPE, check=True
     )
     figures = json.loads(finished.stdout)
-    low, ours, high = figures["round_trips"]["ours"]
     starts, batch = figures["start_seconds"], figures["batch"]
     batch_low, batch_median, batch_high = statistics.quantiles(batch["seconds"], n=4)
     batch_name = f"SolveIKBatch, 100,000 poses, {batch['solutions']:,} solutions, in 10 requests"
+    trips, cycles = figures["round_trips"], figures["cycles"]
     table = [
-        Row("IK service round trip, 8 solutions", ours, peer=figures["round_trips"]["bare"][1],
-            peer_name="bare rclpy", spread=(high - low) / 2 / ours, ratio_limit=ROUND_TRIP_RATIO),
+        round_trip("IK service round trip, 8 solutions", trips["SolveIK"], ROUND_TRIP_RATIO),
+        round_trip("PlanJoint round trip, 3-4-5", trips["PlanJoint"], PLAN_RATIO),
         Row("node start to first answer, warm", statistics.median(starts), "s",
             spread=(max(starts) - min(starts)) / 2 / statistics.median(starts),
             limit=START_LIMIT),
         Row(batch_name, batch_median, "s", spread=(batch_high - batch_low) / 2 / batch_median,
             limit=BATCH_LIMIT),
         Row("the same, largest memory of the node", batch["megabytes"], "MB"),
+        Row(f"{CONTROLLER}, {cycles['rate']:g} Hz for {cycles['seconds']:g} s on one core, "
+            "jitter, 99th percentile", cycles["jitter"] * 1e6),
+        Row("the same, missed cycles", 100.0 * cycles["missed"], "%"),
     ]  # fmt: skip
     for name, load in figures["idle"].items():
         limit = CONTROLLER_LIMIT if name == CONTROLLER else IDLE_LIMIT

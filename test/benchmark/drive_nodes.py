@@ -16,19 +16,21 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import controller_cycles
 import numpy as np
 import rclpy
 from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
 
-from robomech_interfaces.srv import SolveIK, SolveIKBatch
+from robomech_interfaces.srv import PlanJoint, SolveIK, SolveIKBatch
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
 from robomech_ros.spatial import position_quaternion_from_pose
@@ -38,6 +40,7 @@ TARGET = (0.4, 0.2, 0.3)
 SOLUTIONS = 8
 STARTS = 5
 CALLS = 1000
+PLAN_CALLS = 400
 WARM_CALLS = 50
 BATCH_POSES = 100_000
 CHUNK = 10_000  # the most that a node takes in one request unless told otherwise
@@ -155,26 +158,79 @@ def check(response: SolveIK.Response) -> SolveIK.Response:
     return response
 
 
-def round_trips(caller: Caller) -> dict[str, list[float]]:
+def plan_request() -> PlanJoint.Request:
+    """Return a request for the fastest motion between two postures."""
+    names = list(load_robot(ROBOT).joint_names)
+    message = PlanJoint.Request()
+    message.start = JointState(name=names, position=[0.0, 0.3, -0.3, 0.0, 0.3, 0.0])
+    message.goal = JointState(name=names, position=[0.5, 0.8, -0.6, 0.4, 0.5, 0.3])
+    return message
+
+
+def check_plan(response: PlanJoint.Response) -> PlanJoint.Response:
+    """Return `response` if it holds a trajectory, else stop."""
+    if response.error_code or len(response.trajectory.points) < 2:
+        raise SystemExit(f"no plan, code {response.error_code}: {response.error_msg}")
+    return response
+
+
+@dataclass(frozen=True)
+class Trip:
+    """A service whose round trip is measured, and how often it is called."""
+
+    node: str
+    kind: Any
+    service: str
+    request: Any
+    check: Callable[[Any], Any]
+    calls: int
+
+
+def round_trips(caller: Caller, trip: Trip) -> dict[str, list[float]]:
     """Return the microseconds of calls to our node and to the bare server, taken in turn."""
     microseconds: dict[str, list[float]] = {"ours": [], "bare": []}
-    with running(*node_command("kinematics")) as process, tempfile.NamedTemporaryFile() as canned:
-        clients = {"ours": caller.client("kinematics/solve_ik")}
+    with running(*node_command(trip.node)) as process, tempfile.NamedTemporaryFile() as canned:
+        clients = {"ours": caller.node.create_client(trip.kind, f"{trip.node}/{trip.service}")}
         caller.wait(clients["ours"], process)
-        canned.write(serialize_message(check(caller.call(clients["ours"]))))
+        canned.write(serialize_message(trip.check(caller.call(clients["ours"], trip.request))))
         canned.flush()
         server = str(Path(__file__).with_name("bare_server.py"))
-        with running(sys.executable, server, canned.name) as process:
-            clients["bare"] = caller.client("bare/solve_ik")
+        kind = trip.kind.__name__
+        with running(sys.executable, server, kind, canned.name) as process:
+            clients["bare"] = caller.node.create_client(trip.kind, f"bare/{kind}")
             caller.wait(clients["bare"], process)
-            for index in range(WARM_CALLS + CALLS):
+            for index in range(WARM_CALLS + trip.calls):
                 for name, client in clients.items():
                     begin = time.perf_counter_ns()
-                    caller.call(client)
+                    caller.call(client, trip.request)
                     elapsed = (time.perf_counter_ns() - begin) / 1e3
                     if index >= WARM_CALLS:
                         microseconds[name].append(elapsed)
     return microseconds
+
+
+def all_round_trips(caller: Caller) -> dict[str, dict[str, list[float]]]:
+    """Return the quartiles of the round trips of both services, in microseconds."""
+    trips = (
+        Trip("kinematics", SolveIK, "solve_ik", request(), check, CALLS),
+        Trip("trajectory_planner", PlanJoint, "plan_joint", plan_request(), check_plan, PLAN_CALLS),
+    )
+    return {
+        trip.kind.__name__: {
+            name: statistics.quantiles(values, n=4)
+            for name, values in round_trips(caller, trip).items()
+        }
+        for trip in trips
+    }
+
+
+def cycles(caller: Caller) -> dict[str, float]:
+    """Return how regular the cycles of the controller are while it moves, on one core."""
+    rate = f"publish_rate:={controller_cycles.RATE}"
+    command = (*node_command(controller_cycles.CONTROLLER), "-p", rate)
+    with running(*controller_cycles.on_one_core(command)) as process:
+        watcher = controller_cycles.Watcher(caller.node, caller.executor, load_robot(ROBOT))
+        return asdict(watcher.measure(lambda: process.poll() is None))
 
 
 def batch_chunks() -> list[SolveIKBatch.Request]:
@@ -263,7 +319,8 @@ def main() -> None:
     caller = Caller()
     try:
         starts = start_seconds(caller)
-        trips = round_trips(caller)
+        trips = all_round_trips(caller)
+        regularity = cycles(caller)
         batch = batches(caller)
         loads = idle_loads(caller)
     finally:
@@ -273,7 +330,8 @@ def main() -> None:
         json.dumps(
             {
                 "start_seconds": starts,
-                "round_trips": {name: statistics.quantiles(v, n=4) for name, v in trips.items()},
+                "round_trips": trips,
+                "cycles": regularity,
                 "batch": batch,
                 "idle": {name: asdict(load) for name, load in loads.items()},
             }

@@ -59,3 +59,11 @@ def run(arm, begin, end, watch=None):
         if watch is not None:
             watch(now)
     return seen
+
+
+def assert_continuous(seen, acceleration=2.0 * ACCELERATION):
+    """No joint jumps, nor changes its speed faster than that."""
+    positions = np.array([state.position for _, state in seen])
+    velocities = np.array([state.velocity for _, state in seen])
+    assert np.abs(np.diff(positions, axis=0)).max() <= VELOCITY * PERIOD * 1.01
+    assert np.abs(np.diff(velocities, axis=0)).max() <= acceleration * PERIOD

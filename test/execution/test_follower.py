@@ -3,7 +3,7 @@ import pytest
 from execution_cases import (
     ACCELERATION,
     PERIOD,
-    VELOCITY,
+    assert_continuous,
     follower,
     run,
     single_point,
@@ -17,13 +17,6 @@ from robomech_ros.execution.job import End
 from robomech_ros.execution.refusals import StartMismatchError
 
 GOAL = np.array([0.5, 0.2, -0.1])
-
-
-def assert_continuous(seen, acceleration=2.0 * ACCELERATION):
-    positions = np.array([state.position for _, state in seen])
-    velocities = np.array([state.velocity for _, state in seen])
-    assert np.abs(np.diff(positions, axis=0)).max() <= VELOCITY * PERIOD * 1.01
-    assert np.abs(np.diff(velocities, axis=0)).max() <= acceleration * PERIOD
 
 
 def test_holds_at_first():

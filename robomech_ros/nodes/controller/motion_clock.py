@@ -1,14 +1,18 @@
-"""Time for motions: it never jumps unless time itself is simulated."""
+"""Time for motions: it never jumps, even where simulated time does."""
 
 import time
+from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
+from rclpy.duration import Duration
 from rclpy.node import Node
 
 __all__ = ["MotionClock"]
 
 _NANO = 1e-9
+# Simulated time that goes on by more than this (s) from one message to the next has jumped.
+LONGEST_STEP = 0.5
 
 
 class MotionClock:
@@ -16,7 +20,8 @@ class MotionClock:
 
     The steady clock of the machine, which the setting of the system's clock does not touch; with
     the parameter ``use_sim_time`` the simulated time, so that motions keep pace with the
-    simulation.  Stamps of messages are always ROS time.
+    simulation.  Jumps of that, forward or back, are left out, and where it goes back a little this
+    clock stands still.  Stamps of messages are always ROS time.
 
     Parameters
     ----------
@@ -31,17 +36,45 @@ class MotionClock:
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
+        self._logger = node.get_logger()
         self._simulated = bool(node.get_parameter("use_sim_time").value)
         self.clock = self._ros if self._simulated else Clock(clock_type=ClockType.STEADY_TIME)
-        self._epoch = 0
-        self._epoch = self._nanoseconds()
+        self._listeners: list[Callable[[float], None]] = []
+        self._jumped = self._latest = 0
+        self._epoch = int(self._ros.now().nanoseconds) if self._simulated else time.monotonic_ns()
+        if self._simulated:
+            limit = Duration(seconds=LONGEST_STEP)
+            back = Duration(nanoseconds=-limit.nanoseconds)
+            threshold = JumpThreshold(min_forward=limit, min_backward=back, on_clock_change=False)
+            # Jumps are told as long as this is kept.
+            self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_jump)
+
+    def on_jump(self, listener: Callable[[float], None]) -> None:
+        """Have every jump of simulated time told, in s, negative where it jumped back."""
+        self._listeners.append(listener)
+
+    def _take_jump(self, jump: TimeJump) -> None:
+        by = int(jump.delta.nanoseconds)
+        self._jumped += by
+        # Before its first message the time is 0: there it begins.
+        if int(self._ros.now().nanoseconds) != by:
+            how = "forward" if by > 0 else "back"
+            self._logger.warning(
+                f"the clock jumped {how} by {abs(by) * _NANO:.4g} s; motions go on as if it had not"
+            )
+        for listener in self._listeners:
+            listener(by * _NANO)
 
     def _nanoseconds(self) -> int:
-        return int(self._ros.now().nanoseconds) if self._simulated else time.monotonic_ns()
+        if not self._simulated:
+            return time.monotonic_ns() - self._epoch
+        passed = int(self._ros.now().nanoseconds) - self._jumped - self._epoch
+        self._latest = max(self._latest, passed)
+        return self._latest
 
     def now(self) -> float:
         """Give the time, s."""
-        return (self._nanoseconds() - self._epoch) * _NANO
+        return self._nanoseconds() * _NANO
 
     def stamp(self, time: float) -> int:
         """Give the ROS time (ns) that belongs to a time of this clock (s)."""

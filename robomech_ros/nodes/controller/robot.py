@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.follower import Follower, FollowerSettings
+from robomech_ros.execution.follower import Follower
 from robomech_ros.execution.given import read_waypoints
 from robomech_ros.execution.job import Job, Outcome
 from robomech_ros.execution.joints import Joints
@@ -17,6 +17,7 @@ from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.settings import (
     ControllerSettings,
     default_tolerances,
+    follower_settings,
     initial_position,
 )
 from robomech_ros.robots import SerialChain
@@ -70,15 +71,10 @@ class SimulatedRobot:
         self._clock = clock
         self._initial = initial_position(settings, chain)
         self._tolerances = default_tolerances(settings, chain.n)
-        follower_settings = FollowerSettings(
-            settings.start_tolerance,
-            settings.tracking_lag,
-            settings.max_duration,
-            settings.cmd_timeout,
-        )
         self.follower = Follower(
-            Joints.of(chain), self._initial, follower_settings, self._clock.now()
+            Joints.of(chain), self._initial, follower_settings(settings), self._clock.now()
         )
+        clock.on_jump(self.follower.clock_jumped)
 
     def advance(self) -> None:
         """Move on to the present time."""
@@ -145,9 +141,11 @@ class SimulatedRobot:
         def count(outcome: Outcome) -> None:
             if outcome.code:
                 self.counts.ended_early += 1
+                self.counts.last_end = outcome.text
             else:
                 self.counts.reached += 1
-            self.counts.last_end = outcome.text or "goal reached"
+                said = f"; {outcome.text}" if outcome.text else ""
+                self.counts.last_end = f"goal reached{said}"
             on_end(outcome)
 
         return count

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.execution.follower import FollowerSettings
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.parameters import ParameterError, parameter
 from robomech_ros.nodes.robot_description import RobotSettings
@@ -15,10 +16,12 @@ __all__ = [
     "FRAMES_NEVER",
     "ControllerSettings",
     "default_tolerances",
+    "follower_settings",
     "initial_position",
 ]
 
 FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
+SPLINES, NO_INTERPOLATION = "splines", "none"
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,17 @@ class ControllerSettings(RobotSettings):
     )
     allow_partial_joints_goal: bool = parameter(
         False, "Whether a trajectory may name some of the joints only; the others stay"
+    )
+    allow_trajectory_replacement: bool = parameter(
+        True,
+        "Whether a trajectory with a stamp in the future lets the present motion go on until then; "
+        "else it takes over when it comes, and the robot moves to its first point in that time",
+    )
+    interpolation_method: str = parameter(
+        SPLINES,
+        "How the joints get from point to point: splines = linearly, by cubics or quintics, as the "
+        "fields of the points allow; none = they are told one point after the other",
+        choices=(SPLINES, NO_INTERPOLATION),
     )
     allow_nonzero_velocity_at_trajectory_end: bool = parameter(
         False,
@@ -150,6 +164,18 @@ class ControllerSettings(RobotSettings):
         0,
         2**31 - 1,
         read_only=False,
+    )
+
+
+def follower_settings(settings: ControllerSettings) -> FollowerSettings:
+    """Pick what the follower needs."""
+    return FollowerSettings(
+        start_tolerance=settings.start_tolerance,
+        lag=settings.tracking_lag,
+        longest_wait=settings.max_duration,
+        command_timeout=settings.cmd_timeout,
+        interpolate=settings.interpolation_method == SPLINES,
+        wait_for_stamp=settings.allow_trajectory_replacement,
     )
 
 

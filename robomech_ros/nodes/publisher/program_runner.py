@@ -32,6 +32,8 @@ class ProgramRunner:
         The time of waits.
     offer : callable
         Queues a delivery.
+    transport : Transport
+        How moves get to the controller.
     limits : tuple of int and float
         Most points of a trajectory, and how long it may be (s).
 
@@ -46,12 +48,14 @@ class ProgramRunner:
         node: Node,
         clock: MotionClock,
         offer: Callable[[Delivery], None],
+        transport: Transport,
         limits: tuple[int, float],
     ) -> None:
         self.condition = ""
         self._node = node
         self._clock = clock
         self._offer = offer
+        self._transport = transport
         self._max_points, self._max_duration = limits
         self._program: Program | None = None
         self._timer: Timer | None = None
@@ -134,7 +138,7 @@ class ProgramRunner:
         )
         names, points = list(self._chain.joint_names), plan.waypoints
         rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
-        return Delivery(joint_trajectory(names, *rows), names, points, Transport.ACTION)
+        return Delivery(joint_trajectory(names, *rows), names, points, self._transport)
 
     def _end(self, text: str) -> None:
         self._program = None

@@ -4,10 +4,18 @@ from dataclasses import dataclass
 
 from robomech_ros.execution.delivery import Transport
 from robomech_ros.execution.dispatching import DispatcherSettings
-from robomech_ros.nodes.parameters import parameter
+from robomech_ros.nodes.parameters import ParameterError, parameter
+from robomech_ros.nodes.publisher.action_link import AskedTolerances, GoalDialect
+from robomech_ros.nodes.publisher.execute_goals import ExecuteGoals
 from robomech_ros.nodes.robot_description import RobotSettings
 
-__all__ = ["PublisherSettings", "dispatcher_settings"]
+__all__ = [
+    "PublisherSettings",
+    "answering_transport",
+    "asked_tolerances",
+    "dispatcher_settings",
+    "goal_dialect",
+]
 
 
 @dataclass(frozen=True)
@@ -16,7 +24,8 @@ class PublisherSettings(RobotSettings):
 
     controller: str = parameter(
         "joint_trajectory_controller",
-        "Name of the controller, before /joint_trajectory and /execute_trajectory",
+        "Name of the controller, before /joint_trajectory, /execute_trajectory and "
+        "/follow_joint_trajectory",
     )
     planner_topic: str = parameter(
         "trajectory_planner/planned_trajectory",
@@ -34,8 +43,32 @@ class PublisherSettings(RobotSettings):
     )
     transport: str = parameter(
         Transport.TOPIC.value,
-        "How planned trajectories get to the controller; ~/execute always uses the action",
+        "How planned trajectories get to the controller; action = execute_trajectory, which "
+        "~/execute and programs use in any case, unless follow_joint_trajectory is wanted: that "
+        "of control_msgs, which any ros2_control controller serves",
         choices=tuple(transport.value for transport in Transport),
+    )
+    controller_path_tolerance: float = parameter(
+        0.0,
+        "How far from its path the controller is asked to let a joint be, rad or m; 0 = as it is "
+        "set itself, -1 = any distance. This and the next two hold where an action is used",
+        -1.0,
+        10.0,
+    )
+    controller_goal_tolerance: float = parameter(
+        0.0,
+        "How far from the last point the controller is asked to let a joint be at the end, rad or "
+        "m; 0 = as it is set itself, -1 = any distance",
+        -1.0,
+        10.0,
+    )
+    controller_goal_time: float = parameter(
+        0.0,
+        "How long after its end the controller is asked to let a trajectory reach its goal; 0 = as "
+        "it is set itself",
+        0.0,
+        3600.0,
+        "s",
     )
     queue_size: int = parameter(
         50, "How many trajectories may wait for the present one to end", 1, 10_000, "trajectories"
@@ -76,6 +109,50 @@ class PublisherSettings(RobotSettings):
     max_duration: float = parameter(
         3600.0, "Longest trajectory; longer ones are refused", 0.001, 1e6, "s"
     )
+
+
+def answering_transport(settings: PublisherSettings) -> Transport:
+    """Give the transport by which the controller says how a motion ended."""
+    wanted = Transport(settings.transport)
+    return wanted if wanted.answers else Transport.ACTION
+
+
+def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
+    """Pick what goals ask of the controller.
+
+    Raises
+    ------
+    ParameterError
+        A tolerance between -1 and 0, which means nothing.
+    """
+    asked = AskedTolerances(
+        path=settings.controller_path_tolerance,
+        goal=settings.controller_goal_tolerance,
+        goal_time=settings.controller_goal_time,
+    )
+    for what, value in (("path", asked.path), ("goal", asked.goal)):
+        if -1.0 < value < 0.0:
+            allowed = "-1 (any distance), 0 (as the controller is set), or a number up to 10"
+            raise ParameterError(f"controller_{what}_tolerance", value, allowed)
+    return asked
+
+
+def goal_dialect(transport: Transport) -> GoalDialect:
+    """Give the action of a transport.
+
+    Raises
+    ------
+    ParameterError
+        It is of a package that is not installed.
+    """
+    if transport is not Transport.FOLLOW:
+        return ExecuteGoals()
+    try:
+        from robomech_ros.nodes.publisher.follow_goals import FollowGoals
+    except ImportError as error:
+        allowed = f"'topic' or 'action', since control_msgs cannot be used ({error})"
+        raise ParameterError("transport", transport.value, allowed) from None
+    return FollowGoals()
 
 
 def dispatcher_settings(settings: PublisherSettings) -> DispatcherSettings:

@@ -30,6 +30,14 @@ def arm(drive):
 
 
 @pytest.fixture
+def follower(graph):
+    """Start a simulated robot of three joints with these parameters."""
+    from follow_cases import Follower
+
+    return lambda **parameters: Follower(graph, graph.start, **parameters)
+
+
+@pytest.fixture
 def process():
     """Start a node as a process of its own; it is gone at the end of the test."""
     started = []

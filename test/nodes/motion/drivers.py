@@ -139,7 +139,7 @@ class Driver(Watcher):
 class Suite(Watcher):
     """A publisher, perhaps a controller, somebody who plans, and the joint states."""
 
-    def __init__(self, graph, controller=True, start=None, namespace="", **parameters):
+    def __init__(self, graph, with_controller=True, start=None, namespace="", **parameters):
         self.graph = graph
         self.chain = load_robot(ROBOT)
         self.home = self.chain.midrange()
@@ -156,12 +156,13 @@ class Suite(Watcher):
         )
         start = start or graph.start
         self.node = start(TrajectoryPublisherNode, namespace=namespace, **parameters)
-        if controller:
+        if with_controller:
             self.start_controller()
         assert heard.wait(TIMEOUT), "the publisher does not listen"
 
-    def start_controller(self):
-        self.graph.start(JointStateSimulatorNode, namespace=self.namespace, robot_description=ROBOT)
+    def start_controller(self, **parameters):
+        parameters.setdefault("robot_description", ROBOT)
+        self.graph.start(JointStateSimulatorNode, namespace=self.namespace, **parameters)
 
     def trajectory(self, start, goal, duration=0.2, names=None):
         """From rest to rest, rad from the initial position."""

@@ -1,6 +1,7 @@
 """Three joints at 1.1, 2.1 and 3.1 rad, as joint_trajectory_controller's own tests have them."""
 
 import numpy as np
+from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Time
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTolerance
@@ -12,6 +13,16 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 START = np.array([1.1, 2.1, 3.1])
 JOINTS = ("joint1", "joint2", "joint3")
 CODES = FollowJointTrajectory.Result
+SUCCEEDED, ABORTED, CANCELED = (
+    GoalStatus.STATUS_SUCCEEDED,
+    GoalStatus.STATUS_ABORTED,
+    GoalStatus.STATUS_CANCELED,
+)
+ZERO = np.zeros(3)
+NEAR = START + np.array([0.1, -0.1, 0.05])
+FAR = START + np.array([0.4, -0.3, 0.2])
+# Longer than a busy machine takes to do something about the motion, s.
+SLOWLY = 20.0
 
 
 def _joint(number, kind):
@@ -91,3 +102,8 @@ def tolerance(joint, position=0.0, velocity=0.0, acceleration=0.0):
     return JointTolerance(
         name=joint, position=position, velocity=velocity, acceleration=acceleration
     )
+
+
+def lagging(follower, **parameters):
+    """A robot that is behind its path by about the speed times 0.2 s."""
+    return follower(tracking_lag=0.2, goal_time=5.0, **parameters)

@@ -4,32 +4,22 @@ import math
 
 import numpy as np
 import pytest
-from action_msgs.msg import GoalStatus
-from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
 from drivers import seconds
-from follow_cases import CODES, JOINTS, START, Follower, tolerance
-from trajectory_msgs.msg import MultiDOFJointTrajectory
-
-SUCCEEDED, ABORTED, CANCELED = (
-    GoalStatus.STATUS_SUCCEEDED,
-    GoalStatus.STATUS_ABORTED,
-    GoalStatus.STATUS_CANCELED,
+from follow_cases import (
+    ABORTED,
+    CANCELED,
+    CODES,
+    FAR,
+    JOINTS,
+    NEAR,
+    SLOWLY,
+    START,
+    SUCCEEDED,
+    ZERO,
+    lagging,
+    tolerance,
 )
-ZERO = np.zeros(3)
-NEAR = START + np.array([0.1, -0.1, 0.05])
-FAR = START + np.array([0.4, -0.3, 0.2])
-# Longer than a busy machine takes to do something about the motion, s.
-SLOWLY = 20.0
-
-
-@pytest.fixture
-def follower(graph):
-    return lambda **parameters: Follower(graph, graph.start, **parameters)
-
-
-def lagging(follower, **parameters):
-    """A robot that is behind its path by about the speed times 0.2 s."""
-    return follower(tracking_lag=0.2, goal_time=5.0, **parameters)
+from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 
 def test_success_single_point_sendgoal(follower):
@@ -101,16 +91,24 @@ def test_deactivate_tolerances(follower):
     [
         (tolerance("joint1", -123.0), "position of joint 'joint1' is -123.0"),
         (tolerance("joint1", math.nan), "position of joint 'joint1' is nan"),
-        (tolerance("joint4", 1e-9), "unknown joint 'joint4'"),
+        (tolerance("joint2", velocity=-2.0), "velocity of joint 'joint2' is -2.0"),
     ],
 )
 def test_invalid_tolerances(follower, given, said):
-    # Covers test_invalid_joints_path_tolerance, too.
     arm = follower()
-    outcome = arm.follow(arm.points((0.3, NEAR)), path_tolerance=[given])
+    for field in ("path_tolerance", "goal_tolerance"):
+        status, code, text = arm.follow(arm.points((0.3, NEAR)), **{field: [given]})
+        assert (status, code) == (SUCCEEDED, CODES.SUCCESSFUL)
+        assert text.startswith("the default tolerances hold, as one of the goal cannot: ")
+        assert f"{field}.{said}" in text
+
+
+def test_invalid_joints_path_tolerance(follower):
+    arm = follower()
+    outcome = arm.follow(arm.points((0.3, NEAR)), path_tolerance=[tolerance("joint4", 1e-9)])
     assert outcome[:2] == (SUCCEEDED, CODES.SUCCESSFUL)
     assert "the default tolerances hold" in outcome[2]
-    assert said in outcome[2]
+    assert "unknown joint 'joint4'" in outcome[2]
 
 
 def test_state_tolerances_fail(follower):
@@ -191,7 +189,6 @@ def test_blend_action_replaces_action_with_future_stamp(follower):
 
 
 def test_cancel_hold_position(follower):
-    # Covers test_cancel_decelerate_to_hold_position: the robot always slows down on its path.
     arm = follower()
     handle = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
     arm.until_moving()
@@ -203,9 +200,26 @@ def test_cancel_hold_position(follower):
     arm.until_still()
     moved = (arm.position - START) / (FAR - START)
     np.testing.assert_allclose(moved, moved[0], atol=1e-9)
-    speeds = np.abs([state.velocity[0] for state in arm.states])
-    # No joint of this robot states its acceleration: 5 rad/s in 0.2 s is taken.
-    assert np.abs(np.diff(speeds)).max() < 0.5
+    held, since = arm.position, len(arm.states) + 20
+    arm.until(lambda: len(arm.states) > since)
+    np.testing.assert_array_equal(arm.position, held)
+
+
+def test_cancel_decelerate_to_hold_position(follower):
+    # The robot always slows down on its path.  No joint of this one states its acceleration: that
+    # from its 5 rad/s in 0.2 s is taken, here less than a tenth of a second.
+    arm = follower(publish_rate=500.0)
+    handle = arm.send_goal(arm.points((1.5, START + 1.5, ZERO, ZERO)))
+    arm.until(lambda: arm.velocity[0] > 1.5)
+    handle.cancel_goal_async()
+    assert arm.outcome(handle)[:2] == (CANCELED, CODES.SUCCESSFUL)
+    arm.until_still()
+    speeds = np.array([state.velocity[0] for state in arm.states])
+    stamps = np.array([s.header.stamp.sec + 1e-9 * s.header.stamp.nanosec for s in arm.states])
+    fast, still = np.flatnonzero(speeds > 1.4)[-1], np.flatnonzero(speeds)[-1]
+    took = stamps[still + 1] - stamps[fast]
+    assert 0.8 * speeds[fast] / 25.0 < took < speeds[fast] / 25.0 + 0.05
+    assert (np.diff(speeds[fast : still + 2]) <= 1e-12).all()
 
 
 def test_allow_nonzero_velocity_at_trajectory_end_true(follower):
@@ -254,6 +268,7 @@ MUTATIONS = {
     "effort": (lambda t: _changed(t, effort=[1.0] * 3), -1, "commands positions only"),
     "times": (lambda t: _changed(t, time_from_start=seconds(0.1)), -1, "time_from_start is 0.1"),
     "nan": (lambda t: _changed(t, positions=[math.nan, 2.0, 3.0]), -1, "joint 'joint1' is nan"),
+    "inf": (lambda t: _changed(t, velocities=[0.0, math.inf, 0.0]), -1, "joint 'joint2' is inf"),
     "limit": (lambda t: _changed(t, positions=[6.3, 2.0, 3.0]), -1, "joint 'joint1' is 6.3"),
     "old": (lambda t: setattr(t.header.stamp, "sec", 1), -3, "the trajectory ended"),
 }
@@ -359,119 +374,3 @@ def test_position_error_angle_wraparound(follower):
     assert arm.follow(trajectory) == (SUCCEEDED, CODES.SUCCESSFUL, "")
     # The short way, not a turn.
     arm.until_at(START + 0.1)
-
-
-def test_hold_on_startup(follower):
-    arm = follower()
-    answer = arm.query()
-    assert answer.success
-    assert list(answer.name) == list(JOINTS)
-    np.testing.assert_array_equal(answer.position, START)
-    np.testing.assert_array_equal(answer.velocity, ZERO)
-    np.testing.assert_array_equal(arm.position, START)
-
-
-def test_timeout(follower):
-    arm = follower(tracking_lag=5.0, goal_time=0.0, cmd_timeout=0.3)
-    status, code, text = arm.follow(arm.points((0.3, FAR, ZERO, ZERO)))
-    assert (status, code) == (ABORTED, CODES.INVALID_GOAL)
-    assert "still not at its goal 0.3" in text
-    arm.until_still()
-
-
-@pytest.mark.parametrize("given", ["pos", "pos_vel", "pos_vel_accel"])
-def test_interpolation(follower, given):
-    # Upstream: interpolation_pos_vel, interpolation_pos_vel_accel.
-    arm = follower()
-    goal, part = START + 0.2, 0.25
-    states = [goal, ZERO, ZERO][: len(given.split("_"))]
-    starts = [START, ZERO, ZERO][: len(states)]
-    arm.publish(arm.stamped(arm.points((0.0, *starts), (2.0, *states)), 30.0))
-    expected = {
-        "pos": part,
-        "pos_vel": 3.0 * part**2 - 2.0 * part**3,
-        "pos_vel_accel": 10.0 * part**3 - 15.0 * part**4 + 6.0 * part**5,
-    }[given]
-    begin = arm.graph.client.get_clock().now().nanoseconds
-    answer = None
-    while answer is None or answer.position[0] == START[0]:
-        # The trajectory may not have arrived yet.
-        late = (arm.graph.client.get_clock().now().nanoseconds - begin) * 1e-9
-        answer = arm.query(30.0 + 2.0 * part - late)
-        assert late < 20.0
-    assert answer.success
-    # A message takes some of the time.
-    np.testing.assert_allclose(answer.position, START + 0.2 * expected, atol=5e-3)
-
-
-def test_query_state_outside_the_range(follower):
-    arm = follower()
-    answer = arm.query(-1000.0)
-    assert not answer.success
-    assert "1000" in answer.message
-    assert "not known any more: the robot has held since" in answer.message
-    handle = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
-    arm.until_moving()
-    answer = arm.query(-100.0)
-    assert not answer.success
-    assert "the trajectory under way began" in answer.message
-    # After the end the robot holds there.
-    answer = arm.query(100.0)
-    assert (answer.success, answer.message) == (True, "")
-    np.testing.assert_allclose(answer.position, FAR, atol=1e-12)
-    np.testing.assert_array_equal(answer.velocity, ZERO)
-    handle.cancel_goal_async()
-    assert arm.outcome(handle)[0] == CANCELED
-
-
-def test_scaling_execution_time_succeeds(follower):
-    arm = follower()
-    factors = arm.graph.client.create_publisher(
-        SpeedScalingFactor, "joint_trajectory_controller/speed_scaling_input", 10
-    )
-    arm.until(factors.get_subscription_count)
-
-    def scaled(factor, expected):
-        factors.publish(SpeedScalingFactor(factor=factor))
-        topic = "joint_trajectory_controller/controller_state"
-        kind = JointTrajectoryControllerState
-        arm.graph.receive(kind, topic, 10, lambda s: s.speed_scaling_factor == expected)
-
-    scaled(0.5, 0.5)
-    since = len(arm.states)
-    assert arm.follow(arm.points((1.0, FAR, ZERO, ZERO))) == (SUCCEEDED, CODES.SUCCESSFUL, "")
-    arm.until_at(FAR)
-    moving = [state.header.stamp for state in arm.states[since:] if any(state.velocity)]
-    took = moving[-1].sec - moving[0].sec + 1e-9 * (moving[-1].nanosec - moving[0].nanosec)
-    assert 1.8 < took < 2.2
-    # What makes no sense changes nothing.
-    factors.publish(SpeedScalingFactor(factor=-1.0))
-    factors.publish(SpeedScalingFactor(factor=math.nan))
-    scaled(0.0, 0.0)
-    handle = arm.send_goal(arm.points((0.5, START, ZERO, ZERO)))
-    arm.until(lambda: len(arm.states) > since + 300)
-    np.testing.assert_allclose(arm.position, FAR, atol=1e-9)
-    scaled(1.0, 1.0)
-    assert arm.outcome(handle)[0] == SUCCEEDED
-
-
-def test_controller_state(follower):
-    arm = lagging(follower)
-    trajectory = arm.points((1.0, FAR, ZERO, ZERO))
-    arm.publish(trajectory)
-    topic = "joint_trajectory_controller/controller_state"
-    message = arm.graph.receive(
-        JointTrajectoryControllerState,
-        topic,
-        10,
-        lambda state: any(np.abs(state.reference.velocities) > 0.1),
-    )
-    assert list(message.joint_names) == list(JOINTS)
-    assert message.speed_scaling_factor == 1.0
-    reference, feedback, error = (
-        np.array(getattr(message, point).positions) for point in ("reference", "feedback", "error")
-    )
-    np.testing.assert_allclose(error, reference - feedback, atol=1e-15)
-    assert np.abs(error).max() > 1e-3
-    np.testing.assert_array_equal(message.output.positions, reference)
-    assert message.header.stamp.sec > 0

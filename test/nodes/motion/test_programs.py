@@ -70,7 +70,7 @@ def test_until_cancelled(suite, tmp_path):
 
 
 def test_without_program_or_robot(suite, tmp_path):
-    arm = suite(controller=False)
+    arm = suite(with_controller=False)
     assert trigger(arm, "run_program") == (
         False,
         "the parameter program is '', expected the path of a YAML file",

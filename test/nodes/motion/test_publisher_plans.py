@@ -65,7 +65,7 @@ def test_ten_rounds_of_plan_and_execute(suite):
 
 
 def test_a_plan_from_before_the_controller_waits_for_it(suite):
-    arm = suite(controller=False, controller_timeout=0.2)
+    arm = suite(with_controller=False, controller_timeout=0.2)
     arm.plan(0.0, MOVE)
     status = arm.condition(lambda status: "not there" in status.message)
     assert "subscriber of '/joint_trajectory_controller/joint_trajectory'" in status.message

@@ -29,7 +29,7 @@ def test_a_signal_in_mid_motion(suite, process, number):
 @pytest.mark.parametrize("transport", ["topic", "action"])
 def test_a_controller_that_is_killed(suite, drive_process, transport):
     _, controller = drive_process
-    arm = suite(controller=False, controller_timeout=2.0, transport=transport)
+    arm = suite(with_controller=False, controller_timeout=2.0, transport=transport)
     # One that is killed may block the shared memory of the middleware until its lease of 20 s ends.
     arm.plan(0.0, MOVE, duration=60.0)
     waiting = arm.start_execute()

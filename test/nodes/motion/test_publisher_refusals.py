@@ -1,5 +1,7 @@
 """What cannot be executed is said, with code and text, and the publisher goes on."""
 
+import time
+
 import numpy as np
 import pytest
 from std_srvs.srv import Trigger
@@ -78,7 +80,7 @@ def test_the_node_serves_while_it_waits(suite):
 
 
 def test_execute_without_a_controller(suite):
-    arm = suite(controller=False, controller_timeout=0.3)
+    arm = suite(with_controller=False, controller_timeout=0.3)
     answer = arm.execute(arm.trajectory(0.0, MOVE))
     assert answer.error_code == ErrorCode.REJECTED
     assert "'/joint_trajectory_controller/execute_trajectory' not there" in answer.error_msg
@@ -120,10 +122,36 @@ def test_a_bad_plan_is_reported_and_the_next_one_executed(suite):
 
 
 def test_a_full_queue_is_reported(suite):
-    arm = suite(controller=False, queue_size=2)
+    arm = suite(with_controller=False, queue_size=2)
     for _ in range(3):
         arm.plan(0.0, MOVE)
     assert arm.value("waiting", lambda status: "waiting already" in status.message) == "2"
+
+
+def test_a_flood_of_plans(suite):
+    arm = suite(with_controller=False, controller_timeout=0.3)
+    plan = arm.trajectory(0.0, MOVE)
+    for _ in range(1000):
+        arm._planned.publish(plan)
+        time.sleep(0.001)
+    said = "50 trajectories are waiting already, no more can be accepted"
+    refused = ("last refusal", said)
+    full = arm.condition(lambda status: refused in [(v.key, v.value) for v in status.values])
+    assert ("waiting", "50") in [(value.key, value.value) for value in full.values]
+    # It still serves, and those who ask are told.
+    answer = arm.execute(plan)
+    assert (answer.error_code, answer.error_msg) == (ErrorCode.REJECTED, said)
+    arm.start_controller()
+    arm.until_at(arm.home + MOVE)
+
+
+def test_too_many_points(suite):
+    arm = suite(with_controller=False, max_points=20)
+    trajectory = arm.trajectory(0.0, MOVE)
+    trajectory.points *= 11
+    answer = arm.execute(trajectory)
+    assert answer.error_code == ErrorCode.WRONG_SIZE
+    assert answer.error_msg == "points has size 22, expected at most 20"
 
 
 def test_stopping_answers_those_who_wait(suite):

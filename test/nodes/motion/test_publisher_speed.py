@@ -11,7 +11,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import SetSpeed
 
 MOVE = np.array([0.6, -0.3, 0.48, 0.2, 0.3, -0.4])
-TRANSPORTS = ("topic", "action")
+TRANSPORTS = ("topic", "action", "follow_joint_trajectory")
 
 
 def trigger(arm, service):
@@ -62,8 +62,9 @@ def stays(arm, cycles=60):
     return bool((np.abs(arm.position - place) < 1e-12).all())
 
 
-@pytest.mark.parametrize("robot", ["", ROBOT])
-@pytest.mark.parametrize("transport", TRANSPORTS)
+@pytest.mark.parametrize(
+    ("transport", "robot"), [*((way, ROBOT) for way in TRANSPORTS), ("topic", "")]
+)
 def test_pause_and_resume(suite, transport, robot):
     arm = suite(transport=transport, robot_description=robot)
     arm.plan(0.0, MOVE, duration=4.0)
@@ -133,7 +134,7 @@ def test_speed_of_what_comes(suite):
     ],
 )
 def test_speeds_that_cannot_be(suite, speed, code, text):
-    arm = suite(controller=False)
+    arm = suite(with_controller=False)
     answer = set_speed(arm, speed)
     assert answer.error_code == code
     assert text in answer.error_msg
@@ -158,8 +159,10 @@ def test_cancel_of_an_execution(suite):
     assert trigger(arm, "cancel") == (True, "nothing was under way or waiting")
 
 
-@pytest.mark.parametrize("paused", [False, True])
-@pytest.mark.parametrize("transport", TRANSPORTS)
+@pytest.mark.parametrize(
+    ("transport", "paused"),
+    [("topic", False), ("action", True), ("follow_joint_trajectory", False), ("topic", True)],
+)
 def test_cancel_of_a_plan(suite, transport, paused):
     arm = suite(transport=transport)
     arm.plan(0.0, MOVE, duration=10.0)

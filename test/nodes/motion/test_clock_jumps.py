@@ -1,0 +1,133 @@
+"""Simulated time that jumps: robots do not, and what happened is said."""
+
+import threading
+
+import numpy as np
+import pytest
+from action_msgs.msg import GoalStatus
+from builtin_interfaces.msg import Time
+from drivers import ROBOT, Suite, ended
+from rosgraph_msgs.msg import Clock
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+
+MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
+STEP = 0.01
+SAID = "the clock jumped {} s on the way, and the robot went on from where it was"
+
+
+class SimulatedTime:
+    """Publishes /clock at twice the speed of time, and lets it jump."""
+
+    def __init__(self, graph):
+        self._publisher = graph.client.create_publisher(Clock, "/clock", 10)
+        self._lock, self._now = threading.Lock(), 10_000.0
+        graph.client.create_timer(0.5 * STEP, self._tick)
+
+    def _tick(self):
+        with self._lock:
+            self._now += STEP
+        message = Clock(clock=self.stamp())
+        self._publisher.publish(message)
+
+    def stamp(self, ahead=0.0):
+        with self._lock:
+            sec, nanosec = divmod(round((self._now + ahead) * 1e9), 10**9)
+        return Time(sec=sec, nanosec=nanosec)
+
+    def jump(self, by):
+        with self._lock:
+            self._now += by - STEP
+
+
+@pytest.fixture
+def simulated_time(graph):
+    return SimulatedTime(graph)
+
+
+def assert_no_jump(arm, forward=True):
+    """No state is farther from the one before than a slow motion leads in some cycles."""
+    positions = np.array([state.position for state in arm.states])
+    assert np.abs(np.diff(positions, axis=0)).max() < 0.02
+    if forward:
+        # Nothing is done twice.
+        assert (np.diff(positions[:, 0]) >= -1e-9).all()
+
+
+@pytest.mark.parametrize(
+    ("jump", "said"),
+    [
+        (-3600.0, SAID.format("back by 3600")),
+        (-0.3, ""),
+        (5.0, SAID.format("forward by 5")),
+        (3600.0, SAID.format("forward by 3600")),
+    ],
+    ids=("back", "a little back", "forward", "far forward"),
+)
+def test_a_motion_under_way(simulated_time, drive, jump, said):
+    arm = drive(use_sim_time=True)
+    start = arm.position
+    handle = arm.send(arm.trajectory((1.5, MOVE)))
+    arm.until(lambda: abs(arm.position[0] - start[0]) > 0.02)
+    simulated_time.jump(jump)
+    status, result = arm.result(handle)
+    assert (status, result.error_code) == (GoalStatus.STATUS_SUCCEEDED, ErrorCode.NONE)
+    assert result.error_msg == said
+    arm.until_at(start + MOVE)
+    assert_no_jump(arm)
+
+
+def test_a_cancel_after_a_jump(simulated_time, drive):
+    arm = drive(use_sim_time=True)
+    handle = arm.send(arm.trajectory((20.0, 5 * MOVE)))
+    arm.until_moving()
+    simulated_time.jump(100.0)
+    seen = len(arm.states)
+    arm.until(lambda: len(arm.states) > seen + 5)
+    handle.cancel_goal_async()
+    status, result = arm.result(handle)
+    assert (status, result.error_code) == (GoalStatus.STATUS_CANCELED, ErrorCode.PREEMPTED)
+    stopped = "cancelled by the client; the robot has stopped on its path"
+    assert result.error_msg == f"{stopped}; {SAID.format('forward by 100')}"
+    assert_no_jump(arm)
+
+
+def test_what_waits_for_a_stamp_that_is_jumped_over(simulated_time, drive):
+    arm = drive(use_sim_time=True)
+    start = arm.position
+    trajectory = arm.trajectory((1.0, MOVE))
+    trajectory.header.stamp = simulated_time.stamp(60.0)
+    handle = arm.send(trajectory)
+    arm.diagnosis(lambda status: "waits for its time" in status.message)
+    simulated_time.jump(100.0)
+    status, result = arm.result(handle)
+    assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.REJECTED)
+    assert result.error_msg.startswith("when its time had come: the trajectory ended 3")
+    np.testing.assert_array_equal(arm.position, start)
+    # Its last point is still to come when only the begin is passed over.
+    trajectory = arm.trajectory((1.0, 0.5 * MOVE), (18.0, MOVE))
+    del trajectory.points[0]
+    trajectory.header.stamp = simulated_time.stamp(60.0)
+    handle = arm.send(trajectory)
+    arm.diagnosis(lambda status: "waits for its time" in status.message)
+    simulated_time.jump(76.0)
+    status, result = arm.result(handle)
+    assert (status, result.error_code, result.error_msg) == (GoalStatus.STATUS_SUCCEEDED, 0, "")
+    arm.until_at(start + MOVE)
+    assert_no_jump(arm)
+
+
+@pytest.mark.parametrize("jump", [-100.0, 100.0])
+def test_the_publisher_waits_for_what_is_under_way(graph, simulated_time, jump):
+    parameters = {"robot_description": ROBOT, "use_sim_time": True}
+    arm = Suite(graph, with_controller=False, **parameters)
+    graph.start(JointStateSimulatorNode, **parameters)
+    arm.plan(0.0, MOVE, duration=1.5)
+    waiting = arm.start_execute()
+    arm.until_moving()
+    simulated_time.jump(jump)
+    answer = ended(waiting)
+    assert (answer.error_code, answer.error_msg) == (ErrorCode.NONE, "")
+    arm.until_at(arm.home + MOVE)
+    assert_no_jump(arm)
