@@ -38,6 +38,9 @@ def least_distance(chain, point, rng, starts=15):
             value_and_gradient, start, jac=True, method="BFGS", options={"gtol": 1e-11}
         )
         best = min(best, found.fun)
+        if best < 1e-14:
+            # In reach, as no further start could make it more.
+            break
     return math.sqrt(2.0 * best)
 
 
