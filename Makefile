@@ -26,10 +26,11 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so each core has a process with some of them. Those that
-# compute run apart from those of moving robots, whose time is that of the clock.
-PARALLEL := -n auto --maxprocesses 8
-COMPUTING := --ignore=test/nodes --ignore=test/installed
+# Tests share no files and no ROS domain, so that several processes run some of them each. Those that
+# compute run apart from those of moving robots, which wait for the clock two thirds of their time.
+COMPUTING := -n auto --maxprocesses 8 --ignore=test/nodes --ignore=test/installed
+MOVING := -n $(shell expr 2 '*' $$(nproc)) --maxprocesses 8 test/nodes
+INSTALLED := -n auto --maxprocesses 8 --dist loadfile test/installed
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
@@ -64,14 +65,14 @@ demo: setup ## bring everything up, solve, plan, execute and check a pick and pl
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
 test: environments lint ## everything: lint, all tests, colcon, the other distribution
-	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
-	$(PYTEST) $(PARALLEL) $(COMPUTING)
-	$(PYTEST) $(PARALLEL) test/nodes
-	$(PYTEST) $(PARALLEL) --dist loadfile test/installed
+	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q -n auto $(INTERPRETED)
+	$(PYTEST) $(COMPUTING)
+	$(PYTEST) $(MOVING)
+	$(PYTEST) $(INSTALLED)
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
-	$(PYTEST) -q $(PARALLEL) -m "not slow" $(COMPUTING)
-	$(PYTEST) -q $(PARALLEL) -m "not slow" test/nodes
+	$(PYTEST) -q -m "not slow" $(COMPUTING)
+	$(PYTEST) -q -m "not slow" $(MOVING)
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .
