@@ -19,7 +19,7 @@ def turn_difference(chain, q, p):
     return np.where(chain.types == 1, np.abs(difference), turned).max(axis=-1, initial=0.0)
 
 
-def multi_start(chain, targets, seed=0, starts=300, steps=40):
+def multi_start(chain, targets, seed=0, starts=300, steps=25):
     """Search from so many starts for each target, all at once.
 
     Parameters
