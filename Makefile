@@ -26,11 +26,12 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so that several processes run some of them each. Those that
-# compute run apart from those of moving robots, which wait for the clock two thirds of their time.
-COMPUTING := -n auto --maxprocesses 8 --ignore=test/nodes --ignore=test/installed
-MOVING := -n $(shell expr 2 '*' $$(nproc)) --maxprocesses 8 test/nodes
-INSTALLED := -n auto --maxprocesses 8 --dist loadfile test/installed
+# Tests share no files and no ROS domain, so that each core runs some of them. Those that compute run
+# apart from those of moving robots, whose time is that of the clock.
+PARALLEL := -n auto --maxprocesses 8
+COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
+MOVING := $(PARALLEL) test/nodes
+INSTALLED := $(PARALLEL) --dist loadfile test/installed
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
@@ -65,7 +66,7 @@ demo: setup ## bring everything up, solve, plan, execute and check a pick and pl
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
 test: environments lint ## everything: lint, all tests, colcon, the other distribution
-	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q -n auto $(INTERPRETED)
+	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	$(PYTEST) $(COMPUTING)
 	$(PYTEST) $(MOVING)
 	$(PYTEST) $(INSTALLED)
