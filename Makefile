@@ -26,11 +26,18 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
+# Tests share no files and no ROS domain, so that each core runs some of them. Those that compute run
+# apart from those of moving robots, whose time is that of the clock.
+PARALLEL := -n auto --maxprocesses 8
+COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
+MOVING := $(PARALLEL) test/nodes
+INSTALLED := $(PARALLEL) --dist loadfile test/installed
+
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast lint colcon bench docs clean
+.PHONY: help setup compat compat-other environments notice demo test test-fast lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -52,15 +59,21 @@ compat: notice ## add the message types of compat/ to .venv: those of moveit_msg
 compat-other: notice
 	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER) --compat)
 
+environments:
+	@$(MAKE) --no-print-directory -j2 compat compat-other
+
 demo: setup ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
-test: compat compat-other lint ## everything: lint, all tests, colcon, the other distribution
-	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(INTERPRETED)
-	$(PYTEST)
+test: environments lint ## everything: lint, all tests, colcon, the other distribution
+	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
+	$(PYTEST) $(COMPUTING)
+	$(PYTEST) $(MOVING)
+	$(PYTEST) $(INSTALLED)
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
-	$(PYTEST) -q -m "not slow and not installed"
+	$(PYTEST) -q -m "not slow" $(COMPUTING)
+	$(PYTEST) -q -m "not slow" $(MOVING)
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

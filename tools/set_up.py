@@ -95,6 +95,8 @@ class Environment:
         env["AMENT_PREFIX_PATH"] = env["CMAKE_PREFIX_PATH"] = str(self.folder)
         env["CXX"] = machine.compiler() or "c++"
         env["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
+        # Those of a make that runs several of these would keep a build from using all cores.
+        env.pop("MAKEFLAGS", None)
         done = subprocess.run(
             [str(self.python), *command],
             cwd=ROOT,
@@ -121,7 +123,8 @@ class Environment:
         shutil.rmtree(self.folder, ignore_errors=True)
         subprocess.run([sys.executable, "-m", "venv", str(self.folder)], check=True)
         lists = [part for pins in self.pins for part in ("-r", str(pins))]
-        self.pip("--no-deps", "--prefer-binary", *lists)
+        # Byte code is made of what is imported, when it is.
+        self.pip("--no-deps", "--prefer-binary", "--no-compile", *lists)
 
     def add_extra(self) -> None:
         """Install what the environment offers beyond, without moving a pin.
@@ -206,13 +209,14 @@ def set_up(env: Environment, with_compat: bool) -> None:
 
     packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
     packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
-    env.step("package", digest(packaging, str(ROOT)), env.install_package)
-
-    if env.distribution:
-        if not kernel_cache().is_dir():
-            env.stamp("kernels").unlink(missing_ok=True)
-        kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
-        env.step("kernels", digest([], kernels, str(kernel_cache())), env.compile_kernels)
+    # Both work on what all environments share: the folder of the sources, and the kernels.
+    with alone("sources", "another environment is being set up from these sources"):
+        env.step("package", digest(packaging, str(ROOT)), env.install_package)
+        if env.distribution:
+            if not kernel_cache().is_dir():
+                env.stamp("kernels").unlink(missing_ok=True)
+            kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
+            env.step("kernels", digest([], kernels, str(kernel_cache())), env.compile_kernels)
     if with_compat:
         add_compat(env)
 
@@ -226,15 +230,15 @@ def add_compat(env: Environment) -> None:
         env.step(source.name, key, lambda s=source, k=key: env.install_compat(s, k))
 
 
-def alone(name: str) -> TextIO:
-    """Wait until no other set-up of the same environment is under way; return the lock."""
+def alone(name: str, otherwise: str) -> TextIO:
+    """Wait until no other set-up holds the lock of this name, saying why; return the lock."""
     place = ROOT / "build"
     place.mkdir(exist_ok=True)
     lock = (place / f"{name.lstrip('.')}.lock").open("w", encoding="utf-8")
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        say("another set-up of this environment is under way; waiting for it")
+        say(f"{otherwise}; waiting for it")
         fcntl.flock(lock, fcntl.LOCK_EX)
     return lock
 
@@ -256,7 +260,7 @@ def main() -> int:
     if problems:
         return 1
     try:
-        with alone(options.folder):
+        with alone(options.folder, "another set-up of this environment is under way"):
             env = Environment(ROOT / options.folder, options.distribution, options.extra)
             set_up(env, options.compat)
     except (SetUpError, subprocess.CalledProcessError) as error:

@@ -1,24 +1,12 @@
-"""The one decorator of all kernels, their array types, and where compiled code is kept.
+"""The decorators of all kernels and their array types."""
 
-Numba looks only at the file a kernel stands in when it decides whether cached code is still
-good; a change of a function that the kernel calls in another file goes unnoticed.  Therefore
-the cache directory is named after a digest of every kernel source together with the versions
-of Python, NumPy and numba.
-"""
-
+import contextlib
 import functools
-import hashlib
-import logging
 import math
-import os
-import stat
 import sys
-import tempfile
-import threading
 from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import llvmlite.binding
@@ -29,6 +17,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+
+from robomech_ros._kernels._cache import KernelCache, cache_directory
 
 __all__ = [
     "F3",
@@ -82,7 +72,6 @@ ZERO = numpy.int64(0)
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": False}
 _NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _NO_COUNTS = {"_nrt": False}
-_lock = threading.Lock()
 
 
 def _load_arrays_without_blas() -> None:
@@ -147,19 +136,17 @@ def lean_part(signature: Any) -> Callable[[Callable[..., Any]], Any]:
 
 def _compiled(signature: Any, options: dict[str, bool], function: Callable[..., Any]) -> Any:
     options = {**_OPTIONS, **options}
-    directory = cache_directory()
-    if directory is None:
-        return numba.njit(signature, **options)(function)
-    with _lock:
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(directory)
-        try:
-            return numba.njit(signature, cache=True, **options)(function)
-        except Exception:
-            # A damaged or full cache; a mistake in the kernel itself is raised again here.
-            return numba.njit(signature, **options)(function)
-        finally:
-            numba.config.CACHE_DIR = before
+    if numba.config.DISABLE_JIT:
+        return function
+    if cache_directory() is not None:
+        # A damaged or full cache; a mistake in the kernel itself is raised again below.
+        with contextlib.suppress(Exception):
+            dispatcher = numba.njit(**options)(function)
+            dispatcher._cache = KernelCache(function)
+            dispatcher.compile(signature)
+            dispatcher.disable_compile()
+            return dispatcher
+    return numba.njit(signature, **options)(function)
 
 
 def inline(function: Callable[..., Any]) -> Any:
@@ -305,74 +292,3 @@ def _borrowed() -> Any:
 # The same array, for the time of the call: what counts references to its rows is two locked
 # instructions for each row that is looked at.
 borrowed = _borrowed()
-
-
-@functools.lru_cache(maxsize=1)
-def cache_directory() -> Path | None:
-    """Find the directory of compiled kernels and make it where it is missing.
-
-    Returns
-    -------
-    Path or None
-        ``<root>/<digest>`` with root the first usable one of ``$ROBOMECH_CACHE_DIR``,
-        ``$XDG_CACHE_HOME/robomech_ros``, ``~/.cache/robomech_ros`` and a directory of this user
-        under the temporary directory; None where none is writable.
-    """
-    digest = _source_digest()
-    for root in _cache_roots():
-        directory = root / digest
-        if _is_usable(directory):
-            if not any(directory.iterdir()):
-                # A minute without a word would look like a program that hangs.
-                logging.getLogger(__name__).warning(
-                    "compiling the numeric kernels into %s, once; it may take a minute", directory
-                )
-            return directory
-    return None
-
-
-def _cache_roots() -> list[Path]:
-    roots = []
-    if os.environ.get("ROBOMECH_CACHE_DIR"):
-        roots.append(Path(os.environ["ROBOMECH_CACHE_DIR"]))
-    elif os.environ.get("XDG_CACHE_HOME"):
-        roots.append(Path(os.environ["XDG_CACHE_HOME"]) / "robomech_ros")
-    else:
-        # expanduser leaves "~" standing where there is no home.
-        home = os.path.expanduser("~")
-        if home != "~":
-            roots.append(Path(home) / ".cache" / "robomech_ros")
-    user = os.getuid() if hasattr(os, "getuid") else "user"
-    roots.append(Path(tempfile.gettempdir()) / f"robomech_ros-{user}")
-    return roots
-
-
-def _is_usable(directory: Path) -> bool:
-    """Make the directory for this user alone and try to write in it.
-
-    Cached code is executed: a directory that somebody else owns, or everybody may write, is
-    refused.
-    """
-    try:
-        directory.mkdir(mode=0o700, parents=True, exist_ok=True)
-        for place in (directory, directory.parent):
-            found = place.stat()
-            if hasattr(os, "getuid") and found.st_uid != os.getuid():
-                return False
-            if found.st_mode & stat.S_IWOTH:
-                return False
-        with tempfile.TemporaryFile(dir=directory):
-            pass
-    except OSError:
-        return False
-    return True
-
-
-def _source_digest() -> str:
-    digest = hashlib.sha256()
-    for version in (sys.version, numpy.__version__, numba.__version__):
-        digest.update(version.encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.name.encode())
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]

@@ -1,5 +1,6 @@
 """Takes away compiled kernels of earlier states of this installation."""
 
+import hashlib
 import re
 import shutil
 import sys
@@ -9,60 +10,56 @@ __all__ = ["prune"]
 
 # As robomech_ros._kernels names the folder of one state of the sources.
 _DIGEST = re.compile(r"[0-9a-f]{16}")
-_NOTE = "made_with.txt"
+_USERS = "used_by"
 # Earlier states that are kept, for who goes back and forth between some.
 KEPT = 3
 
 
-def prune(kernels: Path) -> list[Path]:
+def prune(state: Path, installation: Path) -> list[Path]:
     """Take away what earlier states of the same sources left in the cache, but for the latest.
 
-    Numba keeps the kernels of each installation in a folder named after its place, and that in one
-    folder for every state of the sources. Folders of other installations are left alone, and so
-    are those that the same one made with other versions of Python, NumPy or numba. A process
-    that runs an earlier state has its kernels in memory, and would compile them again.
+    Every state of the sources has its kernels in a folder, shared by the installations of it; a
+    note there for each of them says that it used them, with which versions of Python, NumPy and
+    numba. Kernels that another installation used are left alone, and so are those that the same
+    one made with other versions. A process that runs an earlier state has its kernels in memory,
+    and would compile them again.
 
     Parameters
     ----------
-    kernels : Path
-        ``<root>/<digest>/<installation>``, where the kernels in use are kept.
+    state : Path
+        ``<root>/<digest>``, where the kernels in use are kept.
+    installation : Path
+        Where the sources are installed.
 
     Returns
     -------
     list of Path
         What was taken away.
     """
-    state = kernels.parent
-    if not _DIGEST.fullmatch(state.name) or not kernels.is_dir():
+    if not _DIGEST.fullmatch(state.name) or not state.is_dir():
         return []
+    name = hashlib.sha256(str(installation).encode()).hexdigest()[:16]
     versions = _versions()
-    note = kernels / _NOTE
+    note = state / _USERS / name
     try:
+        note.parent.mkdir(exist_ok=True)
         note.write_text(versions, encoding="utf-8")
         others = [
-            other / kernels.name
+            other / _USERS / name
             for other in state.parent.iterdir()
             if _DIGEST.fullmatch(other.name) and other != state and not other.is_symlink()
         ]
-        stale = [one for one in others if _is_of(one, versions)]
+        stale = [one for one in others if one.is_file() and one.read_text("utf-8") == versions]
         stale.sort(key=lambda one: one.stat().st_mtime, reverse=True)
+        for one in stale[KEPT:]:
+            one.unlink(missing_ok=True)
+        taken = [one.parents[1] for one in stale[KEPT:] if not any(one.parent.iterdir())]
     except OSError:
         # A cache that cannot be read, or that somebody else is clearing: nothing to be done.
         return []
-    taken = stale[KEPT:]
     for one in taken:
         shutil.rmtree(one, ignore_errors=True)
-        if one.parent.is_dir() and not any(one.parent.iterdir()):
-            one.parent.rmdir()
     return taken
-
-
-def _is_of(folder: Path, versions: str) -> bool:
-    """Whether a folder holds kernels made with these versions, or says nothing of any."""
-    if folder.is_symlink() or not folder.is_dir():
-        return False
-    note = folder / _NOTE
-    return not note.exists() or note.read_text(encoding="utf-8") == versions
 
 
 def _versions() -> str:

@@ -8,26 +8,35 @@ import pytest
 
 CODE = """
 import numpy as np
-from robomech_ros._kernels import _jit
+from robomech_ros._kernels import _cache
 {before}
-from robomech_ros._kernels.serial import forward_one
-from robomech_ros.robots import chain_from_dh
-pose = np.empty((4, 4))
-assert forward_one(chain_from_dh([1], [0], [0]).packed, np.zeros(1), pose) == 0
-assert pose[0, 3] == 1.0
-print(_jit.cache_directory())
+from robomech_ros._kernels._jit import IN1, f8, kernel
+
+@kernel(f8(IN1))
+def largest(values):
+    found = values[0]
+    for value in values:
+        found = max(found, value)
+    return found
+
+assert largest(np.array([1.0, 3.0, 2.0])) == 3.0
+print(_cache.cache_directory())
+{after}
 """
 
 
-def run(before="", **environment):
-    """Move a one-joint arm in a process of its own; return its cache directory."""
+def run(folder, before="", after="", **environment):
+    """Use a kernel of a file in this folder, in its own process; return its cache directory."""
+    folder.mkdir(exist_ok=True)
+    program = folder / "program.py"
+    program.write_text(CODE.format(before=before, after=after))
     inherited = {
         name: value
         for name, value in os.environ.items()
         if name not in ("ROBOMECH_CACHE_DIR", "XDG_CACHE_HOME")
     }
     done = subprocess.run(
-        [sys.executable, "-c", CODE.format(before=before)],
+        [sys.executable, str(program)],
         env={**inherited, **environment},
         capture_output=True,
         text=True,
@@ -42,40 +51,41 @@ def run(before="", **environment):
 def filled(tmp_path_factory):
     """A cache that one process has filled."""
     root = tmp_path_factory.mktemp("cache")
-    return root, run(ROBOMECH_CACHE_DIR=str(root))
+    return root, run(tmp_path_factory.mktemp("here"), ROBOMECH_CACHE_DIR=str(root))
 
 
 def compiled(root):
     return {path: path.stat().st_mtime_ns for path in root.rglob("*.nbc")}
 
 
-def test_a_second_process_loads_what_the_first_compiled(filled):
+def test_a_second_process_loads_what_the_first_compiled(filled, tmp_path):
+    """From another installation of the same sources, too."""
     root, directory = filled
     assert directory.startswith(f"{root}/")
     before = compiled(root)
     assert before
-    assert run(ROBOMECH_CACHE_DIR=str(root)) == directory
+    assert run(tmp_path / "there", ROBOMECH_CACHE_DIR=str(root)) == directory
     assert compiled(root) == before
     assert os.stat(directory).st_mode & 0o077 == 0
 
 
 def test_a_change_of_any_kernel_source_leads_to_another_directory(tmp_path, monkeypatch):
-    from robomech_ros._kernels import _jit
+    from robomech_ros._kernels import _cache
 
     (tmp_path / "a.py").write_text("x = 1")
-    monkeypatch.setattr(_jit, "__file__", str(tmp_path / "_jit.py"))
-    first = _jit._source_digest()
+    monkeypatch.setattr(_cache, "__file__", str(tmp_path / "_cache.py"))
+    first = _cache._source_digest()
     (tmp_path / "a.py").write_text("x = 2")
-    second = _jit._source_digest()
+    second = _cache._source_digest()
     (tmp_path / "a.py").rename(tmp_path / "b.py")
-    assert len({first, second, _jit._source_digest()}) == 3
+    assert len({first, second, _cache._source_digest()}) == 3
 
 
-def test_a_damaged_cache_costs_time_only(filled):
+def test_a_damaged_cache_costs_time_only(filled, tmp_path):
     root, directory = filled
     for path in root.rglob("*.nb[ci]"):
         path.write_bytes(b"damaged")
-    assert run(ROBOMECH_CACHE_DIR=str(root)) == directory
+    assert run(tmp_path, ROBOMECH_CACHE_DIR=str(root)) == directory
 
 
 def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
@@ -83,21 +93,28 @@ def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
     blocked.write_text("")
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
-    found = run(ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere))
+    found = run(
+        tmp_path / "program", ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere)
+    )
     assert found.startswith(f"{elsewhere}/robomech_ros-")
     elsewhere = tmp_path / "open"
     (elsewhere / f"robomech_ros-{os.getuid()}").mkdir(parents=True)
     (elsewhere / f"robomech_ros-{os.getuid()}").chmod(0o777)
-    found = run(ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere))
+    found = run(
+        tmp_path / "program", ROBOMECH_CACHE_DIR=str(blocked / "cache"), TMPDIR=str(elsewhere)
+    )
     assert found == "None"
 
 
 def test_it_works_without_compilation(tmp_path):
-    run(NUMBA_DISABLE_JIT="1", ROBOMECH_CACHE_DIR=str(tmp_path))
+    run(tmp_path, NUMBA_DISABLE_JIT="1", ROBOMECH_CACHE_DIR=str(tmp_path))
 
 
-def test_numba_keeps_its_own_setting():
+def test_numba_keeps_its_own_setting(tmp_path):
     run(
-        before="import numba; numba.config.CACHE_DIR = 'mine'; "
-        "import robomech_ros._kernels.serial; assert numba.config.CACHE_DIR == 'mine'"
+        tmp_path,
+        before="import numba; numba.config.CACHE_DIR = 'mine'",
+        after="assert numba.config.CACHE_DIR == 'mine'",
+        ROBOMECH_CACHE_DIR=str(tmp_path),
     )
+    assert compiled(tmp_path)

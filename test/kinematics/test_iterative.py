@@ -114,11 +114,11 @@ def test_several_postures_of_a_redundant_arm():
 def test_most_solutions_of_a_general_arm_are_found(search_everywhere, apart, name):
     chain = load_robot(name)
     expected = found = 0
-    for k, T in enumerate(forward_kinematics(chain, random_postures(chain, 8, 7))):
+    targets = forward_kinematics(chain, random_postures(chain, 8, 7))
+    for T, postures in zip(targets, search_everywhere(chain, targets), strict=True):
         ours = inverse_kinematics(chain, T, respect_limits=False).q
-        for posture in search_everywhere(chain, T, seed=k):
-            expected += 1
-            found += apart(chain, ours, posture).min(initial=9.0) < 1e-5
+        expected += len(postures)
+        found += (apart(chain, ours, postures[:, None]).min(axis=1, initial=9.0) < 1e-5).sum()
     assert found >= 0.95 * expected
 
 
@@ -128,9 +128,9 @@ def test_hopeless_targets_end_in_bounded_time(name):
     inverse_kinematics(chain, forward_kinematics(chain, chain.midrange()))
     T = np.eye(4)
     T[:3, 3] = [9.0, 0.0, 0.0]
-    start = time.perf_counter()
+    start = time.thread_time()
     result = inverse_kinematics(chain, T)
-    assert time.perf_counter() - start < 0.5
+    assert time.thread_time() - start < 0.5
     assert not len(result) and result.status.name == "OUT_OF_REACH"
 
 

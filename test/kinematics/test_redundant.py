@@ -168,7 +168,7 @@ def test_postures_with_the_joint_locked_are_all_there_are(search_everywhere, apa
         turn[:2, :2] = [[c, -s], [s, c]]
         held = chain_of(np.concatenate((C[:6], [C[6] @ turn @ C[7]])), [0] * 6)
         T = forward_kinematics(chain, posture)
-        oracle = search_everywhere(held, T, seed=k)
+        (oracle,) = search_everywhere(held, T[None], seed=k)
         found = Tracer(chain, T).at(posture[6])
         assert len(found) == len(oracle)
         for one in oracle:

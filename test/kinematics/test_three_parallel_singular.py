@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from zero_sets import turned_to
 
 from robomech_ros.kinematics import (
     forward_kinematics,
@@ -32,46 +33,6 @@ def test_an_elbow_folded_onto_its_limit_is_found_on_that_side(robot):
         assert result.complete
         assert result.seed_distance[0] < 1e-7
         assert result.q[0, 2] == pytest.approx(q[2], abs=1e-9)
-
-
-def bisected(function, low, high):
-    """A zero between two values at which the function has opposite signs."""
-    sign = function(low) > 0.0
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if (function(middle) > 0.0) == sign else (low, middle)
-    return 0.5 * (low + high)
-
-
-def zero_in_joint(function, q, joint, rng):
-    """Turn one joint of q to a random zero of a function of q; None where it has none."""
-    grid = np.linspace(-np.pi, np.pi, 25)
-
-    def of_joint(value):
-        changed = q.copy()
-        changed[joint] = value
-        return function(changed)
-
-    values = np.array([of_joint(value) for value in grid])
-    crossings = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-    if not len(crossings):
-        return None
-    k = rng.choice(crossings)
-    changed = q.copy()
-    changed[joint] = bisected(of_joint, grid[k], grid[k + 1])
-    return changed
-
-
-def postures_on(function, chain, count, rng, joints):
-    """Random postures on the zero set of a function."""
-    found = []
-    while len(found) < count:
-        q = rng.uniform(-np.pi, np.pi, chain.n)
-        q[chain.types == 1] *= 0.2
-        q = zero_in_joint(function, q, rng.choice(joints), rng)
-        if q is not None:
-            found.append(q)
-    return np.array(found)
 
 
 def check(chain, q, pose_errors, rng):
@@ -116,7 +77,7 @@ def test_quarter_turns(three_parallel_arm, pose_errors, name):
 def test_zero_determinant(three_parallel_arm, pose_errors, name):
     chain = three_parallel_arm(name)
     rng = np.random.default_rng(3)
-    q = postures_on(lambda q: np.linalg.det(jacobian(chain, q)), chain, POSES, rng, range(6))
+    q = turned_to(lambda q: np.linalg.det(jacobian(chain, q)), chain, POSES, rng, range(6))
     check(chain, q, pose_errors, rng)
 
 
@@ -128,9 +89,10 @@ def postures_over_the_shoulder(chain, last_link, rng):
 
     def level(q):
         pose = forward_kinematics(chain, q)
-        return (pose[:2, 3] - last_link * pose[:2, 2]) @ [np.cos(q[0]), np.sin(q[0])]
+        x, y = (pose[:, :2, 3] - last_link * pose[:, :2, 2]).T
+        return x * np.cos(q[:, 0]) + y * np.sin(q[:, 0])
 
-    q = postures_on(level, chain, POSES, rng, (1, 2))
+    q = turned_to(level, chain, POSES, rng, (1, 2))
     assert np.abs(np.linalg.det(jacobian(chain, q))).max() < 1e-12
     return q
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 
 import pytest
 
@@ -13,54 +14,71 @@ STATES = [f"{i:016x}" for i in range(8)]
 
 @pytest.fixture
 def cache(tmp_path):
-    """Make a folder of kernels, so many seconds old."""
+    """Make states with kernels that installations used, the later in the list the longer ago."""
+    elsewhere = tmp_path / "elsewhere"
 
-    def make(state, installation="_kernels_here", age=0.0, note=""):
-        folder = tmp_path / state / installation
-        folder.mkdir(parents=True)
-        (folder / "kernel.nbi").write_text("code")
-        if note:
-            (folder / "made_with.txt").write_text(note)
-        made = folder.stat().st_mtime - age
-        os.utime(folder, (made, made))
-        return folder
+    def make(states, installation, note=""):
+        for age, name in enumerate(states):
+            state = tmp_path / name
+            state.mkdir(exist_ok=True)
+            (state / "kernel.nbi").write_text("code")
+            # A note of this installation, as it stands in a state of its own.
+            own = elsewhere / STATES[0]
+            own.mkdir(parents=True)
+            prune(own, installation)
+            (written,) = (own / "used_by").iterdir()
+            (state / "used_by").mkdir(exist_ok=True)
+            placed = shutil.copy(written, state / "used_by")
+            if note:
+                (state / "used_by" / written.name).write_text(note)
+            made = os.stat(placed).st_mtime - 100.0 * age
+            os.utime(placed, (made, made))
+            shutil.rmtree(elsewhere)
+        return [tmp_path / name for name in states]
 
     return make
 
 
 def test_the_latest_states_are_kept(cache, tmp_path):
-    folders = [cache(state, age=100.0 * i) for i, state in enumerate(STATES)]
-    assert set(prune(folders[0])) == set(folders[1 + KEPT :])
+    states = cache(STATES, tmp_path / "here")
+    assert set(prune(states[0], tmp_path / "here")) == set(states[1 + KEPT :])
     assert sorted(p.name for p in tmp_path.iterdir()) == STATES[: 1 + KEPT]
-    assert all((folder / "kernel.nbi").exists() for folder in folders[: 1 + KEPT])
-    assert prune(folders[0]) == []
+    assert all((state / "kernel.nbi").exists() for state in states[: 1 + KEPT])
+    assert prune(states[0], tmp_path / "here") == []
 
 
 def test_what_is_of_others_is_left_alone(cache, tmp_path):
-    mine = cache(STATES[0])
-    elsewhere = [cache(state, "_kernels_there", age=1000.0) for state in STATES[1:]]
-    versions = [cache(state, age=1000.0, note="Python 3.10") for state in STATES[1:]]
-    strange = cache("not-a-state", age=1000.0)
+    (mine,) = cache(STATES[:1], tmp_path / "here")
+    others = cache(STATES[1:], tmp_path / "there")
+    (strange,) = cache(["not-a-state"], tmp_path / "here")
     (tmp_path / "ffffffffffffffff").symlink_to(tmp_path / "not-a-state")
-    assert prune(mine) == []
-    assert all((one / "kernel.nbi").exists() for one in [*elsewhere, *versions, strange])
+    assert prune(mine, tmp_path / "here") == []
+    assert all((one / "kernel.nbi").exists() for one in [*others, strange])
 
 
-def test_a_shared_state_keeps_the_other_installation(cache):
-    mine = cache(STATES[0])
-    old = [cache(state, age=100.0 * i) for i, state in enumerate(STATES[1:], start=1)]
-    other = cache(STATES[-1], "_kernels_there")
-    assert old[-1] in prune(mine)
-    assert not old[-1].exists()
-    assert (other / "kernel.nbi").exists()
+def test_what_other_versions_made_is_left_alone(cache, tmp_path):
+    states = cache(STATES, tmp_path / "here", note="Python 3.10")
+    assert prune(states[0], tmp_path / "here") == []
+    assert all((one / "kernel.nbi").exists() for one in states)
+
+
+def test_a_shared_state_goes_when_nobody_uses_it_any_more(cache, tmp_path):
+    later = [f"{i:016x}" for i in range(8, 8 + KEPT)]
+    states = cache(STATES, tmp_path / "here")
+    cache([STATES[0], *later, STATES[-1]], tmp_path / "there")
+    assert states[-1] not in prune(states[0], tmp_path / "here")
+    assert (states[-1] / "kernel.nbi").exists()
+    assert prune(states[0], tmp_path / "there") == [states[-1]]
+    assert all((tmp_path / name / "kernel.nbi").exists() for name in later)
 
 
 def test_a_place_that_is_no_state_is_left_alone(cache, tmp_path):
-    cache(STATES[1])
-    assert prune(cache("elsewhere")) == []
-    assert prune(tmp_path / STATES[0] / "missing") == []
+    cache(STATES[1:2], tmp_path / "here")
+    (strange,) = cache(["no-state"], tmp_path / "here")
+    assert prune(strange, tmp_path / "here") == []
+    assert prune(tmp_path / STATES[0], tmp_path / "here") == []
 
 
 def test_the_kernels_in_use_lie_where_they_are_looked_for():
-    state = os.path.basename(os.path.dirname(forward_one.stats.cache_path))
+    state = os.path.basename(forward_one.stats.cache_path)
     assert re.fullmatch(r"[0-9a-f]{16}", state)

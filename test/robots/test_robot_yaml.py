@@ -158,10 +158,10 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     ],
 )
 def test_hostile_documents_are_refused_at_once(text, expected):
-    start = time.perf_counter()
+    start = time.thread_time()
     with pytest.raises(RobotDescriptionError, match=expected):
         load_robot(text)
-    assert time.perf_counter() - start < 5.0
+    assert time.thread_time() - start < 5.0
 
 
 def test_bytes_that_are_no_text(tmp_path):

@@ -372,9 +372,9 @@ LAUGHS = """<?xml version="1.0"?><!DOCTYPE lolz [<!ENTITY lol "lol">
     ],
 )
 def test_hostile_documents_are_refused_at_once(text, expected):
-    start = time.perf_counter()
+    start = time.thread_time()
     refused(text, expected, "URDF string")
-    assert time.perf_counter() - start < 5.0
+    assert time.thread_time() - start < 5.0
 
 
 def test_hostile_files(tmp_path):

@@ -129,14 +129,14 @@ def _middleware() -> Finding:
 def _kernels() -> Finding:
     what = "compiled kernels"
     try:
-        from robomech_ros._kernels._jit import cache_directory
+        from robomech_ros._kernels._cache import cache_directory
     except ImportError as error:
         return Finding(what, False, str(error), SET_UP)
     place = cache_directory()
     if place is None:
         mend = "export ROBOMECH_CACHE_DIR=<a folder that can be written>"
         return Finding(what, False, "no place to keep them can be written", mend)
-    if not any(place.glob("**/*.nbi")):
+    if not any(place.glob("*.nbi")):
         return Finding(what, False, f"none in {place}: the first start takes a minute",
                        "robomech warmup")  # fmt: skip
     return Finding(what, True, str(place))

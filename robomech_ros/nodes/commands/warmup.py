@@ -17,6 +17,8 @@ from pkgutil import iter_modules
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from robomech_ros.nodes.kernel_cache import prune
+
 __all__ = ["add_arguments", "kernel_modules", "run", "warm"]
 
 PACKAGE = "robomech_ros._kernels"
@@ -54,7 +56,7 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
         Say nothing where hardly anything had to be compiled.
     """
     # Numba is slow to load, and most commands do not need it.
-    from robomech_ros._kernels._jit import cache_directory
+    from robomech_ros._kernels._cache import cache_directory
 
     start = time.perf_counter()
     modules, place = kernel_modules(), cache_directory()
@@ -62,22 +64,12 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
     compiled = _compiled_in_parallel(modules) if cold else _imported(modules)
     progress = _bar if sys.stdout.isatty() and not silent else _plain
     progress(compiled, len(modules), silent)
-    _forget_earlier_states()
+    if place is not None and any(place.glob("*.nbi")):
+        prune(place, _FOLDER)
     seconds = time.perf_counter() - start
     if not silent and not (silent_if_quick and seconds < _QUICK):
         kept = place or "nowhere: no place to keep them is writable"
         print(f"{len(modules)} kernel modules in {seconds:.1f} s, kept in {kept}")
-
-
-def _forget_earlier_states() -> None:
-    """Take what earlier states of the sources left out of the cache."""
-    from robomech_ros._kernels.serial import forward_one
-    from robomech_ros.nodes.kernel_cache import prune
-
-    # Not there where nothing is compiled, as NUMBA_DISABLE_JIT wants it.
-    stats = getattr(forward_one, "stats", None)
-    if stats is not None and stats.cache_path:
-        prune(Path(stats.cache_path))
 
 
 def _imported(modules: tuple[str, ...]) -> Iterator[tuple[str, float]]:

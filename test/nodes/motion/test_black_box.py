@@ -178,8 +178,8 @@ def test_blend_action_replaces_action_with_future_stamp(follower):
     arm = follower()
     first = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
     arm.until_moving()
-    # The first goes on until the second begins.
-    second = arm.send_goal(arm.stamped(arm.points((0.5, START, ZERO, ZERO)), 1.0))
+    # The first goes on until the second begins, which is later than it is accepted.
+    second = arm.send_goal(arm.stamped(arm.points((0.5, START, ZERO, ZERO)), 3.0))
     seen = len(arm.states)
     assert arm.outcome(first)[:2] == (ABORTED, CODES.INVALID_GOAL)
     assert arm.outcome(second)[0] == SUCCEEDED
