@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NAMES, solve
+from robomech_ros._kernels.inverse import MAX_SOLUTIONS
+from robomech_ros._kernels.inverse_one import solve_one_pose
 from robomech_ros._kernels.ranking import rank, winding_count
 from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
@@ -16,8 +17,9 @@ from robomech_ros.kinematics.outcome import (
     nothing,
 )
 from robomech_ros.kinematics.request import Request
-from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult, written
 from robomech_ros.kinematics.status import Status
+from robomech_ros.kinematics.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["rank_windings", "solve_closed_form"]
@@ -25,36 +27,49 @@ __all__ = ["rank_windings", "solve_closed_form"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_SUCCESS = Status.SUCCESS  # to look it up takes longer than a solution
+# To look these up takes longer than a solution.
+_SUCCESS = Status.SUCCESS
+_empty = np.empty
+_INTEGER = np.dtype(np.int64)
 
 
 def solve_closed_form(
     chain: SerialChain, T: Array, request: Request, family: Family
 ) -> InverseKinematicsResult:
-    """Find all solutions of the pose T (4, 4), ranked, or explain why there is none."""
-    q, rows = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((1, MAX_SOLUTIONS, chain.n))
-    marks, counts = np.empty((MARKS, MAX_SOLUTIONS), np.int64), np.empty(1, np.int64)
-    distances = np.empty(MAX_SOLUTIONS)
-    bare, missing, count, singular, unproven = solve(
+    """Find all solutions of a pose, ranked, or explain why there is none.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        Pose (m) as :func:`as_target` gives it; its entries are checked here.
+    request : Request
+    family : Family
+        One that lists all solutions.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        The entries are not those of a pose.
+    """
+    n = chain.n
+    target, ranked = _empty((4, 4)), _empty((MAX_SOLUTIONS, n))
+    distances, names = _empty(MAX_SOLUTIONS), _empty(MAX_SOLUTIONS, _INTEGER)
+    fault, bare, missing, count, singular, unproven = solve_one_pose(
         family.arm,
-        T[None],
+        T,
         request.seed,
         request.metric,
         request.respect_limits,
-        q,
-        rows,
+        target,
+        ranked,
         distances,
-        marks,
-        counts,
+        names,
     )
+    if fault:
+        as_targets(T)  # raises, and says what it is
     if not count:
-        if not bare and unproven:
-            reason = "the pose is degenerate: no posture was found, which proves nothing"
-            return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
-        if not bare:
-            return explain_nothing(chain, T, family)
-        return explain_limits(chain, T, q[:bare], family, singular > 0)
-    ranked, names = rows[0], marks[NAMES]
+        return _explained(chain, target, ranked[:bare], family, singular > 0, unproven > 0)
     reason = ""
     if singular > missing:
         reason = describe_continuum(chain, ranked[:count], names[:count])
@@ -63,21 +78,35 @@ def solve_closed_form(
             chain, family.turns, request, ranked[:count], names[:count]
         )
         count = len(ranked)
-    kept = count if request.max_solutions is None else min(count, request.max_solutions)
-    return InverseKinematicsResult(
-        chain=chain,
-        target=T,
-        q=ranked[:kept],
-        seed_distance=distances[:kept],
-        family=family.name,
-        complete=not singular and not unproven and family.exact,
-        status=_SUCCESS,
-        reason=reason,
-        blocking_joints=(),
-        blocking_excess=NO_EXCESS,
-        branch_bits=names[:kept],
-        task=WHOLE_POSE,
+    if request.max_solutions is not None:
+        count = min(count, request.max_solutions)
+    return written(
+        chain,
+        target,
+        ranked[:count],
+        distances[:count],
+        family.name,
+        not singular and not unproven and family.exact,
+        _SUCCESS,
+        reason,
+        (),
+        NO_EXCESS,
+        names[:count],
+        WHOLE_POSE,
+        None,
     )
+
+
+def _explained(
+    chain: SerialChain, T: Array, q: Array, family: Family, singular: bool, unproven: bool
+) -> InverseKinematicsResult:
+    """Say why there is no solution inside the limits; q (k, n) are those without limits."""
+    if len(q):
+        return explain_limits(chain, T, q, family, singular)
+    if unproven:
+        reason = "the pose is degenerate: no posture was found, which proves nothing"
+        return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
+    return explain_nothing(chain, T, family)
 
 
 def rank_windings(

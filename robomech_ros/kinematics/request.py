@@ -28,12 +28,11 @@ from robomech_ros.spatial.arrays import listed, real_number
 __all__ = [
     "METRICS",
     "Request",
+    "as_cap",
     "as_flag",
     "as_metric",
+    "as_request",
     "as_seed",
-    "as_task",
-    "as_timeout",
-    "as_tolerance",
 ]
 
 Array = NDArray[np.float64]
@@ -61,6 +60,64 @@ class Request(NamedTuple):
             self.position_tolerance > POSITION_TOLERANCE
             or self.orientation_tolerance > ORIENTATION_TOLERANCE
         )
+
+
+def as_request(
+    chain: SerialChain,
+    seed: ArrayLike | None,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+    task_mask: Sequence[bool] | None,
+    position_tolerance: float | None,
+    orientation_tolerance: float | None,
+    timeout: float | None,
+) -> Request:
+    """Check what is asked of a chain; the parameters are those of :func:`inverse_kinematics`."""
+    options = (chain, respect_limits, include_windings, metric, max_solutions)
+    try:
+        usual = _usual(*options)
+    except TypeError:  # one cannot be the key of a cache
+        usual = _usual.__wrapped__(*options)
+    if task_mask is position_tolerance is orientation_tolerance is timeout is None:
+        if seed is None:
+            return usual
+        return Request(as_seed(chain, seed, usual.respect_limits), *usual[1:])
+    return usual._replace(
+        seed=as_seed(chain, seed, usual.respect_limits),
+        task=_as_task(task_mask),
+        position_tolerance=_as_tolerance(
+            "position_tolerance", position_tolerance, POSITION_TOLERANCE
+        ),
+        orientation_tolerance=_as_tolerance(
+            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
+        ),
+        timeout=None if timeout is None else _positive("timeout", timeout),
+    )
+
+
+@lru_cache(maxsize=256, typed=True)
+def _usual(
+    chain: SerialChain,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+) -> Request:
+    """Check a request for the full pose from mid-range, with the default tolerances."""
+    respect_limits = as_flag("respect_limits", respect_limits)
+    return Request(
+        seed=as_seed(chain, None, respect_limits),
+        respect_limits=respect_limits,
+        include_windings=as_flag("include_windings", include_windings),
+        metric=as_metric(metric),
+        max_solutions=as_cap(max_solutions),
+        task=FULL_TASK,
+        position_tolerance=POSITION_TOLERANCE,
+        orientation_tolerance=ORIENTATION_TOLERANCE,
+        timeout=None,
+    )
 
 
 def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) -> Array:
@@ -121,7 +178,7 @@ def as_metric(metric: str) -> int:
     return number
 
 
-def as_task(mask: Sequence[bool] | None) -> Task:
+def _as_task(mask: Sequence[bool] | None) -> Task:
     """Check a task mask; None and all False are the full pose."""
     if mask is None:
         return FULL_TASK
@@ -132,14 +189,9 @@ def as_task(mask: Sequence[bool] | None) -> Task:
     return (x, y, z, rx, ry, rz) if any(entries) else FULL_TASK
 
 
-def as_tolerance(what: str, value: float | None, default: float) -> float:
+def _as_tolerance(what: str, value: float | None, default: float) -> float:
     """Check a tolerance; None is the default."""
     return default if value is None else _positive(what, value)
-
-
-def as_timeout(timeout: float | None) -> float | None:
-    """Check a timeout (s)."""
-    return None if timeout is None else _positive("timeout", timeout)
 
 
 def as_cap(max_solutions: int | None) -> int | None:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from robomech_ros.kinematics.branches import branch_name
 from robomech_ros.kinematics.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["WHOLE_POSE", "InverseKinematicsResult"]
+__all__ = ["WHOLE_POSE", "InverseKinematicsResult", "written"]
 
 Array = NDArray[np.float64]
 
@@ -85,8 +86,7 @@ class InverseKinematicsResult:
         task: tuple[bool, ...] = WHOLE_POSE,
         nearest: Array | None = None,
     ) -> None:
-        # At once: what a frozen dataclass writes enters field by field, and takes a fourth of the
-        # time of the whole solution of an arm.
+        # At once: to write the fields of a frozen dataclass one by one takes thrice as long.
         vars(self).update(
             chain=chain,
             target=target,
@@ -149,3 +149,48 @@ class InverseKinematicsResult:
     def condition_number(self) -> Array:
         """Condition number of the Jacobian in SI units, shape (k,); infinite where singular."""
         return self._row(CONDITION)
+
+
+class _Draft:
+    """A result whose fields are still written.
+
+    What is not frozen is written thrice as fast; the fields of a frozen result, by itself, take a
+    fourth of the time in which an arm is solved.
+    """
+
+    def __init__(
+        self,
+        chain: SerialChain,
+        target: Array,
+        q: Array,
+        seed_distance: Array,
+        family: str,
+        complete: bool,
+        status: Status,
+        reason: str,
+        blocking_joints: tuple[str, ...],
+        blocking_excess: Array,
+        branch_bits: NDArray[np.int64],
+        task: tuple[bool, ...],
+        nearest: Array | None,
+    ) -> None:
+        self.chain = chain
+        self.target = target
+        self.q = q
+        self.seed_distance = seed_distance
+        self.family = family
+        self.complete = complete
+        self.status = status
+        self.reason = reason
+        self.blocking_joints = blocking_joints
+        self.blocking_excess = blocking_excess
+        self.branch_bits = branch_bits
+        self.task = task
+        self.nearest = nearest
+
+
+def written(*fields: Any) -> InverseKinematicsResult:
+    """Give the result with all these fields, in their order: the same, and faster."""
+    result: Any = _Draft(*fields)
+    result.__class__ = InverseKinematicsResult
+    return cast("InverseKinematicsResult", result)
