@@ -1,13 +1,12 @@
 """One pose in one call from Python: checked, solved and ranked.
 
-A call costs as much as the solutions of an arm for every few arrays that are made for it, so that
-all that Python does not need is made here, and :func:`clean_poses` is not called by itself.
+For Python to make a few arrays takes as long as to solve an arm, so that here is one for all, and
+:func:`clean_poses` is not called by itself.
 """
 
 from numba import types
 
 from robomech_ros._kernels._jit import (
-    IOUT1,
     OUT1,
     OUT2,
     b1,
@@ -24,56 +23,65 @@ from robomech_ros._kernels.inverse import BRANCH, MARKS, MAX_SOLUTIONS, NAMES, s
 from robomech_ros._kernels.poses import clean_pose
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
-__all__ = ["MOST_JOINTS", "solve_one", "solve_one_pose"]
+__all__ = ["DISTANCES", "MARKED", "TARGET", "TOTAL", "solve_one", "solve_one_pose"]
+
+# Where, behind the rows for the solutions, the numbers stand that are written besides.
+TARGET = 0  # the pose, row by row
+DISTANCES = 16  # of each solution from the seed
+MARKED = DISTANCES + MAX_SOLUTIONS  # its branch
+TOTAL = MARKED + MAX_SOLUTIONS
 
 # Of the families whose solutions are listed.
-MOST_JOINTS = 6
-_ROOM = MAX_SOLUTIONS * MOST_JOINTS
+_MOST_JOINTS = 6
+_ROOM = MAX_SOLUTIONS * _MOST_JOINTS
 _ENTRIES = 6
 _ANY2 = types.Array(f8, 2, "A")
 
 _call_solve = linked(solve)
 
 
-@kernel(types.UniTuple(i8, _ENTRIES)(OUT1, _ANY2, OUT1, i8, b1, OUT2, OUT2, OUT1, IOUT1))
-def solve_one(arm, T, seed, metric, bounded, target, ranked, distances, names):
+@kernel(types.UniTuple(i8, _ENTRIES)(OUT1, _ANY2, OUT1, i8, b1, OUT2))
+def solve_one(arm, T, seed, metric, bounded, space):
     """Solve the pose T (4, 4) of any memory layout, as it comes from a caller.
 
-    It goes to ``target`` (4, 4), its rotation made orthogonal to rounding.  Where that fails, what
-    is wrong with it, as :func:`clean_poses` tells, is the first number returned; else it is 0, and
-    the others are those that ``solve`` returns, with the same arguments: the solutions inside the
-    limits go to ``ranked`` (16, n), their distances and branches to ``distances`` (16,) and
-    ``names`` (16,).  Where there are none, ``ranked`` and ``names`` get the bare ones instead.
+    The other arguments are those of ``solve``, and so are the numbers returned, but for the first
+    one: that is what is wrong with T, as :func:`clean_poses` tells, or 0.
+
+    ``space`` has n numbers a row.  Its first 16 rows receive the solutions inside the limits,
+    nearest to the seed first, or where there are none the bare ones.  Behind them follow, one after
+    another, TOTAL numbers: T with its rotation made orthogonal to rounding, distances and branches.
     """
     n = seed.shape[0]
-    T, target, ranked, names = borrowed(T), borrowed(target), borrowed(ranked), borrowed(names)
+    T, space = borrowed(T), borrowed(space)
+    flat = space.reshape(space.size)
+    rest = flat[MAX_SOLUTIONS * n :]
+    target = rest[TARGET:DISTANCES].reshape((1, 4, 4))
     for i in range(4):
         for j in range(4):
-            target[i, j] = T[i, j]
-    fault = clean_pose(target, scratch(3, 3), ROTATION_ERROR)
+            target[0, i, j] = T[i, j]
+    fault = clean_pose(target[0], scratch(3, 3), ROTATION_ERROR)
     if fault != 0:
         return fault, 0, 0, 0, 0, 0
     bare = scratch(_ROOM)[: MAX_SOLUTIONS * n].reshape((MAX_SOLUTIONS, n))
     marks, counts = scratch_integers(MARKS, MAX_SOLUTIONS), scratch_integers(1)
     found, missing, count, singular, unproven = _call_solve(
         borrowed(arm),
-        target.reshape((1, 4, 4)),
+        target,
         borrowed(seed),
         metric,
         bounded,
         bare,
-        ranked.reshape((1, MAX_SOLUTIONS, n)),
-        borrowed(distances),
+        flat[: MAX_SOLUTIONS * n].reshape((1, MAX_SOLUTIONS, n)),
+        rest[DISTANCES:MARKED],
         marks,
         counts,
     )
-    for k in range(count):
-        names[k] = marks[NAMES, k]
-    if count == 0:
-        for k in range(found):
-            names[k] = marks[BRANCH, k]
+    names = marks[NAMES] if count > 0 else marks[BRANCH]
+    for k in range(count if count > 0 else found):
+        rest[MARKED + k] = names[k]
+        if count == 0:
             for i in range(n):
-                ranked[k, i] = bare[k, i]
+                space[k, i] = bare[k, i]
     return 0, found, missing, count, singular, unproven
 
 

@@ -190,6 +190,15 @@ SHARP = 1e-12
 # ... and this far from the first (rad), some ten times what such an error leaves open.
 FOLD_APART = 1e-5
 
+# --- Names of postures ---
+# Axes that miss each other by no more than this (of the arm's size), or parallel ones no farther
+# apart in direction (rad), leave shoulder, elbow and wrist their names: angles written with four
+# digits, as 1.571, are off by 2e-4.  What it does to a posture is of that order, too, but near a
+# singular one, where postures that the names do not tell apart are numbered.
+NEARLY_NAMED = 1e-3
+# Two solvers that have polished the same posture agree to this (rad or m), at a fold even.
+SAME_NAMED = 1e-4
+
 # --- Reach ---
 # A point this near (m) is reached: below what the message that names the distance shows, above
 # what the search attains at a point of the boundary, where its convergence is slow.

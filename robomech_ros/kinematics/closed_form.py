@@ -1,10 +1,13 @@
 """All solutions of arms whose family has a closed form."""
 
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse import MAX_SOLUTIONS
-from robomech_ros._kernels.inverse_one import solve_one_pose
+from robomech_ros._kernels.inverse_one import TOTAL, solve_one_pose
 from robomech_ros._kernels.ranking import rank, winding_count
 from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
@@ -17,7 +20,14 @@ from robomech_ros.kinematics.outcome import (
     nothing,
 )
 from robomech_ros.kinematics.request import Request
-from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult, written
+from robomech_ros.kinematics.result import (
+    WHOLE_POSE,
+    Draft,
+    InverseKinematicsResult,
+    branches_in,
+    finished,
+    target_in,
+)
 from robomech_ros.kinematics.status import Status
 from robomech_ros.kinematics.target import as_targets
 from robomech_ros.robots.chain import SerialChain
@@ -30,7 +40,6 @@ Integers = NDArray[np.int64]
 # To look these up takes longer than a solution.
 _SUCCESS = Status.SUCCESS
 _empty = np.empty
-_INTEGER = np.dtype(np.int64)
 
 
 def solve_closed_form(
@@ -52,49 +61,52 @@ def solve_closed_form(
     BadValueError, NonFiniteError
         The entries are not those of a pose.
     """
-    n = chain.n
-    target, ranked = _empty((4, 4)), _empty((MAX_SOLUTIONS, n))
-    distances, names = _empty(MAX_SOLUTIONS), _empty(MAX_SOLUTIONS, _INTEGER)
+    space = _empty(_shape(chain.n))
     fault, bare, missing, count, singular, unproven = solve_one_pose(
-        family.arm,
-        T,
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        target,
-        ranked,
-        distances,
-        names,
+        family.arm, T, request.seed, request.metric, request.respect_limits, space
     )
     if fault:
         as_targets(T)  # raises, and says what it is
     if not count:
-        return _explained(chain, target, ranked[:bare], family, singular > 0, unproven > 0)
+        return _explained(chain, target_in(space), space[:bare], family, singular > 0, unproven > 0)
     reason = ""
     if singular > missing:
-        reason = describe_continuum(chain, ranked[:count], names[:count])
-    if request.include_windings:
-        ranked, names, distances = rank_windings(
-            chain, family.turns, request, ranked[:count], names[:count]
-        )
-        count = len(ranked)
-    if request.max_solutions is not None:
+        reason = describe_continuum(chain, space[:count], branches_in(space, count))
+    if request.max_solutions is not None and not request.include_windings:
         count = min(count, request.max_solutions)
-    return written(
-        chain,
-        target,
-        ranked[:count],
-        distances[:count],
-        family.name,
-        not singular and not unproven and family.exact,
-        _SUCCESS,
-        reason,
-        (),
-        NO_EXCESS,
-        names[:count],
-        WHOLE_POSE,
-        None,
+    result = finished(
+        Draft(
+            chain,
+            space,
+            space[:count],
+            family.name,
+            not singular and not unproven and family.exact,
+            _SUCCESS,
+            reason,
+            (),
+            NO_EXCESS,
+            WHOLE_POSE,
+            None,
+        )
     )
+    return _wound(result, request, family) if request.include_windings else result
+
+
+def _wound(
+    result: InverseKinematicsResult, request: Request, family: Family
+) -> InverseKinematicsResult:
+    """Give the result with every winding of its solutions."""
+    q, names, distances = rank_windings(
+        result.chain, family.turns, request, result.q, result.branch_bits
+    )
+    kept = slice(request.max_solutions)
+    return replace(result, q=q[kept], seed_distance=distances[kept], branch_bits=names[kept])
+
+
+@lru_cache(maxsize=8)
+def _shape(n: int) -> tuple[int, int]:
+    """Give the shape of the space for the solutions of n joints and what is written besides."""
+    return MAX_SOLUTIONS + -(-TOTAL // n), n
 
 
 def _explained(

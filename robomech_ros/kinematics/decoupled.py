@@ -12,6 +12,7 @@ from robomech_ros._kernels.tolerances import (
     CONCURRENT,
     CONCURRENT_EXACT,
     IDEALISED_SLACK,
+    NEARLY_NAMED,
     NEARLY_SPECIAL,
 )
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
@@ -30,12 +31,14 @@ _KINDS = {
 }
 
 
-def match(chain: SerialChain) -> Array | None:
+def match(chain: SerialChain, slack: float = CONCURRENT) -> Array | None:
     """Recognise an arm with a spherical wrist after any three joints.
 
     Parameters
     ----------
     chain : SerialChain
+    slack : float
+        By how much of the arm's size the wrist axes may miss each other.
 
     Returns
     -------
@@ -51,7 +54,7 @@ def match(chain: SerialChain) -> Array | None:
         return None
     height4, height6, apart = centre
     size = _size(C, height4)
-    if apart > CONCURRENT * size:
+    if apart > slack * size:
         return None
     data = np.zeros(at.LENGTH)
     data[at.SIZE] = size
@@ -263,13 +266,14 @@ def _separated(link: Array) -> tuple[list[float], float]:
 def _side(types: NDArray[np.int64], links: Array, data: Array) -> float:
     """Give the sign that makes a posture "right", 0 where shoulder and elbow have no meaning.
 
-    They have one where axis 1 is perpendicular to the parallel axes 2 and 3: "right" is the
-    posture whose plane lies, seen towards the wrist centre, to the right of axis 1.
+    They have one where axis 1 is perpendicular to the parallel axes 2 and 3, as nearly as
+    NEARLY_NAMED: "right" is the posture whose plane lies, seen towards the wrist centre, to the
+    right of axis 1.
     """
     if (types != REVOLUTE).any():
         return 0.0
-    upright = abs(links[0, 2, 2]) < 1e-6
-    parallel = math.hypot(links[1, 0, 2], links[1, 1, 2]) < 1e-6
+    upright = abs(links[0, 2, 2]) < NEARLY_NAMED
+    parallel = math.hypot(links[1, 0, 2], links[1, 1, 2]) < NEARLY_NAMED
     if not (upright and parallel):
         return 0.0
     w = data[at.WRIST : at.WRIST + 3]

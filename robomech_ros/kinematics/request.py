@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels._jit import direct
 from robomech_ros._kernels.ranking import INSIDE, first_outside
 from robomech_ros._kernels.tolerances import (
     ORIENTATION_TOLERANCE,
@@ -33,11 +34,15 @@ __all__ = [
     "as_metric",
     "as_request",
     "as_seed",
+    "as_tolerance",
 ]
 
 Array = NDArray[np.float64]
 
 METRICS = {"linf": 0, "l2": 1}
+
+# For arrays that are known to be float64, contiguous and of one length.
+_first_outside = direct(first_outside)
 
 
 class Request(NamedTuple):
@@ -80,17 +85,22 @@ def as_request(
         usual = _usual(*options)
     except TypeError:  # one cannot be the key of a cache
         usual = _usual.__wrapped__(*options)
-    if task_mask is position_tolerance is orientation_tolerance is timeout is None:
+    if (
+        task_mask is None
+        and position_tolerance is None
+        and orientation_tolerance is None
+        and timeout is None
+    ):
         if seed is None:
             return usual
-        return Request(as_seed(chain, seed, usual.respect_limits), *usual[1:])
+        return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
     return usual._replace(
         seed=as_seed(chain, seed, usual.respect_limits),
         task=_as_task(task_mask),
-        position_tolerance=_as_tolerance(
+        position_tolerance=as_tolerance(
             "position_tolerance", position_tolerance, POSITION_TOLERANCE
         ),
-        orientation_tolerance=_as_tolerance(
+        orientation_tolerance=as_tolerance(
             "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
         ),
         timeout=None if timeout is None else _positive("timeout", timeout),
@@ -138,15 +148,15 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
         raise WrongSizeError("seed", q.shape, f"({chain.n},)")
     if not q.flags.writeable:
         q = q.copy()  # as the kernels want it
-    if first_outside(*_seeds(chain), q, 0.0) == INSIDE:
+    if _first_outside(*_seeds(chain), q, 0.0) == INSIDE:
         return q
-    i = first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
+    i = _first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
     if i != INSIDE:
         if not np.isfinite(q).all():
             raise_not_finite(chain, q, "seed")
         if respect_limits:
             raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
-    i = first_outside(-chain.largest, chain.largest, q, 0.0)
+    i = _first_outside(-chain.largest, chain.largest, q, 0.0)
     if i != INSIDE:
         unit = "m" if chain.types[i] == PRISMATIC else "rad"
         expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
@@ -189,7 +199,7 @@ def _as_task(mask: Sequence[bool] | None) -> Task:
     return (x, y, z, rx, ry, rz) if any(entries) else FULL_TASK
 
 
-def _as_tolerance(what: str, value: float | None, default: float) -> float:
+def as_tolerance(what: str, value: float | None, default: float) -> float:
     """Check a tolerance; None is the default."""
     return default if value is None else _positive(what, value)
 

@@ -15,7 +15,7 @@ __all__ = ["as_target", "as_targets"]
 
 Array = NDArray[np.float64]
 
-_FLOAT = np.dtype(np.float64)
+_ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 _ONE, _MANY = "(4, 4); inverse_kinematics_batch takes many", "(m, 4, 4)"
 
 
@@ -37,7 +37,9 @@ def as_target(T: ArrayLike) -> Array:
     BadValueError, WrongSizeError
         Not real numbers, or another shape.
     """
-    given = T if _is_plain(T) else real_array("T", T)
+    if type(T) is _ARRAY and T.dtype is _FLOAT and T.shape == (4, 4):
+        return T
+    given = real_array("T", T)
     if given.shape != (4, 4):
         raise WrongSizeError("T", given.shape, _ONE)
     return given
@@ -79,7 +81,7 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
 
 def _is_plain(T: ArrayLike) -> TypeGuard[Array]:
     """Tell whether these are poses whose type and shape need no further look."""
-    return type(T) is np.ndarray and T.dtype is _FLOAT
+    return type(T) is _ARRAY and T.dtype is _FLOAT
 
 
 def _raise(poses: Array, what: str) -> None:
