@@ -17,7 +17,7 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
 
-__all__ = ["common_point", "match", "transforms", "wrist_constants"]
+__all__ = ["common_point", "match", "nearest_points", "transforms", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -31,14 +31,12 @@ _KINDS = {
 }
 
 
-def match(chain: SerialChain, slack: float = CONCURRENT) -> Array | None:
+def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with a spherical wrist after any three joints.
 
     Parameters
     ----------
     chain : SerialChain
-    slack : float
-        By how much of the arm's size the wrist axes may miss each other.
 
     Returns
     -------
@@ -54,7 +52,7 @@ def match(chain: SerialChain, slack: float = CONCURRENT) -> Array | None:
         return None
     height4, height6, apart = centre
     size = _size(C, height4)
-    if apart > slack * size:
+    if apart > CONCURRENT * size:
         return None
     data = np.zeros(at.LENGTH)
     data[at.SIZE] = size
@@ -110,8 +108,8 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
     link, following : ndarray, shape (4, 4)
         Constant transforms between the first two and the last two of the axes (m).
     """
-    first = _nearest_points(link)
-    last = _nearest_points(following)
+    first = nearest_points(link)
+    last = nearest_points(following)
     if first is None or last is None:
         return None
     height4, height5, gap = first
@@ -119,8 +117,11 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
     return height4, height6, max(gap, gap_again, abs(height5 - height5_again))
 
 
-def _nearest_points(link: Array) -> tuple[float, float, float] | None:
-    """Heights, on the z axes before and after a link, of their nearest points; their distance."""
+def nearest_points(link: Array) -> tuple[float, float, float] | None:
+    """Give the heights of nearest points on the z axes before and after a link; their distance.
+
+    None where the axes are parallel.
+    """
     u, d = link[:3, 2], link[:3, 3]
     sine2 = u[0] ** 2 + u[1] ** 2
     if sine2 < ARM_RANK**2:
@@ -279,4 +280,4 @@ def _side(types: NDArray[np.int64], links: Array, data: Array) -> float:
     w = data[at.WRIST : at.WRIST + 3]
     height = links[1, 2, 3] + float(links[1, 2, :3] @ w)
     offset = height + float(links[0, :3, 2] @ links[0, :3, 3])
-    return -1.0 if offset < -1e-6 else 1.0
+    return -1.0 if offset < -NEARLY_NAMED else 1.0

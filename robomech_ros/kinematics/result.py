@@ -148,7 +148,7 @@ class InverseKinematicsResult:
             return ("",) * len(self.q)
         bits = self.branch_bits
         if self.family in _MAY_BE_NAMED and (bits & _NUMBERED).any():
-            bits = named_branches(self.chain, self.target, self.q, bits)
+            bits = named_branches(self.chain, self.q, bits)
         names = tuple(branch_name(branch) for branch in bits.tolist())
         return names if self.family == "redundant" else distinct(self.chain, self.q, names)
 

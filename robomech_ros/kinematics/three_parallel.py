@@ -57,18 +57,12 @@ class _Arm:
         return self.axes[1:4]
 
 
-def match(
-    chain: SerialChain, angle: float = PARALLEL_ANGLE, meeting: float = PARALLEL_MEETING
-) -> Array | None:
+def match(chain: SerialChain) -> Array | None:
     """Recognise an arm with three parallel axes next to each other.
 
     Parameters
     ----------
     chain : SerialChain
-    angle : float
-        Largest sine between axes that count as parallel.
-    meeting : float
-        Largest distance, of the arm's size, of axes 5 and 6 that count as meeting.
 
     Returns
     -------
@@ -91,8 +85,8 @@ def match(
             _Line(sense * lines[j].direction, lines[j].point, lines[j].slides) for j in joints
         )
         arm = _Arm(order, from_tip, axes, tuple(joints), home, size)
-        if _are_parallel(arm, angle) and moves_in_all_directions(chain, size):
-            return _constants(chain, arm, angle, meeting)
+        if _are_parallel(arm) and moves_in_all_directions(chain, size):
+            return _constants(chain, arm)
     return None
 
 
@@ -115,10 +109,10 @@ def _size(lines: list[_Line], home: Array) -> float:
     return max(sum(float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(points)), 1e-3)
 
 
-def _are_parallel(arm: _Arm, angle: float) -> bool:
+def _are_parallel(arm: _Arm) -> bool:
     """Tell whether the three axes are parallel and apart, and their neighbours are not so, too."""
     w = arm.triple[0].direction
-    if any(line.slides or _sine(w, line.direction) > angle for line in arm.triple):
+    if any(line.slides or _sine(w, line.direction) > PARALLEL_ANGLE for line in arm.triple):
         return False
     neighbours = [arm.axes[0]] if arm.order == at.AXIS_BETWEEN else [arm.axes[0], arm.axes[4]]
     if any(not n.slides and _sine(w, n.direction) < PARALLEL_DISTANCE for n in neighbours):
@@ -153,14 +147,14 @@ def _inverse(pose: Array) -> Array:
     return result
 
 
-def _last_frames(arm: _Arm, angle: float, meeting: float) -> tuple[int, float, Array, Array]:
+def _last_frames(arm: _Arm) -> tuple[int, float, Array, Array]:
     """Frames 5 and 6 at the feet of the common normal; how the axes stand, and their distance."""
     w5, w6 = arm.axes[4].direction, arm.axes[5].direction
     p5, p6 = arm.axes[4].point, arm.axes[5].point
     between = p6 - p5
     cross = np.cross(w5, w6)
     sine = float(np.linalg.norm(cross))
-    if sine < angle:
+    if sine < PARALLEL_ANGLE:
         apart = between - (between @ w5) * w5
         # Axes on one line have no normal; any direction will do.
         normal = _frame(w5, apart, p5)[:3, 0]
@@ -169,19 +163,19 @@ def _last_frames(arm: _Arm, angle: float, meeting: float) -> tuple[int, float, A
         normal = cross / sine
         foot5 = p5 + (np.cross(between, w6) @ cross) / sine**2 * w5
         foot6 = p6 + (np.cross(between, w5) @ cross) / sine**2 * w6
-        meets = abs(float(between @ normal)) < meeting * arm.size
+        meets = abs(float(between @ normal)) < PARALLEL_MEETING * arm.size
         kind = at.INTERSECTING if meets else at.SKEW
     offset = 0.0 if kind == at.INTERSECTING else float(normal @ (foot6 - foot5))
     return kind, offset, _frame(w5, np.cross(normal, w5), foot5), _frame(w6, normal, foot6)
 
 
-def _constants(chain: SerialChain, arm: _Arm, angle: float, meeting: float) -> Array:
+def _constants(chain: SerialChain, arm: _Arm) -> Array:
     """Lay out the constants as the kernel reads them."""
     a = arm.axes[0]
     triple = arm.triple
     before = arm.order == at.AXIS_BEFORE
     z = triple[0].direction
-    kind, offset, frame5, frame6 = _last_frames(arm, angle, meeting)
+    kind, offset, frame5, frame6 = _last_frames(arm)
     base = _frame(z, triple[1].point - triple[0].point, triple[0].point)
     frame_a = _frame(a.direction, z, a.point)
 

@@ -57,19 +57,22 @@ ARMS = [("puma560", 4), ("puma560", 3), ("irb120", 4), ("ur5e", 4), ("ur10e", 3)
 def test_postures_of_rounded_arms_have_the_names_of_the_exact_ones(name, digits):
     arm, exact = rounded(name, digits)
     rng = np.random.default_rng(4)
-    same = 0
+    numbered = 0
     for q in rng.uniform(-np.pi, np.pi, (60, 6)):
         ours = inverse_kinematics(arm, forward_kinematics(arm, q))
         theirs = inverse_kinematics(exact, forward_kinematics(exact, q))
         k, away = nearest(ours, q)
+        name = theirs.branches[nearest(theirs, q)[0]]
         assert away < 1e-6
+        assert ours.branches[k].startswith(name)
         assert len(set(ours.branches)) == len(ours)
-        if len(ours) == len(theirs) and not any("number" in one for one in ours.branches):
+        if any("number" in name for name in ours.branches):
+            numbered += 1
+        elif len(ours) == len(theirs):
             assert set(ours.branches) == set(theirs.branches)
-        same += ours.branches[k] == theirs.branches[nearest(theirs, q)[0]]
     assert ours.family in ("general-6r", "three-parallel")
-    # The others are beside a singular posture.
-    assert same >= 57
+    # Those beside a singular posture.
+    assert numbered <= 2
 
 
 def test_an_arm_with_a_tilted_axis_is_solved_as_a_general_one_and_named():
