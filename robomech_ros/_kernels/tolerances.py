@@ -191,12 +191,11 @@ SHARP = 1e-12
 FOLD_APART = 1e-5
 
 # --- Names of postures ---
-# Axes that miss each other by no more than this (of the arm's size), or parallel ones no farther
-# apart in direction (rad), leave shoulder, elbow and wrist their names: angles written with four
-# digits, as 1.571, are off by 2e-4.  What it does to a posture is of that order, too, but near a
-# singular one, where postures that the names do not tell apart are numbered.
+# Axes that miss each other by no more than this (of the arm's size), or are no farther from being
+# parallel (a sine), leave shoulder, elbow and wrist their names: angles written with four digits,
+# as 1.571, are off by 2e-4.
 NEARLY_NAMED = 1e-3
-# Two solvers that have polished the same posture agree to this (rad or m), at a fold even.
+# A posture is found again (rad) from its own pose to this, though it be a double root.
 SAME_NAMED = 1e-4
 
 # --- Reach ---
