@@ -36,6 +36,7 @@ __all__ = [
     "b1",
     "borrowed",
     "cache_directory",
+    "direct",
     "f8",
     "i8",
     "inline",
@@ -228,6 +229,30 @@ def linked(function: Any) -> Any:
         return wanted.return_type(types.StarArgTuple.from_types(args)), generate
 
     return call
+
+
+def direct(function: Any) -> Any:
+    """Give the entry of a kernel that Python calls without a look at the types of the arguments.
+
+    Numba looks at each to choose among the versions compiled, of which a kernel has one; for ten
+    arguments that takes as long as half the solutions of an arm.  Arrays must be of the type and
+    number of axes that the signature says, and contiguous where it says so: nothing tells
+    otherwise.
+
+    Parameters
+    ----------
+    function : kernel
+        What :func:`kernel` has made.
+
+    Returns
+    -------
+    callable
+        Takes positional arguments only.
+    """
+    if not hasattr(function, "overloads"):
+        return function
+    (compiled,) = function.overloads.values()
+    return compiled.entry_point
 
 
 def _scratch(dtype: Any, plain: Any) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 from robomech_ros._kernels._jit import OUT3, f8, i8, inline, kernel
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH, ORTHOGONAL
 
-__all__ = ["IMPROPER", "NOT_FINITE", "NOT_RIGID", "TOO_FAR", "clean_poses"]
+__all__ = ["IMPROPER", "NOT_FINITE", "NOT_RIGID", "TOO_FAR", "clean_pose", "clean_poses"]
 
 NOT_FINITE = 1
 NOT_RIGID = 2
@@ -46,8 +46,11 @@ def _orthogonalise(T, G):
 
 
 @inline
-def _clean(T, G, tolerance):
-    """Check one pose and make its rotation orthogonal; return what is wrong with it."""
+def clean_pose(T, G, tolerance):
+    """Check one pose and make its rotation orthogonal; return what is wrong with it.
+
+    G (3, 3) is room to work in.
+    """
     for i in range(4):
         for j in range(4):
             if not math.isfinite(T[i, j]):
@@ -79,7 +82,7 @@ def clean_poses(T, tolerance):
     """
     G = np.empty((3, 3))
     for k in range(T.shape[0]):
-        fault = _clean(T[k], G, tolerance)
+        fault = clean_pose(T[k], G, tolerance)
         if fault != 0:
             return fault
     return 0

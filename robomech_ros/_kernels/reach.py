@@ -89,13 +89,15 @@ def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
     return value
 
 
-@kernel(f8(IN2, IN1, IN1, IN1, i8, i8, OUT1))
-def least_distance(packed, point, weights, strides, starts, iterations, best):
+@kernel(f8(IN2, IN1, IN1, IN1, i8, i8, i8, f8, OUT1))
+def least_distance(packed, point, weights, strides, first, starts, iterations, least, best):
     """Search the least distance (m) of the tip from ``point`` (3,), limits ignored.
 
     ``weights`` (3,) is 1 for the components, along the axes of the base, that count, else 0.
-    ``strides`` (n,) advance the starts, in turns or in metres; ``best`` (n,) receives the joint
-    values.  The search ends at once where the point is reached.
+    ``strides`` (n,) advance the starts, in turns or in metres; ``starts`` of them are tried, from
+    number ``first`` on.  ``best`` (n,) receives the joint values where they are nearer than
+    ``least`` (m), which an earlier search has found, or infinite.  The search ends at once where
+    the point is reached.
     """
     n = packed.shape[0] - 1
     q = np.empty(n)
@@ -106,8 +108,10 @@ def least_distance(packed, point, weights, strides, starts, iterations, best):
     H = np.empty((n, n))
     A = np.empty((n, n))
     current = np.empty((4, 4))
-    least = math.inf
-    for number in range(starts):
+    least = 0.5 * least * least
+    for number in range(first, first + starts):
+        if least < 0.5 * REACHED * REACHED:
+            break
         for i in range(n):
             part = (number + 1) * strides[i]
             part -= math.floor(part) + 0.5
@@ -117,6 +121,4 @@ def least_distance(packed, point, weights, strides, starts, iterations, best):
             least = value
             for i in range(n):
                 best[i] = q[i]
-            if value < 0.5 * REACHED * REACHED:
-                break
     return math.sqrt(2.0 * least)

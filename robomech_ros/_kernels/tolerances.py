@@ -200,6 +200,14 @@ SHARP = 1e-12
 # ... and this far from the first (rad), some ten times what such an error leaves open.
 FOLD_APART = 1e-5
 
+# --- Names of postures ---
+# Axes that miss each other by no more than this (of the arm's size), or are no farther from being
+# parallel (a sine), leave shoulder, elbow and wrist their names: angles written with four digits,
+# as 1.571, are off by 2e-4.
+NEARLY_NAMED = 1e-3
+# A posture is found again (rad) from its own pose to this, though it be a double root.
+SAME_NAMED = 1e-4
+
 # --- Reach ---
 # A point this near (m) is reached: below what the message that names the distance shows, above
 # what the search attains at a point of the boundary, where its convergence is slow.

@@ -1,9 +1,13 @@
 """All solutions of arms whose family has a closed form."""
 
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NAMES, solve
+from robomech_ros._kernels.inverse import MAX_SOLUTIONS
+from robomech_ros._kernels.inverse_one import TOTAL, solve_one_pose
 from robomech_ros._kernels.ranking import rank, winding_count
 from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
@@ -16,8 +20,16 @@ from robomech_ros.kinematics.outcome import (
     nothing,
 )
 from robomech_ros.kinematics.request import Request
-from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.result import (
+    WHOLE_POSE,
+    Draft,
+    InverseKinematicsResult,
+    branches_in,
+    finished,
+    target_in,
+)
 from robomech_ros.kinematics.status import Status
+from robomech_ros.kinematics.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["rank_windings", "solve_closed_form"]
@@ -25,60 +37,89 @@ __all__ = ["rank_windings", "solve_closed_form"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_SUCCESS = Status.SUCCESS  # to look it up takes longer than a solution
+# To look these up takes longer than a solution.
+_SUCCESS = Status.SUCCESS
+_empty = np.empty
 
 
 def solve_closed_form(
     chain: SerialChain, T: Array, request: Request, family: Family
 ) -> InverseKinematicsResult:
-    """Find all solutions of the pose T (4, 4), ranked, or explain why there is none."""
-    q, rows = np.empty((MAX_SOLUTIONS, chain.n)), np.empty((1, MAX_SOLUTIONS, chain.n))
-    marks, counts = np.empty((MARKS, MAX_SOLUTIONS), np.int64), np.empty(1, np.int64)
-    distances = np.empty(MAX_SOLUTIONS)
-    bare, missing, count, singular, unproven = solve(
-        family.arm,
-        T[None],
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        q,
-        rows,
-        distances,
-        marks,
-        counts,
+    """Find all solutions of a pose, ranked, or explain why there is none.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        Pose (m) as :func:`as_target` gives it; its entries are checked here.
+    request : Request
+    family : Family
+        One that lists all solutions.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        The entries are not those of a pose.
+    """
+    space = _empty(_shape(chain.n))
+    fault, bare, missing, count, singular, unproven = solve_one_pose(
+        family.arm, T, request.seed, request.metric, request.respect_limits, space
     )
+    if fault:
+        as_targets(T)  # raises, and says what it is
     if not count:
-        if not bare and unproven:
-            reason = "the pose is degenerate: no posture was found, which proves nothing"
-            return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
-        if not bare:
-            return explain_nothing(chain, T, family)
-        proven = not unproven and family.exact
-        return explain_limits(chain, T, q[:bare], family, continuum=singular > 0, proven=proven)
-    ranked, names = rows[0], marks[NAMES]
+        return _explained(chain, target_in(space), space[:bare], family, singular > 0, unproven > 0)
     reason = ""
     if singular > missing:
-        reason = describe_continuum(chain, ranked[:count], names[:count])
-    if request.include_windings:
-        ranked, names, distances = rank_windings(
-            chain, family.turns, request, ranked[:count], names[:count]
+        reason = describe_continuum(chain, space[:count], branches_in(space, count))
+    if request.max_solutions is not None and not request.include_windings:
+        count = min(count, request.max_solutions)
+    result = finished(
+        Draft(
+            chain,
+            space,
+            space[:count],
+            family.name,
+            not singular and not unproven and family.exact,
+            _SUCCESS,
+            reason,
+            (),
+            NO_EXCESS,
+            WHOLE_POSE,
+            None,
         )
-        count = len(ranked)
-    kept = count if request.max_solutions is None else min(count, request.max_solutions)
-    return InverseKinematicsResult(
-        chain=chain,
-        target=T,
-        q=ranked[:kept],
-        seed_distance=distances[:kept],
-        family=family.name,
-        complete=not singular and not unproven and family.exact,
-        status=_SUCCESS,
-        reason=reason,
-        blocking_joints=(),
-        blocking_excess=NO_EXCESS,
-        branch_bits=names[:kept],
-        task=WHOLE_POSE,
     )
+    return _wound(result, request, family) if request.include_windings else result
+
+
+def _wound(
+    result: InverseKinematicsResult, request: Request, family: Family
+) -> InverseKinematicsResult:
+    """Give the result with every winding of its solutions."""
+    q, names, distances = rank_windings(
+        result.chain, family.turns, request, result.q, result.branch_bits
+    )
+    kept = slice(request.max_solutions)
+    return replace(result, q=q[kept], seed_distance=distances[kept], branch_bits=names[kept])
+
+
+@lru_cache(maxsize=8)
+def _shape(n: int) -> tuple[int, int]:
+    """Give the shape of the space for the solutions of n joints and what is written besides."""
+    return MAX_SOLUTIONS + -(-TOTAL // n), n
+
+
+def _explained(
+    chain: SerialChain, T: Array, q: Array, family: Family, singular: bool, unproven: bool
+) -> InverseKinematicsResult:
+    """Say why there is no solution inside the limits; q (k, n) are those without limits."""
+    if len(q):
+        proven = not unproven and family.exact
+        return explain_limits(chain, T, q, family, continuum=singular, proven=proven)
+    if unproven:
+        reason = "the pose is degenerate: no posture was found, which proves nothing"
+        return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
+    return explain_nothing(chain, T, family)
 
 
 def rank_windings(

@@ -12,12 +12,13 @@ from robomech_ros._kernels.tolerances import (
     CONCURRENT,
     CONCURRENT_EXACT,
     IDEALISED_SLACK,
+    NEARLY_NAMED,
     NEARLY_SPECIAL,
 )
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["common_point", "match", "wrist_constants"]
+__all__ = ["common_point", "match", "nearest_points", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -92,8 +93,8 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
     link, following : ndarray, shape (4, 4)
         Constant transforms between the first two and the last two of the axes (m).
     """
-    first = _nearest_points(link)
-    last = _nearest_points(following)
+    first = nearest_points(link)
+    last = nearest_points(following)
     if first is None or last is None:
         return None
     height4, height5, gap = first
@@ -101,8 +102,11 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
     return height4, height6, max(gap, gap_again, abs(height5 - height5_again))
 
 
-def _nearest_points(link: Array) -> tuple[float, float, float] | None:
-    """Heights, on the z axes before and after a link, of their nearest points; their distance."""
+def nearest_points(link: Array) -> tuple[float, float, float] | None:
+    """Give the heights of nearest points on the z axes before and after a link; their distance.
+
+    None where the axes are parallel.
+    """
     u, d = link[:3, 2], link[:3, 3]
     sine2 = u[0] ** 2 + u[1] ** 2
     if sine2 < ARM_RANK**2:
@@ -248,16 +252,17 @@ def _separated(link: Array) -> tuple[list[float], float]:
 def _side(types: NDArray[np.int64], links: Array, data: Array) -> float:
     """Give the sign that makes a posture "right", 0 where shoulder and elbow have no meaning.
 
-    They have one where axis 1 is perpendicular to the parallel axes 2 and 3: "right" is the
-    posture whose plane lies, seen towards the wrist centre, to the right of axis 1.
+    They have one where axis 1 is perpendicular to the parallel axes 2 and 3, as nearly as
+    NEARLY_NAMED: "right" is the posture whose plane lies, seen towards the wrist centre, to the
+    right of axis 1.
     """
     if (types != REVOLUTE).any():
         return 0.0
-    upright = abs(links[0, 2, 2]) < 1e-6
-    parallel = math.hypot(links[1, 0, 2], links[1, 1, 2]) < 1e-6
+    upright = abs(links[0, 2, 2]) < NEARLY_NAMED
+    parallel = math.hypot(links[1, 0, 2], links[1, 1, 2]) < NEARLY_NAMED
     if not (upright and parallel):
         return 0.0
     w = data[at.WRIST : at.WRIST + 3]
     height = links[1, 2, 3] + float(links[1, 2, :3] @ w)
     offset = height + float(links[0, :3, 2] @ links[0, :3, 3])
-    return -1.0 if offset < -1e-6 else 1.0
+    return -1.0 if offset < -NEARLY_NAMED else 1.0

@@ -61,6 +61,11 @@ class Family:
         """Whether the family finds all solutions, of a redundant arm in all samples."""
         return self.number != ITERATIVE
 
+    @cached_property
+    def lists_all(self) -> bool:
+        """Whether the family finds all solutions of a pose at once, which are finitely many."""
+        return self.closed_form and not self.redundant
+
     @property
     def redundant(self) -> bool:
         """Whether solutions are samples of a self-motion."""

@@ -7,11 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, solve
-from robomech_ros._kernels.tolerances import (
-    MOST_SAMPLED,
-    ORIENTATION_TOLERANCE,
-    POSITION_TOLERANCE,
-)
+from robomech_ros._kernels.tolerances import MOST_SAMPLED
 from robomech_ros.kinematics.closed_form import solve_closed_form
 from robomech_ros.kinematics.families import Family, family_of, iterative_family
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
@@ -22,21 +18,21 @@ from robomech_ros.kinematics.request import (
     as_cap,
     as_flag,
     as_metric,
+    as_request,
     as_seed,
-    as_task,
-    as_timeout,
-    as_tolerance,
 )
 from robomech_ros.kinematics.result import InverseKinematicsResult
 from robomech_ros.kinematics.sampled import sample_many, solve_sampled
 from robomech_ros.kinematics.search import solve_by_search
 from robomech_ros.kinematics.status import Status
-from robomech_ros.kinematics.target import as_targets
+from robomech_ros.kinematics.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["inverse_kinematics", "inverse_kinematics_batch"]
 
 Array = NDArray[np.float64]
+
+_SUCCESS = Status.SUCCESS  # to look it up takes longer than an argument is checked
 
 
 def inverse_kinematics(
@@ -106,42 +102,42 @@ def inverse_kinematics(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.
     """
-    target = as_targets(T)[0]
-    respect_limits = as_flag("respect_limits", respect_limits)
-    request = Request(
-        seed=as_seed(chain, seed, respect_limits),
-        respect_limits=respect_limits,
-        include_windings=as_flag("include_windings", include_windings),
-        metric=as_metric(metric),
-        max_solutions=as_cap(max_solutions),
-        task=as_task(task_mask),
-        position_tolerance=as_tolerance(
-            "position_tolerance", position_tolerance, POSITION_TOLERANCE
-        ),
-        orientation_tolerance=as_tolerance(
-            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
-        ),
-        timeout=as_timeout(timeout),
+    given = as_target(T)
+    request = as_request(
+        chain,
+        seed,
+        respect_limits,
+        include_windings,
+        metric,
+        max_solutions,
+        task_mask,
+        position_tolerance,
+        orientation_tolerance,
+        timeout,
     )
     started = time.monotonic()
-    return with_nearest(chain, target, request, _solved(chain, target, request, started), started)
-
-
-def _solved(
-    chain: SerialChain, T: Array, request: Request, started: float
-) -> InverseKinematicsResult:
-    """Choose the way to solve a checked request."""
     family = family_of(chain)
-    if not family.closed_form or request.task != FULL_TASK:
-        return solve_by_search(chain, T, request)
-    if family.redundant:
+    if family.lists_all and request.task == FULL_TASK:
+        result = solve_closed_form(chain, given, request, family)
+        if result.status is _SUCCESS:
+            return result
+        if request.is_loose or result.status is Status.NOT_CONVERGED:
+            near = solve_by_search(chain, result.target, request, started)
+            result = near if len(near) else result
+    else:
+        result = _sampled_or_searched(chain, as_targets(given)[0], request, family, started)
+    return with_nearest(chain, result.target, request, result, started)
+
+
+def _sampled_or_searched(
+    chain: SerialChain, T: Array, request: Request, family: Family, started: float
+) -> InverseKinematicsResult:
+    """Solve a request of which the solutions are a continuum, or cannot be listed."""
+    if family.redundant and request.task == FULL_TASK:
         sampled = solve_sampled(chain, T, request, family)
-        return sampled or solve_by_search(chain, T, request, started)
-    result = solve_closed_form(chain, T, request, family)
-    if len(result) or not (request.is_loose or result.status is Status.NOT_CONVERGED):
-        return result
-    near = solve_by_search(chain, T, request, started)
-    return near if len(near) else result
+        if sampled is not None:
+            return sampled
+    return solve_by_search(chain, T, request, started)
 
 
 def inverse_kinematics_batch(

@@ -31,6 +31,7 @@ from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
 __all__ = [
     "IterativeSearch",
+    "attempts_between_looks",
     "iterative_data",
     "iterative_search",
     "least_orientation_error",
@@ -43,8 +44,10 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MAX_SOLUTIONS = 16
-# Attempts between two looks at the clock: some 2 ms for ten joints.
+# Attempts between two looks at the clock: at most so many, some 0.5 ms for ten joints, and of more
+# than 25 joints so many over their square, since the work of an attempt grows like its cube.
 _CHUNK = 8
+_CHUNK_OF_MANY = 5000
 # The work of a step grows with the cube of the joints: of more, no time limit could be kept.
 _MOST_JOINTS = 100
 FULL_TASK = (True, True, True, True, True, True)
@@ -278,7 +281,7 @@ def iterative_search(
     state = np.zeros(at.BEST_Q + n + MAX_SOLUTIONS)
     state[at.BEST_SCORE] = np.inf
     deadline = None if timeout is None else time.monotonic() + timeout
-    chunk = restarts if deadline is None else _CHUNK
+    chunk = restarts if deadline is None else attempts_between_looks(n)
     found = 0
     done = 0
     timed_out = False
@@ -301,7 +304,14 @@ def iterative_search(
     )
 
 
-def least_orientation_error(data: Array, T: Array, start: Array) -> float:
+def attempts_between_looks(n: int) -> int:
+    """Give how many attempts at a chain of n joints are made between two looks at the clock."""
+    return max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
+
+
+def least_orientation_error(
+    data: Array, T: Array, start: Array, deadline: float = math.inf
+) -> float:
     """Minimise the orientation error over the postures that put the tip at T's position.
 
     Parameters
@@ -312,17 +322,22 @@ def least_orientation_error(data: Array, T: Array, start: Array) -> float:
         The target from there (m); its position must be in reach.
     start : ndarray, shape (n,)
         A posture that reaches the position.
+    deadline : float
+        When to give up, by ``time.monotonic`` (s).
 
     Returns
     -------
     float
-        The angle (rad), of the components that the task counts.
+        The angle (rad), of the components that the task counts; NaN where the time ran out.
     """
     data = data.copy()
     data[at.UNIT] *= REACH_POSITION_WEIGHT
     data[at.POSITION_TOLERANCE] = data[at.ORIENTATION_TOLERANCE] = 1e-7
     data[at.ITERATIONS], data[at.RESTARTS] = REACH_ATTEMPT_ITERATIONS, REACH_ATTEMPTS
     data[at.STALL] = 1.0 - 1e-7
-    rough = iterative_search(data, T, start)
+    left = None if deadline == math.inf else deadline - time.monotonic()
+    rough = iterative_search(data, T, start, timeout=left)
+    if rough.timed_out:
+        return math.nan
     data[at.ITERATIONS], data[at.RESTARTS] = REACH_LAST_ITERATIONS, 1
     return iterative_search(data, T, rough.best).orientation_error

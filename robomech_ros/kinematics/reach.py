@@ -1,6 +1,7 @@
 """Why a pose cannot be had: how far its position is out of reach, or its orientation."""
 
 import math
+import time
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from robomech_ros.kinematics.iterative import (
 )
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["ReachGap", "out_of_reach", "reach_gap"]
+__all__ = ["NO_TIME", "ReachGap", "out_of_reach", "reach_gap"]
 
 Array = NDArray[np.float64]
 
@@ -30,17 +31,25 @@ class ReachGap(NamedTuple):
     ----------
     distance : float
         Least distance (m) of the tip from the target position in any orientation, 0 where the
-        position is reached or the task asks for none.
+        position is reached or the task asks for none, NaN where the time ran out.
     orientation_error : float
         Least angle (rad) to the target orientation among the postures that reach the position;
-        NaN where none does, 0 where the task asks for no orientation.
+        NaN where none does or the time ran out, 0 where the task asks for no orientation.
     """
 
     distance: float
     orientation_error: float
 
 
-def reach_gap(chain: SerialChain, T: Array, task: Task = FULL_TASK) -> ReachGap:
+# What is known where the time has run out.
+NO_TIME = ReachGap(math.nan, math.nan)
+# Starts of the search for the least distance between two looks at the clock, times joints.
+_CHUNK = 64
+
+
+def reach_gap(
+    chain: SerialChain, T: Array, task: Task = FULL_TASK, deadline: float = math.inf
+) -> ReachGap:
     """Find how far the target position is out of reach, else the least orientation error there.
 
     Parameters
@@ -51,6 +60,8 @@ def reach_gap(chain: SerialChain, T: Array, task: Task = FULL_TASK) -> ReachGap:
         Target pose of the tip in the base (m).
     task : tuple of six bool
         Which of x, y, z, rx, ry, rz, along and about the axes of the target, count.
+    deadline : float
+        When to give up, by ``time.monotonic`` (s).
 
     Returns
     -------
@@ -59,12 +70,13 @@ def reach_gap(chain: SerialChain, T: Array, task: Task = FULL_TASK) -> ReachGap:
         attained at the position to about 1e-6 of the arm's length.
     """
     data, target = task_data(chain, T, task=task, respect_limits=False, wanted=1)
-    distance, best = _nearest_posture(packed_chain(data), target, task)
-    if distance > 0.0 or not chain.n:
+    distance, best = _nearest_posture(packed_chain(data), target, task, deadline)
+    if distance != 0.0 or not chain.n:
         return ReachGap(distance, math.nan)
     if not any(task[3:]):
         return ReachGap(0.0, 0.0)
-    return ReachGap(0.0, least_orientation_error(data, target, best))
+    angle = least_orientation_error(data, target, best, deadline)
+    return NO_TIME if math.isnan(angle) else ReachGap(0.0, angle)
 
 
 def out_of_reach(chain: SerialChain, T: Array) -> float:
@@ -72,8 +84,13 @@ def out_of_reach(chain: SerialChain, T: Array) -> float:
     return _nearest_posture(chain.packed, T, FULL_TASK)[0]
 
 
-def _nearest_posture(packed: Array, T: Array, task: Task) -> tuple[float, Array]:
-    """Find the least distance (m) of the tip from T's position, 0 for rounding, and its posture."""
+def _nearest_posture(
+    packed: Array, T: Array, task: Task, deadline: float = math.inf
+) -> tuple[float, Array]:
+    """Find the least distance (m) of the tip from T's position, and its posture.
+
+    It is 0 for rounding, and NaN where the time ran out.
+    """
     n = len(packed) - 1
     best = np.zeros(n)
     weights = np.array(task[:3], dtype=float)
@@ -83,5 +100,15 @@ def _nearest_posture(packed: Array, T: Array, task: Task) -> tuple[float, Array]
         return 0.0, best
     point = np.ascontiguousarray(T[:3, 3])
     strides = low_discrepancy_strides(n)
-    distance = least_distance(packed, point, weights, strides, REACH_STARTS, REACH_ITERATIONS, best)
-    return (distance if distance > REACHED else 0.0), best
+    count = REACH_STARTS if deadline == math.inf else max(1, _CHUNK // n)
+    distance = math.inf
+    for first in range(0, REACH_STARTS, count):
+        if first and time.monotonic() >= deadline:
+            return math.nan, best
+        starts = min(count, REACH_STARTS - first)
+        distance = least_distance(
+            packed, point, weights, strides, first, starts, REACH_ITERATIONS, distance, best
+        )
+        if distance <= REACHED:
+            return 0.0, best
+    return distance, best

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels._jit import direct
 from robomech_ros._kernels.ranking import INSIDE, first_outside
 from robomech_ros._kernels.tolerances import (
     ORIENTATION_TOLERANCE,
@@ -28,17 +29,20 @@ from robomech_ros.spatial.arrays import listed, real_number
 __all__ = [
     "METRICS",
     "Request",
+    "as_cap",
     "as_flag",
     "as_metric",
+    "as_request",
     "as_seed",
-    "as_task",
-    "as_timeout",
     "as_tolerance",
 ]
 
 Array = NDArray[np.float64]
 
 METRICS = {"linf": 0, "l2": 1}
+
+# For arrays that are known to be float64, contiguous and of one length.
+_first_outside = direct(first_outside)
 
 
 class Request(NamedTuple):
@@ -63,6 +67,69 @@ class Request(NamedTuple):
         )
 
 
+def as_request(
+    chain: SerialChain,
+    seed: ArrayLike | None,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+    task_mask: Sequence[bool] | None,
+    position_tolerance: float | None,
+    orientation_tolerance: float | None,
+    timeout: float | None,
+) -> Request:
+    """Check what is asked of a chain; the parameters are those of :func:`inverse_kinematics`."""
+    options = (chain, respect_limits, include_windings, metric, max_solutions)
+    try:
+        usual = _usual(*options)
+    except TypeError:  # one cannot be the key of a cache
+        usual = _usual.__wrapped__(*options)
+    if (
+        task_mask is None
+        and position_tolerance is None
+        and orientation_tolerance is None
+        and timeout is None
+    ):
+        if seed is None:
+            return usual
+        return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
+    return usual._replace(
+        seed=as_seed(chain, seed, usual.respect_limits),
+        task=_as_task(task_mask),
+        position_tolerance=as_tolerance(
+            "position_tolerance", position_tolerance, POSITION_TOLERANCE
+        ),
+        orientation_tolerance=as_tolerance(
+            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
+        ),
+        timeout=None if timeout is None else _positive("timeout", timeout),
+    )
+
+
+@lru_cache(maxsize=256, typed=True)
+def _usual(
+    chain: SerialChain,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+) -> Request:
+    """Check a request for the full pose from mid-range, with the default tolerances."""
+    respect_limits = as_flag("respect_limits", respect_limits)
+    return Request(
+        seed=as_seed(chain, None, respect_limits),
+        respect_limits=respect_limits,
+        include_windings=as_flag("include_windings", include_windings),
+        metric=as_metric(metric),
+        max_solutions=as_cap(max_solutions),
+        task=FULL_TASK,
+        position_tolerance=POSITION_TOLERANCE,
+        orientation_tolerance=ORIENTATION_TOLERANCE,
+        timeout=None,
+    )
+
+
 def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) -> Array:
     """Check a seed, shape (n,); None is mid-range.
 
@@ -81,15 +148,15 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
         raise WrongSizeError("seed", q.shape, f"({chain.n},)")
     if not q.flags.writeable:
         q = q.copy()  # as the kernels want it
-    if first_outside(*_seeds(chain), q, 0.0) == INSIDE:
+    if _first_outside(*_seeds(chain), q, 0.0) == INSIDE:
         return q
-    i = first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
+    i = _first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
     if i != INSIDE:
         if not np.isfinite(q).all():
             raise_not_finite(chain, q, "seed")
         if respect_limits:
             raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
-    i = first_outside(-chain.largest, chain.largest, q, 0.0)
+    i = _first_outside(-chain.largest, chain.largest, q, 0.0)
     if i != INSIDE:
         unit = "m" if chain.types[i] == PRISMATIC else "rad"
         expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
@@ -121,7 +188,7 @@ def as_metric(metric: str) -> int:
     return number
 
 
-def as_task(mask: Sequence[bool] | None) -> Task:
+def _as_task(mask: Sequence[bool] | None) -> Task:
     """Check a task mask; None and all False are the full pose."""
     if mask is None:
         return FULL_TASK
@@ -135,11 +202,6 @@ def as_task(mask: Sequence[bool] | None) -> Task:
 def as_tolerance(what: str, value: float | None, default: float) -> float:
     """Check a tolerance; None is the default."""
     return default if value is None else _positive(what, value)
-
-
-def as_timeout(timeout: float | None) -> float | None:
-    """Check a timeout (s)."""
-    return None if timeout is None else _positive("timeout", timeout)
 
 
 def as_cap(max_solutions: int | None) -> int | None:

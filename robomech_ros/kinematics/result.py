@@ -1,23 +1,38 @@
 """What inverse kinematics returns."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels import branch_bits as bit
+from robomech_ros._kernels.inverse import MAX_SOLUTIONS
+from robomech_ros._kernels.inverse_one import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros.kinematics.branches import branch_name
+from robomech_ros.kinematics.naming import distinct, named_branches
 from robomech_ros.kinematics.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["WHOLE_POSE", "InverseKinematicsResult"]
+__all__ = [
+    "WHOLE_POSE",
+    "Draft",
+    "InverseKinematicsResult",
+    "branches_in",
+    "finished",
+    "target_in",
+]
 
 Array = NDArray[np.float64]
 
 WHOLE_POSE = (True, True, True, True, True, True)
 _WHOLE_WEIGHTS = np.ones(6)
+# Families that number the postures of arms that nearly are special ones.
+_MAY_BE_NAMED = ("three-parallel", "general-6r")
+_NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -85,8 +100,7 @@ class InverseKinematicsResult:
         task: tuple[bool, ...] = WHOLE_POSE,
         nearest: Array | None = None,
     ) -> None:
-        # At once: what a frozen dataclass writes enters field by field, and takes a fourth of the
-        # time of the whole solution of an arm.
+        # At once: to write the fields of a frozen dataclass one by one takes thrice as long.
         vars(self).update(
             chain=chain,
             target=target,
@@ -103,6 +117,19 @@ class InverseKinematicsResult:
             nearest=nearest,
         )
 
+    if not TYPE_CHECKING:  # or a misspelt name would pass for a field
+
+        def __getattr__(self, name: str) -> Array | NDArray[np.int64]:
+            """Take a field out of the kernel's space when it is asked for first."""
+            if name not in _LATE:
+                kind = type(self).__name__
+                raise AttributeError(
+                    f"{kind!r} object has no attribute {name!r}", name=name, obj=self
+                )
+            value = _LATE[name](self._space, len(self.q))
+            vars(self)[name] = value
+            return value
+
     def __len__(self) -> int:
         return len(self.q)
 
@@ -113,10 +140,17 @@ class InverseKinematicsResult:
 
     @cached_property
     def branches(self) -> tuple[str, ...]:
-        """Names of the postures; empty strings where the family has none."""
+        """Names of the postures, all different but for windings and samples of a self-motion.
+
+        They are empty strings where the family has none.
+        """
         if self.family == "iterative":
             return ("",) * len(self.q)
-        return tuple(branch_name(branch) for branch in self.branch_bits.tolist())
+        bits = self.branch_bits
+        if self.family in _MAY_BE_NAMED and (bits & _NUMBERED).any():
+            bits = named_branches(self.chain, self.q, bits)
+        names = tuple(branch_name(branch) for branch in bits.tolist())
+        return names if self.family == "redundant" else distinct(self.chain, self.q, names)
 
     @cached_property
     def _measured(self) -> Array:
@@ -149,3 +183,70 @@ class InverseKinematicsResult:
     def condition_number(self) -> Array:
         """Condition number of the Jacobian in SI units, shape (k,); infinite where singular."""
         return self._row(CONDITION)
+
+
+class Draft:
+    """A result whose fields are still written.
+
+    What is not frozen is written thrice as fast; the fields of a frozen result, by itself, take a
+    fourth of the time in which an arm is solved.  What callers ask for less often stays in the
+    ``space`` that ``_kernels.inverse_one`` has filled, until they do.
+    """
+
+    def __init__(
+        self,
+        chain: SerialChain,
+        space: Array,
+        q: Array,
+        family: str,
+        complete: bool,
+        status: Status,
+        reason: str,
+        blocking_joints: tuple[str, ...],
+        blocking_excess: Array,
+        task: tuple[bool, ...],
+        nearest: Array | None,
+    ) -> None:
+        self.chain = chain
+        self._space = space
+        self.q = q
+        self.family = family
+        self.complete = complete
+        self.status = status
+        self.reason = reason
+        self.blocking_joints = blocking_joints
+        self.blocking_excess = blocking_excess
+        self.task = task
+        self.nearest = nearest
+
+
+def finished(draft: Any) -> InverseKinematicsResult:
+    """Make a draft the result that it is."""
+    draft.__class__ = InverseKinematicsResult
+    return cast("InverseKinematicsResult", draft)
+
+
+def target_in(space: Array) -> Array:
+    """Find the pose (4, 4) in what ``_kernels.inverse_one`` has written."""
+    return _rest(space)[TARGET:DISTANCES].reshape(4, 4)
+
+
+def branches_in(space: Array, count: int) -> NDArray[np.int64]:
+    """Find the branches of the first ``count`` solutions there."""
+    return _rest(space)[MARKED : MARKED + count].astype(np.int64)
+
+
+def _distances_in(space: Array, count: int) -> Array:
+    return _rest(space)[DISTANCES : DISTANCES + count]
+
+
+def _rest(space: Array) -> Array:
+    return space.reshape(-1)[MAX_SOLUTIONS * space.shape[1] :]
+
+
+# Fields that may stand in the space of the kernel only, and how to find them for so many solutions.
+_LATE: dict[str, Callable[[Array, int], Array | NDArray[np.int64]]] = {
+    "target": lambda space, _: target_in(space),
+    "seed_distance": _distances_in,
+    "branch_bits": branches_in,
+}

@@ -1,5 +1,6 @@
 """Solutions by iteration: chains without a closed form, partial tasks, loose tolerances."""
 
+import math
 import time
 
 import numpy as np
@@ -17,7 +18,7 @@ from robomech_ros.kinematics.outcome import (
     nothing,
     reach_outcome,
 )
-from robomech_ros.kinematics.reach import reach_gap
+from robomech_ros.kinematics.reach import NO_TIME, reach_gap
 from robomech_ros.kinematics.request import Request
 from robomech_ros.kinematics.result import InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
@@ -49,10 +50,8 @@ def solve_by_search(
         beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
         if len(beyond.q):
             return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
-    if _left(request, started) == 0.0:
-        reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
-        return nothing(chain, T, family, Status.TIMED_OUT, reason)
-    return _explained(chain, T, request, family, search)
+    deadline = math.inf if request.timeout is None else started + request.timeout
+    return _explained(chain, T, request, family, search, deadline)
 
 
 def _left(request: Request, started: float) -> float | None:
@@ -136,10 +135,19 @@ def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> st
 
 
 def _explained(
-    chain: SerialChain, T: Array, request: Request, family: Family, search: IterativeSearch
+    chain: SerialChain,
+    T: Array,
+    request: Request,
+    family: Family,
+    search: IterativeSearch,
+    deadline: float,
 ) -> InverseKinematicsResult:
     """Say of a search without success how far the target is out of reach, if it is."""
-    gap = reach_gap(chain, T, request.task)
+    late = time.monotonic() >= deadline
+    gap = NO_TIME if late else reach_gap(chain, T, request.task, deadline)
+    if math.isnan(gap.distance):
+        reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
+        return nothing(chain, T, family, Status.TIMED_OUT, reason)
     least_angle = max(NO_GAP, request.orientation_tolerance)
     if gap.distance > request.position_tolerance or gap.orientation_error > least_angle:
         status, reason = reach_outcome(chain, T, gap, request.task)

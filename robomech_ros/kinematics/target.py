@@ -11,11 +11,38 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.matrices import rotation_error
 
-__all__ = ["as_targets"]
+__all__ = ["as_target", "as_targets"]
 
 Array = NDArray[np.float64]
 
-_FLOAT = np.dtype(np.float64)
+_ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
+_ONE, _MANY = "(4, 4); inverse_kinematics_batch takes many", "(m, 4, 4)"
+
+
+def as_target(T: ArrayLike) -> Array:
+    """Give one pose as float64 of shape (4, 4), of any memory layout, its entries not looked at.
+
+    Parameters
+    ----------
+    T : array_like, shape (4, 4)
+        Pose (m).
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        The array itself where it is one of this kind.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not real numbers, or another shape.
+    """
+    if type(T) is _ARRAY and T.dtype is _FLOAT and T.shape == (4, 4):
+        return T
+    given = real_array("T", T)
+    if given.shape != (4, 4):
+        raise WrongSizeError("T", given.shape, _ONE)
+    return given
 
 
 def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
@@ -44,8 +71,7 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
     """
     given = T if _is_plain(T) else real_array(what, T)
     if given.ndim != (3 if batch else 2) or given.shape[-2:] != (4, 4):
-        expected = "(m, 4, 4)" if batch else "(4, 4); inverse_kinematics_batch takes many"
-        raise WrongSizeError(what, given.shape, expected)
+        raise WrongSizeError(what, given.shape, _MANY if batch else _ONE)
     poses = np.array(given, order="C", ndmin=3)
     fault = clean_poses(poses, ROTATION_ERROR)
     if fault:
@@ -55,7 +81,7 @@ def as_targets(T: ArrayLike, what: str = "T", batch: bool = False) -> Array:
 
 def _is_plain(T: ArrayLike) -> TypeGuard[Array]:
     """Tell whether these are poses whose type and shape need no further look."""
-    return type(T) is np.ndarray and T.dtype is _FLOAT
+    return type(T) is _ARRAY and T.dtype is _FLOAT
 
 
 def _raise(poses: Array, what: str) -> None:

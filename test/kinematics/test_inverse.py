@@ -1,7 +1,10 @@
 """The door to inverse kinematics: options, order, limits, windings, reasons, refusals."""
 
+import copy
+import pickle
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -407,3 +410,44 @@ def test_a_joint_with_an_upper_limit_alone(pose_errors):
     result = inverse_kinematics(chain, T)
     assert len(result) == 8 and (result.q <= 1.0).all()
     assert pose_errors(chain, T, result.q).max() < 1e-9
+
+
+def layouts(T):
+    """The same pose as arrays of every memory layout, one not even aligned."""
+    wide = np.zeros((8, 8))
+    wide[::2, ::2] = T
+    constant = T.copy()
+    constant.setflags(write=False)
+    room = np.zeros(129, np.uint8)[1:]
+    room[:] = np.frombuffer(T.tobytes(), np.uint8)
+    shifted = room.view(np.float64).reshape(4, 4)
+    return [np.asfortranarray(T), wide[::2, ::2], constant, shifted, T.astype(">f8"), T.tolist()]
+
+
+def test_a_target_may_have_any_memory_layout_and_is_left_alone():
+    chain = load_robot("puma560")
+    T = forward_kinematics(chain, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2])
+    expected = inverse_kinematics(chain, T, respect_limits=False)
+    assert len(expected) == 8
+    for target in layouts(T):
+        result = inverse_kinematics(chain, target, respect_limits=False)
+        assert (result.q == expected.q).all() and (np.asarray(target) == T).all()
+        assert (result.target == expected.target).all()
+
+
+def test_fields_that_are_read_late_are_those_of_their_pose():
+    chain = load_robot("ur5e")
+    poses = forward_kinematics(chain, np.random.default_rng(5).uniform(-1.5, 1.5, (20, 6)))
+    seed = np.full(6, 0.1)
+    results = [inverse_kinematics(chain, T, seed=seed, max_solutions=5) for T in poses]
+    for T, result in zip(poses, results, strict=True):
+        twin = pickle.loads(pickle.dumps(copy.copy(result)))
+        away = np.abs(result.q - seed).max(axis=1)
+        for one in (result, twin, replace(result, reason="other")):
+            assert one.target == pytest.approx(T, abs=1e-15)
+            assert one.seed_distance == pytest.approx(away, abs=1e-15)
+            assert one.branch_bits.dtype == np.int64 and len(one.branches) == len(one)
+        with pytest.raises(AttributeError, match="'InverseKinematicsResult'.*'seed_distances'"):
+            result.seed_distances  # noqa: B018
+        with pytest.raises(FrozenInstanceError):
+            result.q = None

@@ -7,7 +7,14 @@ import pytest
 
 from robomech_ros._kernels import iterative_layout
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.iterative import iterative_data, iterative_search
+from robomech_ros.kinematics.iterative import (
+    FULL_TASK,
+    iterative_data,
+    iterative_search,
+    least_orientation_error,
+    task_data,
+)
+from robomech_ros.kinematics.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
 
 REACHABLE = 1000
@@ -244,6 +251,31 @@ def test_ten_mixed_joints_inside_their_limits():
         assert result.status is Status.SUCCESS and len(result) == 1
         assert (result.q >= chain.lower).all() and (result.q <= chain.upper).all()
         assert result.position_error[0] < 1e-9 and result.orientation_error[0] < 1e-9
+
+
+@pytest.mark.parametrize(("joints", "attempts"), [(6, 8), (10, 8), (40, 3), (70, 1), (100, 1)])
+def test_the_longer_the_chain_the_more_often_a_search_looks_at_the_clock(joints, attempts):
+    """The work of an attempt grows with the cube of the joints: some ms for a hundred."""
+    a = np.full(joints, 0.1)
+    chain = chain_from_dh(a, 0.0 * a, np.where(np.arange(joints) % 2, 1.5, -1.5))
+    T = np.eye(4)
+    T[:3, 3] = 2.0 * joints
+    search = iterative_search(iterative_data(chain), T, np.zeros(joints), timeout=1e-9)
+    assert search.timed_out and search.attempts == attempts
+
+
+def test_no_time_is_left_for_a_reason():
+    rng = np.random.default_rng(3)
+    chain = chain_from_dh(rng.uniform(0.1, 0.3, 10), np.zeros(10), rng.uniform(-1.5, 1.5, 10))
+    near, far = forward_kinematics(chain, np.full((2, 10), 0.1))
+    far[:3, 3] += 20.0
+    near[:3, :3] = near[:3, :3] @ np.diag([1.0, -1.0, -1.0])
+    assert np.isnan(reach_gap(chain, far, deadline=time.monotonic())).all()
+    data, target = task_data(chain, near, task=FULL_TASK, respect_limits=False, wanted=1)
+    assert np.isnan(least_orientation_error(data, target, np.full(10, 0.1), deadline=0.0))
+    assert reach_gap(chain, far, deadline=time.monotonic() + 60.0) == pytest.approx(
+        reach_gap(chain, far), rel=1e-12, nan_ok=True
+    )
 
 
 @pytest.mark.slow
