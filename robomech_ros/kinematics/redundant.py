@@ -37,6 +37,9 @@ __all__ = ["locked_anyway", "match"]
 
 Array = NDArray[np.float64]
 
+# Of how many runs of six joints, from the base on, elimination is tried: each takes 0.1 s to judge.
+_ELIMINATIONS = 8
+
 
 def match(chain: SerialChain) -> Array | None:
     """Recognise a redundant arm of which all postures can be had for each value of a parameter.
@@ -49,7 +52,8 @@ def match(chain: SerialChain) -> Array | None:
     -------
     ndarray or None
         The constants that ``_kernels.inverse_redundant`` reads; None for fewer than seven joints
-        and where no six neighbouring joints are solved completely.
+        and where no six neighbouring joints are solved completely.  Of long chains only six near
+        the base are solved by elimination.
     """
     if chain.n < 7:
         return None
@@ -65,7 +69,7 @@ def match(chain: SerialChain) -> Array | None:
                 data = _locked(chain, first, arm, (six, types))
                 data[at.POLISH] = find is _idealised
                 return data
-    best = match_general(sixes)
+    best = match_general(sixes[:_ELIMINATIONS])
     return None if best is None else _locked(chain, *best, sixes[best[0]])
 
 
