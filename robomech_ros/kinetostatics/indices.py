@@ -12,6 +12,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, real_number
 
 __all__ = [
+    "NORMS",
     "condition_number",
     "condition_number_gradient",
     "least_singular_value",
@@ -24,7 +25,8 @@ Array = NDArray[np.float64]
 
 # Rows of the Jacobian that a part of the task means.
 _PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
-_NORMS = {"2": kernels.CONDITION, "frobenius": kernels.FROBENIUS}
+# Columns of the kernels that hold a condition number.
+NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
 
 
 class _Task(NamedTuple):
@@ -32,6 +34,7 @@ class _Task(NamedTuple):
 
     weights: Array
     rows: NDArray[np.int64]
+    power: float = 2.0
 
 
 def manipulability(
@@ -108,7 +111,7 @@ def condition_number(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
     """
-    return _value(chain, q, part, length, _NORMS[as_choice("norm", norm, tuple(_NORMS))])
+    return _value(chain, q, part, length, NORMS[as_choice("norm", norm, tuple(NORMS))])
 
 
 def least_singular_value(
@@ -184,7 +187,7 @@ def condition_number_gradient(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`condition_number`.
     """
-    index = _NORMS[as_choice("norm", norm, tuple(_NORMS))]
+    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
     return _gradient(chain, q, part, length, index)
 
 
@@ -228,11 +231,11 @@ def _gradient(
 ) -> Array:
     q, task = as_joint_values(chain, q), _task(part, length)
     rows = as_rows(q)
-    out = np.empty(rows.shape)
+    out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
     if kernels.index_gradients(chain.packed, rows, *task, index, values, out):
         raise_not_finite(chain, q)
-    return out.reshape(q.shape)
+    return out[:, :-1].reshape(q.shape)
 
 
 def _task(part: str, length: float | None) -> _Task:
