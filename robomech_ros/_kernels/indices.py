@@ -1,14 +1,16 @@
 """Performance indices of the Jacobian and their gradients, from its singular values.
 
-An index f of the singular values s has the derivative ``sum df/ds_i u_i v_i^T`` by the Jacobian,
-with its singular vectors u and v.
+An index f of the k singular values s has the derivative ``sum df/ds_i u_i v_i^T`` by the Jacobian,
+with its singular vectors u and v.  The condition number by the Schatten norm of power p,
+``(sum s^p / k)^(1/p) (sum s^-p / k)^(1/p)``, is that by the weighted Frobenius norm for p = 2 and
+tends to the ratio of the largest to the least singular value for large p.
 """
 
 import math
 
 import numpy as np
 
-from robomech_ros._kernels._jit import IIN1, IN1, IN2, OUT2, i8, kernel, lean
+from robomech_ros._kernels._jit import IIN1, IN1, IN2, OUT2, f8, i8, kernel, lean
 from robomech_ros._kernels.jacobian_rates import gradient_body
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.singular_values import condition_of, make_rows_orthogonal, row_lengths
@@ -16,9 +18,9 @@ from robomech_ros._kernels.singular_values import condition_of, make_rows_orthog
 __all__ = [
     "CONDITION",
     "COUNT",
-    "FROBENIUS",
     "LEAST",
     "MANIPULABILITY",
+    "SCHATTEN",
     "index_gradients",
     "indices",
 ]
@@ -26,9 +28,12 @@ __all__ = [
 # Columns of the answer.
 MANIPULABILITY = 0
 CONDITION = 1
-FROBENIUS = 2
+SCHATTEN = 2
 LEAST = 3
 COUNT = 4
+
+# Where the linear rows begin.
+_LINEAR = 3
 
 
 @lean
@@ -45,38 +50,53 @@ def _fill(J, weights, rows, W):
 
 
 @lean
-def _evaluate(s, out):
-    """Write the four indices of the singular values s to out."""
-    product, squares, inverses, least = 1.0, 0.0, 0.0, math.inf
+def _power_means(s, low, high, power):
+    """Means of (s / s_high)^p and of (s_low / s)^p, both from 1/k to 1."""
+    up, down = 0.0, 0.0
     for value in s:
-        product *= value
-        squares += value * value
-        inverses += 1.0 / (value * value)
-        least = min(least, value)
-    condition = condition_of(s)
-    out[MANIPULABILITY] = product
-    out[CONDITION] = condition
-    singular = condition == math.inf
-    out[FROBENIUS] = math.inf if singular else math.sqrt(squares * inverses) / s.size
-    out[LEAST] = least
+        up += (value / s[high]) ** power
+        down += (s[low] / value) ** power
+    return up / s.size, down / s.size
 
 
 @lean
-def _derivatives(s, index, f, out):
-    """Write the derivatives of an index, of value f, by the singular values s to out."""
-    k = s.size
+def _extremes(s):
+    """Give the places of the least and the largest of s."""
     low, high = 0, 0
-    squares, inverses = 0.0, 0.0
-    for i in range(k):
+    for i in range(s.size):
         low = i if s[i] < s[low] else low
         high = i if s[i] > s[high] else high
-        squares += s[i] * s[i]
-        inverses += 1.0 / (s[i] * s[i])
-    for i in range(k):
+    return low, high
+
+
+@lean
+def _evaluate(s, power, out):
+    """Write the four indices of the singular values s to out."""
+    product = 1.0
+    for value in s:
+        product *= value
+    low, high = _extremes(s)
+    condition = condition_of(s)
+    out[MANIPULABILITY] = product
+    out[CONDITION] = condition
+    out[LEAST] = s[low]
+    out[SCHATTEN] = condition
+    if condition < math.inf:
+        up, down = _power_means(s, low, high, power)
+        out[SCHATTEN] = condition * (up * down) ** (1.0 / power)
+
+
+@lean
+def _derivatives(s, index, f, power, out):
+    """Write the derivatives of an index, of value f, by the singular values s to out."""
+    low, high = _extremes(s)
+    up, down = _power_means(s, low, high, power)
+    for i in range(s.size):
         if index == MANIPULABILITY:
             out[i] = f / s[i]
-        elif index == FROBENIUS:
-            out[i] = (s[i] * inverses - squares / (s[i] * s[i] * s[i])) / (f * k * k)
+        elif index == SCHATTEN:
+            rising, falling = (s[i] / s[high]) ** power / up, (s[low] / s[i]) ** power / down
+            out[i] = f * (rising - falling) / (s[i] * s.size)
         else:
             out[i] = 0.0
     if index == CONDITION:
@@ -87,8 +107,11 @@ def _derivatives(s, index, f, out):
 
 
 @lean
-def _by_jacobian(W, s, ds, weights, rows, G):
-    """Write the derivative by J, sum of ds u v^T, from the orthogonal rows W to G (6, n)."""
+def _by_jacobian(J, W, s, ds, weights, rows, G):
+    """Write the derivative by J, sum of ds u v^T, from the orthogonal rows W to G (6, n).
+
+    Returns that by the logarithm of what the linear rows were divided by.
+    """
     r, n = rows.size, G.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
     G[:] = 0.0
@@ -99,10 +122,15 @@ def _by_jacobian(W, s, ds, weights, rows, G):
                 i, k = (row, column) if r <= n else (column, row)
                 value = factor * W[j, large + i] * W[j, k]
                 G[rows[row], column] += weights[rows[row]] * value
+    stretch = 0.0
+    for row in range(_LINEAR, 6):
+        for column in range(n):
+            stretch -= G[row, column] * J[row, column]
+    return stretch
 
 
-@kernel(i8(IN2, IN2, IN1, IIN1, OUT2))
-def indices(packed, q, weights, rows, out):
+@kernel(i8(IN2, IN2, IN1, IIN1, f8, OUT2))
+def indices(packed, q, weights, rows, power, out):
     """Four indices of some rows of the Jacobian at q (m, n) into out (m, 4).
 
     ``rows`` (r,) counts from 0; row i of the Jacobian is multiplied by ``weights[i]``.
@@ -117,13 +145,16 @@ def indices(packed, q, weights, rows, out):
         _fill(J, weights, rows, W)
         make_rows_orthogonal(W, large)
         row_lengths(W, large, s)
-        _evaluate(s, out[k])
+        _evaluate(s, power, out[k])
     return status
 
 
-@kernel(i8(IN2, IN2, IN1, IIN1, i8, OUT2, OUT2))
-def index_gradients(packed, q, weights, rows, index, values, out):
-    """One index at q (m, n), its value in values (m, 4) and its gradient in out (m, n).
+@kernel(i8(IN2, IN2, IN1, IIN1, f8, i8, OUT2, OUT2))
+def index_gradients(packed, q, weights, rows, power, index, values, out):
+    """One index at q (m, n), its value in values (m, 4) and its gradient in out (m, n + 1).
+
+    The last column is the derivative by the logarithm of the length by which ``weights`` divide the
+    linear rows.
 
     The gradient is NaN or infinite where a singular value that counts is zero.
     """
@@ -137,8 +168,8 @@ def index_gradients(packed, q, weights, rows, index, values, out):
         _fill(J, weights, rows, W)
         make_rows_orthogonal(W, large)
         row_lengths(W, large, s)
-        _evaluate(s, values[k])
-        _derivatives(s, index, values[k, index], ds)
-        _by_jacobian(W, s, ds, weights, rows, G)
+        _evaluate(s, power, values[k])
+        _derivatives(s, index, values[k, index], power, ds)
+        out[k, n] = _by_jacobian(J, W, s, ds, weights, rows, G)
         gradient_body(J, G, out[k])
     return status

@@ -24,6 +24,7 @@ CONDITION = 3
 # Where the position's components begin; typed as ZERO is.
 _LINEAR = np.int64(3)
 
+
 @inline
 def _task_norm(T, weights, e, first):
     """Norm of three components of e, taken along the axes of T, that the task counts."""

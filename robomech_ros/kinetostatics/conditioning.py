@@ -1,6 +1,7 @@
 """The length that makes positions and orientations comparable: the characteristic length."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,18 +20,21 @@ Array = NDArray[np.float64]
 
 _ROWS = np.arange(6)
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
-_POWERS = tuple(2.0 * 4.0**k for k in range(1, 10))
+_POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))
 # Postures that are looked at, with how many lengths (of the reach, from, to, count) each; how many
-# of them a descent starts from, and how many of its ends are followed to the 2-norm.
+# of them a descent starts from; and how many of its ends are followed through the first powers, and
+# how many from there on.
 _POSTURES = 1024
 _LENGTHS = (1.0 / 32.0, 1.0, 8)
 _STARTS = 16
-_DESCENTS = 6
+_FOLLOWED = ((_POWERS[:4], 6), (_POWERS[4:], 2))
 # Minima whose condition numbers differ by less (relative) are one.
 _SAME = 1e-9
 # What stands for the logarithm of the condition number of a singular posture.
 _SINGULAR = 1e3
 _OPTIONS = {"gtol": 1e-9, "maxiter": 300}
+# Step over which second derivatives are taken; they grow with the power.
+_STEP = 1e-3
 
 
 class CharacteristicLength(float):
@@ -85,14 +89,14 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     starts = _starts(chain)
     if not starts:
         raise BadValueError("chain", chain.name, "one that is not singular in every posture")
-    found = _distinct(chain, [_descent(chain, start, 2.0) for start in starts])
+    found = _distinct(chain, [_descent(chain, start) for start in starts])
     if index == kernels.CONDITION:
-        for power in _POWERS:
-            found = [_descent(chain, x, power) for x in found[:_DESCENTS]]
-    best = min(found, key=lambda x: _evaluate(chain, x, 2.0, index)[0])
-    result = CharacteristicLength(math.exp(best[-1]))
-    result.q = best[:-1]
-    result.condition_number = _evaluate(chain, best, 2.0, index)[0]
+        for powers, count in _FOLLOWED:
+            found = [_followed(chain, x, powers) for x in found[:count]]
+            found.sort(key=lambda x: _evaluate(chain, x, 2.0, index)[0])
+    result = CharacteristicLength(math.exp(found[0][-1]))
+    result.q = found[0][:-1]
+    result.condition_number = _evaluate(chain, found[0], 2.0, index)[0]
     return result
 
 
@@ -120,18 +124,44 @@ def _weights(length: float) -> Array:
     return np.repeat((1.0, 1.0 / length), 3)
 
 
-def _descent(chain: SerialChain, start: Array, power: float) -> Array:
-    """Descend to a minimum of the condition number by the Schatten norm of this power."""
+def _logarithm(x: Array, chain: SerialChain, power: float) -> tuple[float, Array]:
+    """Give the logarithm of the condition number by the Schatten norm of this power at x."""
+    value, gradient = _evaluate(chain, x, power, kernels.SCHATTEN)
+    if not math.isfinite(value):
+        return _SINGULAR, np.zeros_like(x)
+    return math.log(value), gradient / value
+
+
+def _second_derivatives(x: Array, chain: SerialChain, power: float) -> Array:
+    steps = _STEP / power * np.eye(len(x))
+    ahead, behind = (
+        np.array([_logarithm(x + sign * step, chain, power)[1] for step in steps])
+        for sign in (1.0, -1.0)
+    )
+    H = (ahead - behind) * (power / (2.0 * _STEP))
+    symmetric: Array = 0.5 * (H + H.T)
+    return symmetric
+
+
+def _descent(chain: SerialChain, start: Array) -> Array:
+    """Descend to a minimum of the condition number by the Frobenius norm."""
+    from scipy.optimize import minimize  # a second and 40 MB that few need
+
+    given = (chain, 2.0)
+    end: Array = minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
+    return end
+
+
+def _followed(chain: SerialChain, x: Array, powers: Sequence[float]) -> Array:
+    """Follow a minimum from power to power, where the valley becomes ever narrower."""
     from scipy.optimize import minimize
 
-    def logarithm(x: Array) -> tuple[float, Array]:
-        value, gradient = _evaluate(chain, x, power, kernels.SCHATTEN)
-        if not math.isfinite(value):
-            return _SINGULAR, np.zeros_like(x)
-        return math.log(value), gradient / value
-
-    ended: Array = minimize(logarithm, start, jac=True, method="BFGS", options=_OPTIONS).x
-    return ended
+    for power in powers:
+        given = (chain, power)
+        x = minimize(
+            _logarithm, x, given, "trust-exact", True, _second_derivatives, options=_OPTIONS
+        ).x
+    return x
 
 
 def _starts(chain: SerialChain) -> list[Array]:
