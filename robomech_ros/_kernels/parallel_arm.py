@@ -15,7 +15,12 @@ from robomech_ros._kernels.branch_bits import (
     WRIST_SINGULAR,
 )
 from robomech_ros._kernels.parallel_pairs import z_in_frame_6
-from robomech_ros._kernels.tolerances import DOUBLE_ROOT, NEAR_DOUBLE, PARALLEL_FREE
+from robomech_ros._kernels.tolerances import (
+    DOUBLE_ROOT,
+    NEAR_DOUBLE,
+    PARALLEL_FREE,
+    PARALLEL_FREE_AT_FOLD,
+)
 
 MAX_SOLUTIONS = 16
 
@@ -193,7 +198,9 @@ def wrist_turns(data, G, seed, pair):
     c6 = a1 * b1 + a2 * b2
     s6 = a1 * b2 - a2 * b1
     length = math.sqrt(c6 * c6 + s6 * s6)
-    six_free = na < PARALLEL_FREE or length == 0.0
+    fold = bits & BOUNDARY != 0 and data[at.KIND] == at.SKEW
+    rounding = PARALLEL_FREE_AT_FOLD if fold else PARALLEL_FREE
+    six_free = na < rounding or length == 0.0
     if six_free or sliding == at.SLIDE_6:
         c6, s6 = 1.0, 0.0
         six_free = sliding != at.SLIDE_6
@@ -202,7 +209,7 @@ def wrist_turns(data, G, seed, pair):
     c5 = pair[5] * v1 + pair[6] * v2
     s5 = pair[6] * v1 - pair[5] * v2
     length = math.sqrt(c5 * c5 + s5 * s5)
-    five_free = length < PARALLEL_FREE * PARALLEL_FREE
+    five_free = length < rounding * rounding
     if five_free or sliding == at.SLIDE_5:
         c5, s5 = 1.0, 0.0
         five_free = sliding != at.SLIDE_5

@@ -21,11 +21,15 @@ from robomech_ros._kernels.angles import angle_of
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
+    FOLD_LEAST_START,
+    FOLD_START,
+    FOURFOLD_APART,
     NEAR_DOUBLE,
     NEARLY_SEPARATE,
     PAIR_ERROR,
     PARALLEL_TOUCHING,
     SAME_POSTURE,
+    VANISHING,
 )
 
 MAX_PAIRS = 16
@@ -267,10 +271,12 @@ def _keep_pair(data, x, y, determinant, pairs, count):
     sy = math.sin(y)
     v1 = g1 * cy + g2 * sy
     v2 = g2 * cy - g1 * sy
+    bits = BOUNDARY if determinant < NEAR_DOUBLE else 0
     for k in range(count):
         apart = abs(pairs[k, 0] - c) + abs(pairs[k, 1] - s)
         apart += abs(pairs[k, 3] - v1) + abs(pairs[k, 4] - v2)
-        if apart < SAME_POSTURE:
+        folds = bits == BOUNDARY and pairs[k, 7] == BOUNDARY
+        if apart < (FOURFOLD_APART if folds else SAME_POSTURE):
             return count
     pairs[count, 0] = c
     pairs[count, 1] = s
@@ -279,11 +285,21 @@ def _keep_pair(data, x, y, determinant, pairs, count):
     pairs[count, 4] = v2
     pairs[count, 5] = g1
     pairs[count, 6] = g2
-    bits = 0
-    if determinant < NEAR_DOUBLE:
-        bits = BOUNDARY
     pairs[count, 7] = bits
     return count + 1
+
+
+@lean
+def _improve_pair(data, d, c, s, v1, v2, pairs, count):
+    """Improve what may be a pair, given by q_a and z across axis 5, and keep it if it is one."""
+    _, g1, g2 = seen_from_axis_5(data, c, s)
+    x = angle_of(s, c)
+    y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+    x, y, error, determinant = _polish_pair(data, d, x, y)
+    allowed = PAIR_ERROR if data[at.EXACT] == 1.0 else data[at.SLACK]
+    if error < allowed and count < MAX_PAIRS:
+        return _keep_pair(data, x, y, determinant, pairs, count)
+    return count
 
 
 @lean
@@ -291,7 +307,7 @@ def _add_pairs(data, d, c, s, pairs, count):
     """Improve what may be a pair for both signs of the open component of z, and keep it.
 
     The equation with the larger factor gives the other component; near a double root the search
-    starts to both sides of it.
+    starts to both sides of it, and where that is one of both equations, next to it as well.
     """
     k1, c1, s1, k2, c2, s2 = d
     factor1 = data[at.SIN_56]
@@ -307,19 +323,16 @@ def _add_pairs(data, d, c, s, pairs, count):
     other = math.sqrt((radius - known) * (radius + known))
     nearly_separate = min(factor1, abs(factor2)) < NEARLY_SEPARATE * max(factor1, abs(factor2))
     sure = other > 1e-3 and not nearly_separate
-    other = max(other, 3e-4)
-    allowed = PAIR_ERROR if data[at.EXACT] == 1.0 else data[at.SLACK]
-    for sign in range(2):
-        value = -other if sign == 0 else other
+    starts = 2 if other >= FOLD_START else 4
+    for start in range(starts):
+        value = max(other, FOLD_START if start < 2 else FOLD_LEAST_START)
+        if start % 2 == 0:
+            value = -value
         if sure and value * guess < 0.0:
             continue
         v1 = known if by_first else value
         v2 = value if by_first else known
-        x = angle_of(s, c)
-        y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
-        x, y, error, determinant = _polish_pair(data, d, x, y)
-        if error < allowed and count < MAX_PAIRS:
-            count = _keep_pair(data, x, y, determinant, pairs, count)
+        count = _improve_pair(data, d, c, s, v1, v2, pairs, count)
     return count
 
 
@@ -344,6 +357,29 @@ def _add_nearly_separate(data, d, pairs, count):
     x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, math.sqrt(small / amplitude))
     count = _add_pairs(data, d, x1, y1, pairs, count)
     return _add_pairs(data, d, x2, y2, pairs, count)
+
+
+@lean
+def _add_successive_pairs(data, d, pairs, count):
+    """Add the pairs where z lies to axis 5 in the same way for all q_a.
+
+    So it does where axes a and 5 are parallel.  The equations are then solved one after the other,
+    and double roots of both may coincide.
+    """
+    k1, _, _, k2, c2, s2 = d
+    factor2 = data[at.NORMAL_56] / data[at.SIZE]
+    radius = math.sqrt(max(0.0, 1.0 - data[at.GAMMA] * data[at.GAMMA]))
+    known = max(-radius, min(radius, k1 / data[at.SIN_56]))
+    other = math.sqrt((radius - known) * (radius + known))
+    for trial in range(3):
+        if trial == 0 and other > NEAR_DOUBLE:
+            continue
+        value = 0.0 if trial == 0 else other if trial == 1 else -other
+        found, x1, y1, x2, y2 = order_one_roots(k2 - factor2 * value, c2, s2, data[at.SLACK])
+        for root in range(found):
+            c, s = (x1, y1) if root == 0 else (x2, y2)
+            count = _improve_pair(data, d, c, s, known, value, pairs, count)
+    return count
 
 
 @lean_part(i8(IN1, F12, OUT2))
@@ -374,6 +410,8 @@ def joint_pairs(data, G, pairs):
     if found < 0:
         return FREE
     count = ZERO
+    if abs(gc) + abs(gs) + abs(c1) + abs(s1) < VANISHING:
+        count = _add_successive_pairs(data, d, pairs, count)
     for k in range(found):
         count = _add_pairs(data, d, roots[k, 0], roots[k, 1], pairs, count)
     if min(factor1, abs(factor2)) < NEARLY_SEPARATE * max(factor1, abs(factor2)):

@@ -80,6 +80,8 @@ PARALLEL_EXACT = 1e-14
 PARALLEL_DISTANCE = 1e-5
 # Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
 ARM_MOBILITY = 1e-7
+# and of an arm of which a list is called complete: with less, solutions are lost in rounding.
+CERTAIN_MOBILITY = 1e-6
 
 # --- Three parallel axes: solution ---
 # A target beyond a boundary by no more than this (of the arm's size, or a cosine) counts as on
@@ -88,6 +90,8 @@ ARM_MOBILITY = 1e-7
 PARALLEL_SLACK = 1e-6
 # Below this (sine, or distance over size) a direction is rounding: the joint is free to turn.
 PARALLEL_FREE = 1e-10
+# The same at a double root of skew axes 5 and 6, known to the square root of its rounding only.
+PARALLEL_FREE_AT_FOLD = 1e-7
 # Steps to either side in which a free shoulder is scanned for the nearest angle in reach; narrower
 # ranges are found by the minimum between three steps.
 CONTINUUM_STEPS = 48
@@ -95,6 +99,12 @@ CONTINUUM_STEPS = 48
 SLIDE_STEPS = 32
 # Half the distance (rad) of two roots below which they are flagged as one double root.
 NEAR_DOUBLE = 1e-6
+# Where double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
+# fourth root of the rounding tells them apart, with room (sum over the components of a pair).
+FOURFOLD_APART = 5e-3
+# How far (sine) from a double root its two solutions are sought, at first and at last.
+FOLD_START = 3e-4
+FOLD_LEAST_START = 1e-8
 # Postures nearer to each other than this (rad) in every joint are one solution.
 SAME_POSTURE = 1e-6
 # Algebraic residual above which a solution is polished on the pose.

@@ -53,7 +53,8 @@ def solve_closed_form(
             return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
         if not bare:
             return explain_nothing(chain, T, family)
-        return explain_limits(chain, T, q[:bare], family, singular > 0)
+        proven = not unproven and family.exact
+        return explain_limits(chain, T, q[:bare], family, continuum=singular > 0, proven=proven)
     ranked, names = rows[0], marks[NAMES]
     reason = ""
     if singular > missing:

@@ -14,9 +14,10 @@ from robomech_ros._kernels.tolerances import (
     IDEALISED_SLACK,
     NEARLY_SPECIAL,
 )
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["common_point", "match", "transforms", "wrist_constants"]
+__all__ = ["common_point", "match", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def match(chain: SerialChain) -> Array | None:
     """
     if chain.n != 6 or chain.types[3:].any():
         return None
-    C = transforms(chain)
+    C = unpack_chain(chain.packed)
     centre = common_point(C[4], C[5])
     if centre is None:
         return None
@@ -59,7 +60,7 @@ def match(chain: SerialChain) -> Array | None:
     data[at.PACKED :] = chain.packed.ravel()
     data[at.BASE : at.BASE + 12] = C[0, :3].ravel()
     data[at.TIP : at.TIP + 9] = C[6, :3, :3].T.ravel()
-    data[at.CENTRE : at.CENTRE + 3] = (_inverse(C[6]) @ (0.0, 0.0, height6, 1.0))[:3]
+    data[at.CENTRE : at.CENTRE + 3] = (rigid_inverse(C[6]) @ (0.0, 0.0, height6, 1.0))[:3]
     wrist = wrist_constants(C[4], C[5])
     if wrist is None:
         return None
@@ -79,22 +80,6 @@ def match(chain: SerialChain) -> Array | None:
     data[at.NAMED] = _side(chain.types[:3], links, data)
     data.setflags(write=False)
     return data
-
-
-def transforms(chain: SerialChain) -> Array:
-    """Unpack C_0 .. C_n, shape (n + 1, 4, 4)."""
-    C = np.zeros((chain.n + 1, 4, 4))
-    C[:, :3, :3] = chain.packed[:, 1:10].reshape(-1, 3, 3)
-    C[:, :3, 3] = chain.packed[:, 10:]
-    C[:, 3, 3] = 1.0
-    return C
-
-
-def _inverse(pose: Array) -> Array:
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result
 
 
 def common_point(link: Array, following: Array) -> tuple[float, float, float] | None:
@@ -212,7 +197,7 @@ def _joint(kind: int, value: float) -> Array:
 def _enter_arm(data: Array, types: NDArray[np.int64], links: Array) -> bool:
     """Choose the direction and the way of solution; False where the geometry is idealised."""
     letters = "".join("RP"[kind] for kind in types)
-    forward, backward = [links[0], links[1]], [_inverse(links[1]), _inverse(links[0])]
+    forward, backward = [links[0], links[1]], [rigid_inverse(links[1]), rigid_inverse(links[0])]
     from_tip = letters not in _KINDS
     if letters == "RRR":
         from_tip = _separated(backward[0])[1] < NEARLY_SPECIAL <= _separated(forward[0])[1]

@@ -1,6 +1,6 @@
 """Which solver an arm gets: decided once for a chain, by its geometry."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from robomech_ros._kernels import decoupled_layout, short_layout
 from robomech_ros._kernels.inverse import SHORT
 from robomech_ros._kernels.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
+from robomech_ros._kernels.tolerances import CERTAIN_MOBILITY
 from robomech_ros.kinematics import decoupled, general, iterative, redundant, short
+from robomech_ros.kinematics.mobility import arm_size, mobility
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS, chain_of, reversed_transforms
-from robomech_ros.robots.chain import REVOLUTE, SerialChain
+from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 
@@ -38,6 +40,8 @@ class Family:
         1 for revolute joints.
     limits : ndarray, shape (2, n)
         Of the joints (rad or m), lower in front.
+    certain : bool
+        Whether the arm is so far from having lost a degree of freedom that rounding hides nothing.
     """
 
     name: str
@@ -45,6 +49,7 @@ class Family:
     data: Array
     turns: NDArray[np.int64]
     limits: Array
+    certain: bool
 
     @cached_property
     def arm(self) -> Array:
@@ -63,14 +68,16 @@ class Family:
 
     @cached_property
     def exact(self) -> bool:
-        """Whether that is certain: no wrist whose axes meet but for some micrometres."""
+        """Whether that is certain: also no wrist whose axes meet but for some micrometres."""
+        if not self.certain:
+            return False
         if self.number == SHORT:
             return bool(self.data[short_layout.EXACT])
         return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
 
 
 def _from_tip(chain: SerialChain) -> SerialChain:
-    links = reversed_transforms(decoupled.transforms(chain))
+    links = reversed_transforms(unpack_chain(chain.packed))
     return chain_of(links, chain.types[::-1].tolist())
 
 
@@ -118,9 +125,11 @@ def family_of(chain: SerialChain) -> Family:
 
 def iterative_family(chain: SerialChain, data: Array) -> Family:
     """Give the iterative family with constants made for a request of its own."""
-    return _family(chain, "iterative", ITERATIVE, data)
+    turns = (chain.types == REVOLUTE).astype(np.int64)
+    limits = np.stack((chain.lower, chain.upper))
+    return Family("iterative", ITERATIVE, data, turns, limits, certain=False)
 
 
 def _family(chain: SerialChain, name: str, number: int, data: Array) -> Family:
-    turns = (chain.types == REVOLUTE).astype(np.int64)
-    return Family(name, number, data, turns, np.stack((chain.lower, chain.upper)))
+    certain = number != REDUNDANT and mobility(chain, arm_size(chain)) > CERTAIN_MOBILITY
+    return replace(iterative_family(chain, data), name=name, number=number, certain=certain)

@@ -21,7 +21,8 @@ from robomech_ros._kernels.general_equations import left_side
 from robomech_ros._kernels.inverse_general import DOUBT, MAX_SOLUTIONS, solve_general
 from robomech_ros._kernels.serial import forward_one
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]
 
@@ -79,30 +80,23 @@ def match(chain: SerialChain) -> Array | None:
 def _head(chain: SerialChain, size: float) -> Array:
     head = np.zeros(at.HEAD)
     head[at.SIZE], head[at.SLIDES] = size, chain.types.sum()
-    for place, row in ((at.BASE, 0), (at.TIP, 6)):
-        pose = _pose(chain.packed[row], size)
-        head[place : place + 12] = np.linalg.inv(pose)[:3].ravel()
+    links = _links(chain, size)
+    for place, link in ((at.BASE, links[0]), (at.TIP, links[6])):
+        head[place : place + 12] = np.linalg.inv(link)[:3].ravel()
     head[at.PACKED :] = chain.packed.ravel()
     return head
 
 
-def _pose(row: Array, size: float) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = row[1:10].reshape(3, 3)
-    pose[:3, 3] = row[10:] / size
-    return pose
+def _links(chain: SerialChain, size: float) -> Array:
+    """Give C_0 .. C_6, shape (7, 4, 4), lengths over the size."""
+    links = unpack_chain(chain.packed)
+    links[:, :3, 3] /= size
+    return links
 
 
 def _loop(chain: SerialChain, size: float) -> Array:
     """Give the links behind joints 1 .. 6, the last one, the target's, as 1."""
-    return np.array([_pose(row, size) for row in chain.packed[1:6]] + [np.eye(4)])
-
-
-def _inverse(pose: Array) -> Array:
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result
+    return np.concatenate((_links(chain, size)[1:6], [np.eye(4)]))
 
 
 def _turn(angle: float) -> Array:
@@ -145,7 +139,7 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
     links = list(loop)
     if sense < 0:
         # J_6^-1 L_5^-1 J_5^-1 ... L_1^-1 J_1^-1 L_6^-1 = 1
-        links = [_inverse(links[(4 - k) % 6]) for k in range(6)]
+        links = [rigid_inverse(links[(4 - k) % 6]) for k in range(6)]
     links = links[start:] + links[:start]
     offsets = [0.0 if slide == role else _OFFSETS[role] for role in (at.THIRD, at.FOURTH)]
     links[2] = links[2] @ _turn(offsets[0])
@@ -156,8 +150,8 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
     form[at.SLIDE] = slide
     form[at.JOINTS : at.JOINTS + 6] = _joints(start, sense)
     form[at.OFFSETS : at.OFFSETS + 2] = offsets
-    form[at.BEFORE : at.BEFORE + 12] = _inverse(links[5])[:3].ravel()
-    form[at.BEHIND : at.BEHIND + 12] = _inverse(links[0])[:3].ravel()
+    form[at.BEFORE : at.BEFORE + 12] = rigid_inverse(links[5])[:3].ravel()
+    form[at.BEHIND : at.BEHIND + 12] = rigid_inverse(links[0])[:3].ravel()
     form[at.LINKS : at.LINKS + 48] = np.array(links)[1:5, :3].ravel()
     if (start, sense) in _WALKS:
         left_side(form[at.LINKS : at.LINKS + 48], slide, form[at.EQUATIONS :])

@@ -6,19 +6,18 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, NONE_EXISTS, solve
+from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros._kernels.tolerances import (
     MOST_SAMPLED,
     ORIENTATION_TOLERANCE,
     POSITION_TOLERANCE,
 )
 from robomech_ros.kinematics.closed_form import solve_closed_form
-from robomech_ros.kinematics.families import family_of, iterative_family
+from robomech_ros.kinematics.families import Family, family_of, iterative_family
 from robomech_ros.kinematics.iterative import FULL_TASK, iterative_data
 from robomech_ros.kinematics.least_squares import with_nearest
 from robomech_ros.kinematics.reach import out_of_reach
 from robomech_ros.kinematics.request import (
-    METRICS,
     Request,
     as_cap,
     as_flag,
@@ -185,26 +184,55 @@ def inverse_kinematics_batch(
     targets = as_targets(T, batch=True)
     respect_limits = as_flag("respect_limits", respect_limits)
     start = as_seed(chain, seed, respect_limits)
+    number, cap = as_metric(metric), as_cap(max_solutions)
     family = family_of(chain)
     if family.redundant:
-        room = min(as_cap(max_solutions) or MOST_SAMPLED, MOST_SAMPLED)
-        q, count, _, _ = sample_many(
-            chain, targets, family, start, as_metric(metric), respect_limits, room
-        )
-        return q, *_with_searches(
-            chain, targets, start, as_metric(metric), respect_limits, q, count
-        )
-    if not family.closed_form:
-        data = iterative_data(chain, respect_limits=respect_limits)
-        family = iterative_family(chain, data)
-    room = min(as_cap(max_solutions) or MAX_SOLUTIONS, MAX_SOLUTIONS)
+        room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
+        q, count, _, _ = sample_many(chain, targets, family, start, number, respect_limits, room)
+    else:
+        if not family.closed_form:
+            data = iterative_data(chain, respect_limits=respect_limits)
+            family = iterative_family(chain, data)
+        room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
+        q, count, _ = _solve_many(chain, targets, family, start, number, respect_limits, room)
+    status = np.zeros(len(targets), np.int64)
+    for index in np.flatnonzero(count <= 0):
+        one = targets[index]
+        outcome = _outcome_of_none(chain, one, family, start, number, respect_limits)
+        if outcome is None:
+            found = inverse_kinematics(
+                chain,
+                one,
+                seed=start,
+                respect_limits=respect_limits,
+                metric=metric,
+                max_solutions=room,
+            )
+            outcome = found.status
+            count[index] = len(found)
+            q[index, : len(found)] = found.q
+        status[index] = outcome
+    np.maximum(count, 0, out=count)
+    return q, count, status
+
+
+def _solve_many(
+    chain: SerialChain,
+    targets: Array,
+    family: Family,
+    seed: Array,
+    metric: int,
+    respect_limits: bool,
+    room: int,
+) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
+    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose."""
     q = np.empty((len(targets), room, chain.n))
     count = np.empty(len(targets), np.int64)
-    solve(
+    state = solve(
         family.arm,
         targets,
-        start,
-        as_metric(metric),
+        seed,
+        metric,
         respect_limits,
         np.empty((MAX_SOLUTIONS, chain.n)),
         q,
@@ -212,46 +240,20 @@ def inverse_kinematics_batch(
         np.empty((MARKS, MAX_SOLUTIONS), np.int64),
         count,
     )
-    status = np.zeros(len(targets), np.int64)
-    status[count == 0] = Status.LIMITS_EXCLUDE_ALL
-    for index in np.flatnonzero(count == NONE_EXISTS):
-        status[index] = _status_of_none(chain, targets[index], family.closed_form, respect_limits)
-    np.maximum(count, 0, out=count)
-    return q, count, status
+    return q, count, state
 
 
-def _status_of_none(
-    chain: SerialChain, T: Array, closed_form: bool, respect_limits: bool
-) -> Status:
-    """Tell why a pose of a batch has no solution."""
-    if closed_form:
-        reachable = out_of_reach(chain, T) == 0.0
-        return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH
-    return inverse_kinematics(chain, T, respect_limits=respect_limits).status
-
-
-def _with_searches(
-    chain: SerialChain,
-    targets: Array,
-    seed: Array,
-    metric: int,
-    respect_limits: bool,
-    q: Array,
-    count: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Search where no sample of a self-motion is inside the limits; return counts and status."""
-    status = np.zeros(len(targets), np.int64)
-    name = next(name for name, number in METRICS.items() if number == metric)
-    for index in np.flatnonzero(count <= 0):
-        found = inverse_kinematics(
-            chain,
-            targets[index],
-            seed=seed,
-            respect_limits=respect_limits,
-            metric=name,
-            max_solutions=q.shape[1],
-        )
-        count[index] = len(found)
-        q[index, : len(found)] = found.q
-        status[index] = found.status
-    return count, status
+def _outcome_of_none(
+    chain: SerialChain, T: Array, family: Family, seed: Array, metric: int, respect_limits: bool
+) -> Status | None:
+    """Tell why a closed form gave nothing for a pose of a batch; None where a search has to."""
+    if family.redundant or not family.closed_form:
+        return None
+    _, _, state = _solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
+    bare, _, _, singular, unproven = state
+    if bare:
+        return Status.SINGULAR_CONTINUUM if singular else Status.LIMITS_EXCLUDE_ALL
+    if unproven:
+        return None
+    reachable = out_of_reach(chain, T) == 0.0
+    return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH

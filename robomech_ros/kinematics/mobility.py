@@ -9,7 +9,7 @@ from robomech_ros._kernels.serial import jacobian
 from robomech_ros._kernels.tolerances import ARM_MOBILITY
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
-__all__ = ["arm_size", "moves_in_all_directions"]
+__all__ = ["arm_size", "mobility", "moves_in_all_directions"]
 
 Array = NDArray[np.float64]
 
@@ -23,20 +23,31 @@ def arm_size(chain: SerialChain) -> float:
     return max(float(np.linalg.norm(chain.packed[1 : chain.n, 10:], axis=1).sum()), 1e-3)
 
 
-def moves_in_all_directions(chain: SerialChain, size: float) -> bool:
-    """Tell whether a six-joint arm has six degrees of freedom: a posture with a regular Jacobian.
+def mobility(chain: SerialChain, size: float) -> float:
+    """Measure how far an arm is from having lost a degree of freedom.
 
     Parameters
     ----------
     chain : SerialChain
-        Of six joints.
+        Of one to six joints.
     size : float
         Of the arm (m).
+
+    Returns
+    -------
+    float
+        The least singular value of the Jacobian over the largest, lengths over the size, at the
+        best of some postures.
     """
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, 6))
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
     q[:, chain.types == PRISMATIC] *= size
-    J = np.empty((len(q), 6, 6))
+    J = np.empty((len(q), 6, chain.n))
     jacobian(chain.packed, q, J, np.empty((4, 4)))
     J[:, 3:] /= size
     values = np.linalg.svd(J, compute_uv=False)
-    return bool(np.max(values[:, -1] / values[:, 0]) > ARM_MOBILITY)
+    return float(np.max(values[:, -1] / values[:, 0]))
+
+
+def moves_in_all_directions(chain: SerialChain, size: float) -> bool:
+    """Tell whether a six-joint arm of a size (m) has six degrees of freedom."""
+    return mobility(chain, size) > ARM_MOBILITY

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels import branch_bits as bit
 from robomech_ros._kernels.serial import jacobian
-from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS
+from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_POSTURE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.inverse import inverse_kinematics
@@ -15,6 +16,7 @@ from robomech_ros.kinematics.redundancy import SelfMotionBranch, Tracer, margins
 from robomech_ros.kinematics.result import InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["CRITERIA", "optimal_posture"]
 
@@ -63,8 +65,7 @@ def optimal_posture(
         An unknown criterion, a limit margin of a chain without limits, a chain with another number
         of joints, or a target that is none.
     """
-    if criterion not in CRITERIA:
-        raise BadValueError("criterion", criterion, " or ".join(repr(name) for name in CRITERIA))
+    criterion = as_choice("criterion", criterion, tuple(CRITERIA))
     if criterion == "limit_margin" and np.isinf(chain.upper - chain.lower).all():
         raise BadValueError("criterion", criterion, "a chain with a joint that has two limits")
     motion = self_motion(chain, T)
@@ -88,8 +89,16 @@ def optimal_posture(
         reason=f"best by {criterion}: {worth:.6g}",
         blocking_joints=(),
         blocking_excess=NO_EXCESS,
-        branch_bits=np.zeros(1, np.int64),
+        branch_bits=_branch(chain, motion.target, q),
     )
+
+
+def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:
+    """Give the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
+    nearest = inverse_kinematics(chain, T, seed=q, max_solutions=1)
+    if len(nearest) and nearest.seed_distance[0] < SAME_POSTURE:
+        return nearest.branch_bits
+    return np.array([bit.SELF_MOTION | bit.UNNAMED])
 
 
 def _starts(

@@ -29,6 +29,10 @@ Array = NDArray[np.float64]
 # Orientation errors up to this (rad) explain nothing: a search at a singularity leaves as much.
 NO_GAP = 1e-6
 
+# Singular values of a Jacobian below this (of the largest) are those of motions that keep the tip
+# at rest: the posture that stands for a continuum may be off by the root of its rounding.
+STILL = 1e-7
+
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
 
@@ -40,17 +44,17 @@ def nothing(
     status: Status,
     reason: str,
     blocking: tuple[tuple[str, ...], Array] = ((), NO_EXCESS),
+    *,
+    complete: bool = False,
 ) -> InverseKinematicsResult:
-    """Give the result without solutions."""
-    certain = status in (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE)
-    certain = certain or status is Status.LIMITS_EXCLUDE_ALL
+    """Give the result without solutions, ``complete`` where it is certain that there are none."""
     return InverseKinematicsResult(
         chain=chain,
         target=T,
         q=np.empty((0, chain.n)),
         seed_distance=np.empty(0),
         family=family.name,
-        complete=certain and family.closed_form,
+        complete=complete,
         status=status,
         reason=reason,
         blocking_joints=blocking[0],
@@ -61,11 +65,12 @@ def nothing(
 
 
 def explain_limits(
-    chain: SerialChain, T: Array, q: Array, family: Family, continuum: bool
+    chain: SerialChain, T: Array, q: Array, family: Family, *, continuum: bool, proven: bool
 ) -> InverseKinematicsResult:
     """Say which joints keep the solutions q (k, n) from being inside the limits, and by how much.
 
-    Of a continuum only representatives were tried, so that limits may still admit another.
+    Of a continuum only representatives were tried, so that limits may still admit another; else it
+    is ``proven`` whether q are all.
     """
     excess = np.empty_like(q)
     best = excesses(family.turns, chain.lower, chain.upper, q, excess)
@@ -82,13 +87,16 @@ def explain_limits(
     if continuum:
         status = Status.SINGULAR_CONTINUUM
         reason = f"a continuum of postures exists, none found inside the limits: {reason}"
-    return nothing(chain, T, family, status, reason, (joints, amounts))
+    complete = proven and not continuum
+    return nothing(chain, T, family, status, reason, (joints, amounts), complete=complete)
 
 
 def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
     """Say how far the target is out of reach, or by how much its orientation is."""
     status, reason = reach_outcome(chain, T, reach_gap(chain, T))
-    return nothing(chain, T, family, status, reason)
+    missed = status is Status.ORIENTATION_UNREACHABLE and family.exact
+    complete = status is Status.OUT_OF_REACH or missed
+    return nothing(chain, T, family, status, reason, complete=complete)
 
 
 def reach_outcome(
@@ -120,21 +128,36 @@ def reach_outcome(
 
 
 def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) -> str:
-    """Say which joints of the solutions q (k, n) move while the tip stays."""
-    moving: dict[str, None] = {}
-    J = np.empty((6, chain.n))
-    pose = np.empty((4, 4))
-    for k in np.flatnonzero(branch & bit.CONTINUUM):
-        jacobian_one(chain.packed, q[k], J, pose)
-        _, values, rows = np.linalg.svd(J)
-        motion = rows[len(values) - 1]
-        for i in np.flatnonzero(np.abs(motion) > MOVES_IN_CONTINUUM):
-            moving[chain.joint_names[i]] = None
-    joints = [f"'{name}'" for name in chain.joint_names if name in moving]
+    """Say which joints of the solutions q (k, n) move while the tip stays, and in what ratio.
+
+    The direction is that of the first solution that stands for a continuum.
+    """
+    ways = [_still_motions(chain, q[k]) for k in np.flatnonzero(branch & bit.CONTINUUM)]
+    moving = np.flatnonzero(np.concatenate(ways).any(axis=0)).tolist()
+    joints = [f"'{chain.joint_names[i]}'" for i in moving]
+    directions = _and([f"({', '.join(f'{x:.6g}' for x in one)})" for one in ways[0]])
     return (
-        f"singular: joints {_and(joints)} can move while the tip stays; every branch of this "
-        "continuum is represented by one posture"
+        f"singular: joints {_and(joints)} can move while the tip stays, those of the nearest such "
+        f"solution in the direction {directions}; every branch of this continuum is represented "
+        "by one posture"
     )
+
+
+def _still_motions(chain: SerialChain, q: Array) -> Array:
+    """Give unit vectors, shape (k, n), that span the joint motions that keep the tip at rest.
+
+    At least the least moving one; what is rounding is zero, the largest entry of each positive.
+    """
+    J = np.empty((6, chain.n))
+    jacobian_one(chain.packed, q, J, np.empty((4, 4)))
+    _, values, rows = np.linalg.svd(J)
+    lost = values < STILL * values[0]
+    lost[-1] = True
+    still = rows[: len(values)][lost]
+    still[np.abs(still) < MOVES_IN_CONTINUUM] = 0.0
+    largest = np.abs(still).argmax(axis=1)
+    ways: Array = still * np.sign(np.take_along_axis(still, largest[:, None], axis=1))
+    return ways + 0.0  # no zeros with a sign
 
 
 def _components(task: Task) -> str:

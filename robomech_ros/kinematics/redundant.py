@@ -21,7 +21,7 @@ from robomech_ros._kernels.tolerances import (
     LOCKED_SAMPLES,
     NEARLY_SPHERICAL,
 )
-from robomech_ros.kinematics.decoupled import common_point, transforms, wrist_constants
+from robomech_ros.kinematics.decoupled import common_point, wrist_constants
 from robomech_ros.kinematics.iterative import iterative_data
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.kinematics.six_joints import (
@@ -31,7 +31,7 @@ from robomech_ros.kinematics.six_joints import (
     match_six,
     reversed_transforms,
 )
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain import SerialChain, unpack_chain
 
 __all__ = ["locked_anyway", "match"]
 
@@ -53,7 +53,7 @@ def match(chain: SerialChain) -> Array | None:
     """
     if chain.n < 7:
         return None
-    C = transforms(chain)
+    C = unpack_chain(chain.packed)
     parts = _arm_angle_parts(chain, C)
     if parts is not None:
         return _laid_out(chain, at.ARM_ANGLE, np.zeros(91), parts)
@@ -103,7 +103,7 @@ def locked_anyway(chain: SerialChain) -> Array | None:
     ndarray or None
         As :func:`match` gives it; None where the others do not move in all directions.
     """
-    C = transforms(chain)
+    C = unpack_chain(chain.packed)
     for first in (0, 1):
         part = chain_of(*_six(chain, C, first))
         if moves_in_all_directions(part, arm_size(part)):

@@ -48,7 +48,7 @@ def solve_by_search(
         data, target = _task_data(chain, T, request, False)
         beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
         if len(beyond.q):
-            return explain_limits(chain, T, beyond.q, family, continuum=False)
+            return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
     if _left(request, started) == 0.0:
         reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
         return nothing(chain, T, family, Status.TIMED_OUT, reason)
@@ -124,7 +124,7 @@ def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> st
     parts = []
     if chain.n > sum(request.task):
         parts.append(
-            f"{chain.n} joints for {sum(request.task)} conditions: the solutions form a continuum, "
+            f"{chain.n} joints for {_conditions(request)}: the solutions form a continuum, "
             "of which these are samples"
         )
     if search.timed_out:
@@ -146,6 +146,11 @@ def _explained(
         return nothing(chain, T, family, status, reason)
     reason = f"no solution after {search.attempts} starts; {_best(search)}"
     return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
+
+
+def _conditions(request: Request) -> str:
+    count = sum(request.task)
+    return "1 condition" if count == 1 else f"{count} conditions"
 
 
 def _best(search: IterativeSearch) -> str:

@@ -18,14 +18,13 @@ from robomech_ros._kernels import decoupled_layout
 from robomech_ros._kernels import short_layout as at
 from robomech_ros._kernels.six_joints import DECOUPLED
 from robomech_ros._kernels.tolerances import ARM_RANK, SHORT_REGULAR
-from robomech_ros.kinematics.decoupled import transforms
 from robomech_ros.kinematics.six_joints import (
     SixJointArm,
     match_general,
     match_six,
     reversed_transforms,
 )
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
 
 __all__ = ["match"]
 
@@ -85,7 +84,7 @@ def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, 
     """Complete an arm of four or five joints to one of no special geometry."""
     if chain.n < 4:
         return None
-    C, types = transforms(chain), chain.types.tolist()
+    C, types = unpack_chain(chain.packed), chain.types.tolist()
     arms = []
     for turned in (False, True):
         links = list(reversed_transforms(C) if turned else C)
@@ -102,7 +101,7 @@ def _without_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, 
 
 def _completions(chain: SerialChain, size: float) -> Iterator[Completed]:
     """List completed arms, the most natural first; not all have a closed form."""
-    C, types = transforms(chain), chain.types.tolist()
+    C, types = unpack_chain(chain.packed), chain.types.tolist()
     n = chain.n
     for wrist in (3, 2, 1, 0):
         for turned in (False, True):

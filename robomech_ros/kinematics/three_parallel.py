@@ -22,7 +22,8 @@ from robomech_ros._kernels.tolerances import (
     PARALLEL_SLACK,
 )
 from robomech_ros.kinematics.mobility import moves_in_all_directions
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]
 
@@ -94,12 +95,9 @@ def _axes(chain: SerialChain) -> tuple[list[_Line], Array]:
     """Find the joint axes and the tip's pose in the base at q = 0."""
     pose = np.eye(4)
     lines = []
-    for row in chain.packed:
-        step = np.eye(4)
-        step[:3, :3] = row[1:10].reshape(3, 3)
-        step[:3, 3] = row[10:]
+    for kind, step in zip(chain.packed[:, 0], unpack_chain(chain.packed), strict=True):
         pose = pose @ step
-        lines.append(_Line(pose[:3, 2], pose[:3, 3], row[0] == PRISMATIC))
+        lines.append(_Line(pose[:3, 2], pose[:3, 3], kind == PRISMATIC))
     return lines[:-1], pose
 
 
@@ -138,13 +136,6 @@ def _frame(z: Array, x: Array, origin: Array) -> Array:
     pose = np.eye(4)
     pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = x, np.cross(z, x), z, origin
     return pose
-
-
-def _inverse(pose: Array) -> Array:
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result
 
 
 def _last_frames(arm: _Arm) -> tuple[int, float, Array, Array]:
@@ -200,17 +191,17 @@ def _constants(chain: SerialChain, arm: _Arm) -> Array:
 
     third = base.copy()
     third[:3, 3] = triple[2].point - z * (z @ (triple[2].point - base[:3, 3]))
-    third = _inverse(frame5 if before else frame_a) @ third
+    third = rigid_inverse(frame5 if before else frame_a) @ third
     data[at.POINT : at.POINT + 3] = third[:3, 3]
     data[at.HEADING : at.HEADING + 3] = third[:3, 0]
-    middle = _inverse(base if before else frame5) @ frame_a
+    middle = rigid_inverse(base if before else frame5) @ frame_a
     data[at.MIDDLE : at.MIDDLE + 12] = middle[:3].ravel()
-    left = _inverse(frame_a if before else base)
+    left = rigid_inverse(frame_a if before else base)
     right = frame6
     if arm.from_tip:
         left = left @ arm.home
     else:
-        right = _inverse(arm.home) @ right
+        right = rigid_inverse(arm.home) @ right
     data[at.LEFT : at.LEFT + 12] = left[:3].ravel()
     data[at.RIGHT : at.RIGHT + 12] = right[:3].ravel()
     data[at.PACKED :] = chain.packed.ravel()

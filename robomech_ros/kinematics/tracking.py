@@ -113,7 +113,7 @@ def track(
         A joint of the start is outside its limits.
     """
     check_chain(chain)
-    targets = as_targets(poses, batch=True)
+    targets = as_targets(poses, "poses", batch=True)
     if not len(targets):
         raise BadValueError("poses", "empty", "at least one pose")
     largest = np.where(
@@ -127,7 +127,7 @@ def track(
     else:
         solutions, counts, _ = inverse_kinematics_batch(chain, targets)
         lists = [solutions[k, : counts[k]] for k in range(len(targets))]
-        _, q = _fewest_jumps(chain, lists, origin, largest)
+        q = _fewest_jumps(chain, lists, origin, largest)
     reason = ""
     if len(q) < len(targets):
         failed = inverse_kinematics(chain, targets[len(q)])
@@ -160,7 +160,7 @@ def _redundant(chain: SerialChain, targets: Array, origin: Array | None, largest
     jumps = len(_jumps(chain, q, origin, largest))
     if chain.n != 7 or (len(q) == len(targets) and not jumps):
         return q
-    _, other = _fewest_jumps(chain, _sampled(chain, targets, q, origin), origin, largest)
+    other = _fewest_jumps(chain, _sampled(chain, targets, q, origin), origin, largest)
     other = _relaxed(chain, targets[: len(other)], other, origin, largest)
     worth = len(other), -len(_jumps(chain, other, origin, largest))
     return other if worth > (len(q), -jumps) else q
@@ -225,16 +225,16 @@ def _relaxed(
 
 def _fewest_jumps(
     chain: SerialChain, solutions: list[Array], origin: Array | None, largest: Array
-) -> tuple[float, Array]:
+) -> Array:
     """Choose a solution for every pose: fewest jumps first, then least squares of the moves.
 
     Solutions stand for all their windings at first.  Of the best path to each solution of the last
-    pose the windings are chosen, and then the best of these paths.  Gives its cost, too; it ends
-    before the first pose without a solution.
+    pose the windings are chosen, and then the best of these paths.  It ends before the first pose
+    without a solution.
     """
     reached = next((k for k, found in enumerate(solutions) if not len(found)), len(solutions))
     if not reached:
-        return np.inf, np.empty((0, chain.n))
+        return np.empty((0, chain.n))
     first = solutions[0]
     cost = np.zeros(len(first))
     if origin is not None:
@@ -252,8 +252,7 @@ def _fewest_jumps(
         path = np.array([solutions[k][i] for k, i in enumerate(reversed(chosen))])
         path = _wound(chain, path, origin)
         paths.append((len(_jumps(chain, path, origin, largest)), float(cost[last]), path))
-    _, least, path = min(paths, key=lambda one: one[:2])
-    return least, path
+    return min(paths, key=lambda one: one[:2])[2]
 
 
 def _edges(chain: SerialChain, before: Array, after: Array, largest: Array) -> Array:

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
 
 __all__ = ["tip_poses"]
 
@@ -39,7 +39,8 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
         raise WrongSizeError("q", values.shape, f"(m, {chain.n})")
     if not np.isfinite(values).all():
         raise_not_finite(chain, values)
-    T = np.broadcast_to(_constant(chain, 0), (len(values), 4, 4))
+    C = unpack_chain(chain.packed)
+    T = np.broadcast_to(C[0], (len(values), 4, 4))
     for joint in range(chain.n):
         motion = np.broadcast_to(np.eye(4), T.shape).copy()
         if chain.types[joint] == PRISMATIC:
@@ -48,13 +49,5 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
             cosine, sine = np.cos(values[:, joint]), np.sin(values[:, joint])
             motion[:, 0, 0] = motion[:, 1, 1] = cosine
             motion[:, 1, 0], motion[:, 0, 1] = sine, -sine
-        T = T @ motion @ _constant(chain, joint + 1)
+        T = T @ motion @ C[joint + 1]
     return T
-
-
-def _constant(chain: SerialChain, index: int) -> Array:
-    """Read the constant transform (4, 4) before joint `index` + 1 or, last, before the tip."""
-    transform = np.eye(4)
-    transform[:3, :3] = chain.packed[index, 1:10].reshape(3, 3)
-    transform[:3, 3] = chain.packed[index, 10:]
-    return transform

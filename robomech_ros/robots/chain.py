@@ -30,6 +30,7 @@ __all__ = [
     "SerialChain",
     "check_name",
     "pack_chain",
+    "unpack_chain",
 ]
 
 Array = NDArray[np.float64]
@@ -321,3 +322,23 @@ def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:
     packed[:, 1:10] = transforms[:, :3, :3].reshape(n + 1, 9)
     packed[:, 10:] = transforms[:, :3, 3]
     return packed
+
+
+def unpack_chain(packed: Array) -> Array:
+    """Give the constant transforms C_0 .. C_n of a chain as it is packed.
+
+    Parameters
+    ----------
+    packed : ndarray, shape (n + 1, 13)
+        See :class:`SerialChain`.
+
+    Returns
+    -------
+    ndarray, shape (n + 1, 4, 4)
+        In m; a copy.
+    """
+    transforms = np.zeros((len(packed), 4, 4))
+    transforms[:, :3, :3] = packed[:, 1:10].reshape(-1, 3, 3)
+    transforms[:, :3, 3] = packed[:, 10:]
+    transforms[:, 3, 3] = 1.0
+    return transforms

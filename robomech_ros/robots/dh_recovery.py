@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import INTERSECTING, PARALLEL_SINE
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
 from robomech_ros.robots.dh import DHTable
+from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["dh_from_chain"]
 
@@ -50,7 +51,7 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
         parameters[:, i] = _between(frame, after)
         frame = after
     a, b, alpha, theta = parameters
-    tool = _inverse(frame) @ tip
+    tool = rigid_inverse(frame) @ tip
     return DHTable(a, b, alpha, theta, base, tool, chain.types)
 
 
@@ -58,10 +59,7 @@ def _axes_at_zero(chain: SerialChain) -> tuple[Array, Array, Array]:
     """Directions and points of all joint axes, and the tip's pose, at q = 0 in the base."""
     T = np.eye(4)
     frames = []
-    for row in chain.packed:
-        C = np.eye(4)
-        C[:3, :3] = row[1:10].reshape(3, 3)
-        C[:3, 3] = row[10:]
+    for C in unpack_chain(chain.packed):
         T = T @ C
         frames.append(T)
     stacked = np.array(frames)
@@ -125,15 +123,8 @@ def _next_parallel(frame: Array, z: Array, point: Array, tip: Array | None) -> A
 
 def _between(frame: Array, after: Array) -> tuple[float, float, float, float]:
     """DH parameters a, b, alpha, theta from one frame to the next."""
-    T = _inverse(frame) @ after
+    T = rigid_inverse(frame) @ after
     theta = np.arctan2(T[1, 0], T[0, 0])
     alpha = np.arctan2(T[2, 1], T[2, 2])
     a = T[0, 3] * T[0, 0] + T[1, 3] * T[1, 0]
     return float(a), float(T[2, 3]), float(alpha), float(theta)
-
-
-def _inverse(T: Array) -> Array:
-    result = np.eye(4)
-    result[:3, :3] = T[:3, :3].T
-    result[:3, 3] = -T[:3, :3].T @ T[:3, 3]
-    return result

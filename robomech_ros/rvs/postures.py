@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import unpack_chain
 from robomech_ros.rvs.plots import PlottingUnavailableError
 from robomech_ros.spatial import matrix_from_axis_angle
 
@@ -145,9 +146,7 @@ def _rows(azimuth: float, elevation: float) -> Array:
 
 def _skeleton(chain: SerialChain, q: Array) -> _Skeleton:
     """Find the joints' axes and the corners of the links of one posture."""
-    fixed = np.tile(np.eye(4), (chain.n + 1, 1, 1))
-    fixed[:, :3, :3] = chain.packed[:, 1:10].reshape(-1, 3, 3)
-    fixed[:, :3, 3] = chain.packed[:, 10:13]
+    fixed = unpack_chain(chain.packed)
     frame = fixed[0]
     frames = [frame]
     for value, kind, after in zip(q, chain.types, fixed[1:], strict=True):

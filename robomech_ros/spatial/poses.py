@@ -18,6 +18,7 @@ __all__ = [
     "pose_from_matrix",
     "pose_from_position_quaternion",
     "position_quaternion_from_pose",
+    "rigid_inverse",
 ]
 
 Array = NDArray[np.float64]
@@ -167,6 +168,21 @@ def inverse_pose(pose: ArrayLike) -> Array:
     T = as_pose(pose)
     rotation = np.swapaxes(T[..., :3, :3], -1, -2)
     return _assembled(rotation, -(rotation @ T[..., :3, 3:])[..., 0])
+
+
+def rigid_inverse(T: Array) -> Array:
+    """Invert one pose that is known to be one, as :func:`inverse_pose` without its checks.
+
+    Parameters
+    ----------
+    T : ndarray, shape (4, 4)
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+    """
+    back = T[:3, :3].T
+    return _assembled(back, -back @ T[:3, 3])
 
 
 def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:

@@ -9,9 +9,9 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.decoupled import transforms
 from robomech_ros.kinematics.six_joints import chain_of, reversed_transforms
 from robomech_ros.robots import load_robot
+from robomech_ros.robots.chain import unpack_chain
 
 ARMS = ["puma560", "irb120", "stanford"]
 
@@ -19,7 +19,7 @@ ARMS = ["puma560", "irb120", "stanford"]
 def turned_round(name):
     """The robot with its tip fixed and its base moving."""
     robot = load_robot(name)
-    return chain_of(reversed_transforms(transforms(robot)), robot.types[::-1].tolist())
+    return chain_of(reversed_transforms(unpack_chain(robot.packed)), robot.types[::-1].tolist())
 
 
 def random_postures(chain, count, seed):

@@ -186,3 +186,14 @@ def test_size_does_not_matter():
         assert len(one) == len(other) and one.complete and other.complete
         np.testing.assert_allclose(one.q[0], q, atol=1e-8)
         np.testing.assert_allclose(other.q[0], q, atol=1e-8)
+
+
+def test_an_arm_that_hardly_moves_in_all_directions_claims_nothing():
+    """Two links of a few micrometres: solutions that exist are lost in rounding."""
+    a = [-2.02e-06, 8.83e-05, 0.0, 0.0, 0.3, 0.0]
+    b = [-0.2, 0.48, 0.3, -0.417, -0.209, 0.0]
+    chain = chain_from_dh(a, b, [np.pi, 0.0, -5.37e-4, 1.5708073637, np.pi, -0.764])
+    rng = np.random.default_rng(0)
+    for q in rng.uniform(-3.0, 3.0, (20, 6)):
+        result = inverse_kinematics(chain, forward_kinematics(chain, q))
+        assert not result.complete

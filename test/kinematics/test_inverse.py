@@ -172,6 +172,21 @@ def test_a_continuum_is_told_and_stays_inside_the_limits(name, pose_errors):
     assert result.seed_distance[0] < 1e-6
 
 
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "irb120", "stanford"])
+def test_the_direction_of_a_self_motion_keeps_the_tip_at_rest(name):
+    chain = load_robot(name)
+    q = np.where(chain.types == 1, 0.3, [0.3, -0.4, 0.5, 0.6, 0.0, -0.3])
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, seed=q, respect_limits=False)
+    text = result.reason.split("in the direction (")[1].split(")")[0]
+    direction = np.array([float(entry) for entry in text.split(",")])
+    first = next(k for k, branch in enumerate(result.branches) if "singular" in branch)
+    assert np.linalg.norm(direction) == pytest.approx(1.0, abs=1e-5)
+    assert np.abs(jacobian(chain, result.q[first]) @ direction).max() < 1e-5
+    moving = [name for name, part in zip(chain.joint_names, direction, strict=True) if part]
+    assert all(f"'{name}'" in result.reason for name in moving) and len(moving) > 1
+
+
 @pytest.mark.parametrize(
     ("name", "mask"),
     [
@@ -238,6 +253,21 @@ def test_batch_agrees_with_single_calls(ur5e):
     nearest, one, _ = inverse_kinematics_batch(ur5e, T, seed=POSTURE, max_solutions=1)
     assert nearest.shape == (40, 1, 6) and one.max() == 1
     np.testing.assert_array_equal(nearest[:, 0], q[:, 0])
+
+
+@pytest.mark.parametrize("name", ["puma560", "irb120", "stanford"])
+def test_a_batch_tells_a_continuum_outside_the_limits(name):
+    """Of a continuum only representatives are tried: that limits exclude all of it is not known."""
+    chain = load_robot(name)
+    quarters = np.random.default_rng(0).integers(-1, 3, (60, 6)) * (np.pi / 2)
+    T = forward_kinematics(chain, np.where(chain.types == 1, 0.1, quarters))
+    q, count, status = inverse_kinematics_batch(chain, T)
+    for k, target in enumerate(T):
+        single = inverse_kinematics(chain, target)
+        assert Status(status[k]) is single.status
+        assert q[k, : count[k]].tobytes() == single.q.tobytes()
+    assert (status == Status.SINGULAR_CONTINUUM).any()
+    assert (status == Status.LIMITS_EXCLUDE_ALL).any()
 
 
 def test_the_layout_of_arguments_makes_no_difference_and_they_stay(ur5e, target):

@@ -136,6 +136,8 @@ def test_the_best_posture_is_best(name, criterion, pose_errors):
             )
         assert np.max(mine) >= worth.max() - 1e-6
         assert f"best by {criterion}" in best.reason
+        same = inverse_kinematics(chain, T, seed=best.q[0], max_solutions=1)
+        assert best.branches == same.branches and best.continuum
 
 
 def test_out_of_reach_there_is_no_motion():
@@ -151,8 +153,9 @@ def test_bad_requests_are_refused():
     T = forward_kinematics(panda, panda.midrange())
     with pytest.raises(BadValueError, match="number of joints"):
         self_motion(puma, T)
-    with pytest.raises(BadValueError, match="'limit_margin' or 'manipulability'"):
-        optimal_posture(panda, T, criterion="speed")
+    for criterion in ("speed", None, ["limit_margin"]):
+        with pytest.raises(BadValueError, match="one of limit_margin, manipulability"):
+            optimal_posture(panda, T, criterion=criterion)
 
 
 def test_a_redundant_arm_of_any_geometry(pose_errors, apart):

@@ -9,7 +9,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics_batch,
 )
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import chain_from_dh, load_robot
 
 POSES = 300
 RESIDUAL = 1e-9
@@ -232,3 +232,35 @@ def test_two_solutions_on_this_side_of_the_boundary_and_none_beyond(three_parall
         near = np.abs(q[:, 2]) < 0.2
         counts.append(int((near & (np.abs(q[:, 0] - posture[0]) < 0.1)).sum()))
     assert counts[0] >= 2 and counts[1] >= 2 and counts[2] == 0
+
+
+def offset_wrist(first, number):
+    """An arm with axes ``first`` to ``first`` + 2 parallel and the outer two at a distance.
+
+    The others are at right angles, or, of every second arm, two neighbours parallel and the rest
+    skew.
+    """
+    rng = np.random.default_rng([first, number])
+    a, b = rng.uniform(0.1, 0.6, 6), rng.uniform(-0.4, 0.4, 6)
+    alpha = rng.choice([-0.5, 0.5], 6) * np.pi
+    beside = [i for i in range(5) if i < first - 1 or i > first + 2]
+    if number % 2 and beside:
+        alpha = rng.uniform(0.4, 1.4, 6) * rng.choice([-1.0, 1.0], 6)
+        alpha[rng.choice(beside)] = rng.choice([0.0, np.pi])
+    alpha[first : first + 2] = rng.choice([0.0, np.pi], 2)
+    return chain_from_dh(a, b, alpha)
+
+
+@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("first", range(4))
+def test_offset_wrists_at_quarter_turns(apart, pose_errors, first, number):
+    """Double roots of both equations coincide, or axis 6 is parallel to the three at one."""
+    chain = offset_wrist(first, number)
+    quarters = np.random.default_rng(number).integers(-1, 3, (40, 6)) * (np.pi / 2)
+    for q in quarters:
+        T = forward_kinematics(chain, q)
+        result = inverse_kinematics(chain, T, seed=q)
+        assert len(result), q
+        assert pose_errors(chain, T, result.q).max() < RESIDUAL
+        # Where four solutions have become one, the fourth root of the rounding is left.
+        assert result.continuum or apart(chain, result.q, q).min() < 3e-3, q

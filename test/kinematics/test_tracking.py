@@ -146,7 +146,7 @@ def test_bad_requests_are_refused():
     poses, q = path_between(chain, 0)
     with pytest.raises(BadValueError, match="at least one pose"):
         track(chain, np.empty((0, 4, 4)))
-    with pytest.raises(WrongSizeError):
+    with pytest.raises(WrongSizeError, match="poses has shape"):
         track(chain, poses[0])
     with pytest.raises(SeedOutsideLimitsError):
         track(chain, poses, start=q[0] + 9.0)

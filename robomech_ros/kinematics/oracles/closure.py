@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.uncompiled import tip_poses
 from robomech_ros.numerics import newton_gauss
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain import SerialChain, unpack_chain
 
 __all__ = ["ClosureEquations", "circle", "posture_of"]
 
@@ -61,10 +61,7 @@ class ClosureEquations:
         """
         if chain.n != 6 or chain.types.any():
             raise BadValueError("chain", chain.name, "an arm of six revolute joints")
-        C = np.zeros((7, 4, 4))
-        C[:, :3, :3] = chain.packed[:, 1:10].reshape(7, 3, 3)
-        C[:, :3, 3] = chain.packed[:, 10:]
-        C[:, 3, 3] = 1.0
+        C = unpack_chain(chain.packed)
         rng = np.random.default_rng(0)
         angles = rng.uniform(-np.pi, np.pi, (_POSTURES, 5))
         wrist = np.linalg.inv(C[0]) @ T @ np.linalg.inv(C[6])
@@ -122,8 +119,8 @@ def posture_of(equations: ClosureEquations, q3: float, q4: float, q5: float) -> 
     q1 = float(np.arctan2(products[5], products[2]))
     q2 = float(np.arctan2(products[7], products[6]))
     q = np.array([q1, q2, q3, q4, q5, 0.0])
-    rest = np.linalg.inv(tip_poses(chain, q[None])[0] @ np.linalg.inv(_last(chain))) @ T
-    rest = rest @ np.linalg.inv(_last(chain))
+    back = np.linalg.inv(unpack_chain(chain.packed)[6])
+    rest = np.linalg.inv(tip_poses(chain, q[None])[0] @ back) @ T @ back
     q[5] = np.arctan2(rest[1, 0], rest[0, 0])
 
     def error(x: Array) -> Array:
@@ -141,10 +138,3 @@ def posture_of(equations: ClosureEquations, q3: float, q4: float, q5: float) -> 
         return None
     turned: Array = (end.x + np.pi) % (2.0 * np.pi) - np.pi
     return turned
-
-
-def _last(chain: SerialChain) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = chain.packed[6, 1:10].reshape(3, 3)
-    pose[:3, 3] = chain.packed[6, 10:]
-    return pose
