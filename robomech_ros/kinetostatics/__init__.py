@@ -23,9 +23,16 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
     from robomech_ros.kinetostatics.points import point_jacobian
+    from robomech_ros.kinetostatics.singularities import SingularityReport, singularity_report
+    from robomech_ros.kinetostatics.singularity_distance import (
+        NearestSingularity,
+        nearest_singular_posture,
+    )
 
 __all__ = [
     "CharacteristicLength",
+    "NearestSingularity",
+    "SingularityReport",
     "bias_acceleration",
     "characteristic_length",
     "condition_number",
@@ -36,11 +43,15 @@ __all__ = [
     "least_singular_value_gradient",
     "manipulability",
     "manipulability_gradient",
+    "nearest_singular_posture",
     "point_jacobian",
+    "singularity_report",
 ]
 
 _MODULES = {
     "CharacteristicLength": "conditioning",
+    "NearestSingularity": "singularity_distance",
+    "SingularityReport": "singularities",
     "bias_acceleration": "accelerations",
     "characteristic_length": "conditioning",
     "condition_number": "indices",
@@ -51,7 +62,9 @@ _MODULES = {
     "least_singular_value_gradient": "indices",
     "manipulability": "indices",
     "manipulability_gradient": "indices",
+    "nearest_singular_posture": "singularity_distance",
     "point_jacobian": "points",
+    "singularity_report": "singularities",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())
