@@ -3,7 +3,7 @@
 import functools
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -183,7 +183,7 @@ def singularity_report(
     )
 
 
-def _condition(values: Array, least: float) -> float:
+def _condition(values: NDArray[np.floating[Any]], least: float) -> float:
     low, high = float(values[-1]), float(values[0])
     return high / low if low > least * high else math.inf
 

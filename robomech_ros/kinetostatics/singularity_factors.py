@@ -139,7 +139,8 @@ class _Posture:
     def velocity(self, joint: int, point: Array) -> Array:
         """Give the velocity that a joint gives to a point of its link; a turn's over the size."""
         if joint not in self.structure.turning:
-            return self.velocities[joint]
+            slid: Array = self.velocities[joint]
+            return slid
         turned: Array = np.cross(self.axes[joint], point - self.points[joint])
         return turned / self.structure.size
 
@@ -151,7 +152,7 @@ class _Posture:
         between = range(first[-1] + 1, last[0])
         if len(between) == 1:
             reach = self.velocity(between[0], wrist) @ (wrist - shoulder)
-            found["elbow"] = float(reach / max(np.linalg.norm(wrist - shoulder), 1e-300))
+            found["elbow"] = float(reach / max(float(np.linalg.norm(wrist - shoulder)), 1e-300))
         return found
 
     def decoupled(self) -> dict[str, float]:
