@@ -7,9 +7,13 @@ import numpy as np
 from robomech_ros._kernels._jit import IN1, IN2, OUT2, ZERO, i8, inline, kernel
 from robomech_ros._kernels.polishing import pose_difference
 from robomech_ros._kernels.serial import jacobian_body
-from robomech_ros._kernels.tolerances import ROWS_ORTHOGONAL, SINGULAR
+from robomech_ros._kernels.singular_values import (
+    condition_of,
+    make_rows_orthogonal,
+    row_lengths,
+)
 
-__all__ = ["CONDITION", "MARGIN", "ORIENTATION", "POSITION", "condition_body", "measure"]
+__all__ = ["CONDITION", "MARGIN", "ORIENTATION", "POSITION", "measure"]
 
 # Rows of the answer.
 POSITION = 0
@@ -19,57 +23,6 @@ CONDITION = 3
 
 # Where the position's components begin; typed as ZERO is.
 _LINEAR = np.int64(3)
-
-# Sweeps over all pairs of rows; six rows need about five.
-_SWEEPS = 30
-
-
-@inline
-def _rotate(W, i, j, a, b, c):
-    """Turn rows i and j of W, with squared norms a, b and product c, until they are orthogonal."""
-    ratio = (b - a) / (2.0 * c)
-    t = 1.0 / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
-    if ratio < 0.0:
-        t = -t
-    cosine = 1.0 / math.sqrt(1.0 + t * t)
-    sine = cosine * t
-    for k in range(W.shape[1]):
-        x, y = W[i, k], W[j, k]
-        W[i, k] = cosine * x - sine * y
-        W[j, k] = sine * x + cosine * y
-
-
-@inline
-def condition_body(W):
-    """Ratio of the largest to the least singular value of W (r, c), r <= c, which is spoilt.
-
-    One-sided Jacobi rotations make the rows orthogonal; their lengths are the singular values,
-    the small ones as accurate as the large ones.  Infinite where W is singular.
-    """
-    for _ in range(_SWEEPS):
-        done = True
-        for i in range(W.shape[0]):
-            for j in range(i):
-                a, b, c = 0.0, 0.0, 0.0
-                for k in range(W.shape[1]):
-                    a += W[i, k] * W[i, k]
-                    b += W[j, k] * W[j, k]
-                    c += W[i, k] * W[j, k]
-                if abs(c) > ROWS_ORTHOGONAL * math.sqrt(a * b):
-                    done = False
-                    _rotate(W, i, j, a, b, c)
-        if done:
-            break
-    largest = 0.0
-    least = math.inf
-    for i in range(W.shape[0]):
-        square = 0.0
-        for k in range(W.shape[1]):
-            square += W[i, k] * W[i, k]
-        largest = max(largest, square)
-        least = min(least, square)
-    largest, least = math.sqrt(largest), math.sqrt(least)
-    return largest / least if least > SINGULAR * largest else math.inf
 
 
 @inline
@@ -96,6 +49,7 @@ def measure(packed, T, weights, lower, upper, q, out):
     J = np.empty((6, n))
     wide = n >= 6
     W = np.empty((6, n)) if wide else np.empty((n, 6))
+    values = np.empty(W.shape[0])
     for k in range(q.shape[0]):
         jacobian_body(packed, q[k], J, current)
         pose_difference(T, current, e)
@@ -110,5 +64,7 @@ def measure(packed, T, weights, lower, upper, q, out):
                 else:
                     W[i, r] = J[r, i]
         out[MARGIN, k] = margin
-        out[CONDITION, k] = condition_body(W) if n > 0 else math.inf
+        make_rows_orthogonal(W, W.shape[1])
+        row_lengths(W, W.shape[1], values)
+        out[CONDITION, k] = condition_of(values) if n > 0 else math.inf
     return 0

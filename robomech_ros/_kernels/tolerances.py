@@ -175,6 +175,14 @@ NEARLY_SPECIAL = 1e-5
 # Least determinant of the arm's Jacobian (lengths over the size) at the best of some postures,
 # and least sine between neighbouring wrist axes, of an arm that moves in all directions.
 ARM_RANK = 1e-7
+# Axes that miss a common point by less than this (over the size) meet, for the name of a part.
+NAMED_MISFIT = 1e-6
+# Singular values below this (of the largest) are zero: postures typed to six digits are singular.
+RANK = 1e-6
+# A named factor of the determinant below this is zero in a posture that is singular.
+FACTOR_ZERO = 1e-4
+# Least singular value (lengths over the characteristic length) of a posture found to be singular.
+ON_SINGULARITY = 1e-8
 
 # --- Arms with a spherical wrist: solution ---
 # How far beyond a boundary (relative) a candidate is kept, to be judged by its residual: with an

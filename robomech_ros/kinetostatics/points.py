@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
-from robomech_ros.kinetostatics.jacobian import jacobian
+from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite

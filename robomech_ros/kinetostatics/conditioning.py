@@ -1,0 +1,180 @@
+"""The length that makes positions and orientations comparable: the characteristic length."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels import indices as kernels
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.iterative import low_discrepancy_strides, reach_bound
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics.indices import NORMS
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import as_choice
+
+__all__ = ["CharacteristicLength", "characteristic_length"]
+
+Array = NDArray[np.float64]
+
+_ROWS = np.arange(6)
+# Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
+_POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))
+# Postures that are looked at, with how many lengths (of the reach, from, to, count) each; how many
+# of them a descent starts from; and how many of its ends are followed through the first powers, and
+# how many from there on.
+_POSTURES = 1024
+_LENGTHS = (1.0 / 32.0, 1.0, 8)
+_STARTS = 16
+_FOLLOWED = ((_POWERS[:4], 6), (_POWERS[4:], 2))
+# Minima whose condition numbers differ by less (relative) are one.
+_SAME = 1e-9
+# What stands for the logarithm of the condition number of a singular posture.
+_SINGULAR = 1e3
+_OPTIONS = {"gtol": 1e-9, "maxiter": 300}
+# Step over which second derivatives are taken; they grow with the power.
+_STEP = 1e-3
+
+
+class CharacteristicLength(float):
+    """A length in m, with the posture that it belongs to.
+
+    Attributes
+    ----------
+    condition_number : float
+        The least that any posture has with any length.
+    q : ndarray, shape (n,)
+        A posture that has it (rad or m).
+    """
+
+    condition_number: float
+    q: Array
+
+    @property
+    def conditioning_index(self) -> float:
+        """100 over the condition number, the kinetostatic conditioning index in percent."""
+        return 100.0 / self.condition_number
+
+
+def characteristic_length(chain: SerialChain, *, norm: str = "2") -> CharacteristicLength:
+    """Find the length with which the arm's best posture is as well conditioned as can be.
+
+    Linear rows of the Jacobian are divided by it.  Length and posture together make the condition
+    number least, over all postures whether within the limits of revolute joints or not.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+    norm : {"2", "frobenius"}, optional
+        Of the condition number, as for :func:`condition_number`.
+
+    Returns
+    -------
+    CharacteristicLength
+        A float (m) with the attributes ``condition_number``, ``conditioning_index`` and ``q``.
+
+    Raises
+    ------
+    BadValueError
+        Not a chain, an unknown norm, or a chain that is singular in every posture.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+    """
+    check_chain(chain)
+    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
+    starts = _starts(chain)
+    if not starts:
+        raise BadValueError("chain", chain.name, "one that is not singular in every posture")
+    found = _distinct(chain, [_descent(chain, start) for start in starts])
+    if index == kernels.CONDITION:
+        for powers, count in _FOLLOWED:
+            found = [_followed(chain, x, powers) for x in found[:count]]
+            found.sort(key=lambda x: _evaluate(chain, x, 2.0, index)[0])
+    result = CharacteristicLength(math.exp(found[0][-1]))
+    result.q = found[0][:-1]
+    result.condition_number = _evaluate(chain, found[0], 2.0, index)[0]
+    return result
+
+
+def _distinct(chain: SerialChain, ends: list[Array]) -> list[Array]:
+    """Give the ends of descents, the best first, each minimum once."""
+    ranked = sorted((_evaluate(chain, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends))
+    values = [value for value, _ in ranked]
+    return [
+        ends[k]
+        for (value, k), before in zip(ranked, [0.0, *values], strict=False)
+        if value > before * (1.0 + _SAME)
+    ]
+
+
+def _evaluate(chain: SerialChain, x: Array, power: float, index: int) -> tuple[float, Array]:
+    """Give an index at x, joint values and the logarithm of the length, and its gradient."""
+    values, gradient = np.empty((1, kernels.COUNT)), np.empty((1, chain.n + 1))
+    q = np.ascontiguousarray(x[None, :-1])
+    weights = _weights(math.exp(x[-1]))
+    kernels.index_gradients(chain.packed, q, weights, _ROWS, power, index, values, gradient)
+    return float(values[0, index]), gradient[0]
+
+
+def _weights(length: float) -> Array:
+    return np.repeat((1.0, 1.0 / length), 3)
+
+
+def _logarithm(x: Array, chain: SerialChain, power: float) -> tuple[float, Array]:
+    """Give the logarithm of the condition number by the Schatten norm of this power at x."""
+    value, gradient = _evaluate(chain, x, power, kernels.SCHATTEN)
+    if not math.isfinite(value):
+        return _SINGULAR, np.zeros_like(x)
+    return math.log(value), gradient / value
+
+
+def _second_derivatives(x: Array, chain: SerialChain, power: float) -> Array:
+    steps = _STEP / power * np.eye(len(x))
+    ahead, behind = (
+        np.array([_logarithm(x + sign * step, chain, power)[1] for step in steps])
+        for sign in (1.0, -1.0)
+    )
+    H = (ahead - behind) * (power / (2.0 * _STEP))
+    symmetric: Array = 0.5 * (H + H.T)
+    return symmetric
+
+
+def _descent(chain: SerialChain, start: Array) -> Array:
+    """Descend to a minimum of the condition number by the Frobenius norm."""
+    from scipy.optimize import minimize  # a second and 40 MB that few need
+
+    given = (chain, 2.0)
+    end: Array = minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
+    return end
+
+
+def _followed(chain: SerialChain, x: Array, powers: Sequence[float]) -> Array:
+    """Follow a minimum from power to power, where the valley becomes ever narrower."""
+    from scipy.optimize import minimize
+
+    for power in powers:
+        given = (chain, power)
+        x = minimize(
+            _logarithm, x, given, "trust-exact", True, _second_derivatives, options=_OPTIONS
+        ).x
+    return x
+
+
+def _starts(chain: SerialChain) -> list[Array]:
+    """Give the best conditioned of many postures and lengths, none of them singular."""
+    size = reach_bound(chain)
+    half = np.where(chain.types == PRISMATIC, size, math.pi)
+    cube = np.arange(1, _POSTURES + 1)[:, None] * low_discrepancy_strides(chain.n) % 1.0
+    q = np.ascontiguousarray((2.0 * cube - 1.0) * half)
+    out = np.empty((_POSTURES, kernels.COUNT))
+    ranked = []
+    for length in size * np.geomspace(*_LENGTHS):
+        kernels.indices(chain.packed, q, _weights(length), _ROWS, 2.0, out)
+        for k in np.argsort(out[:, kernels.SCHATTEN])[:_STARTS]:
+            ranked.append((out[k, kernels.SCHATTEN], np.append(q[k], math.log(length))))
+    ranked.sort(key=lambda start: start[0])
+    return [x for value, x in ranked[:_STARTS] if math.isfinite(value)]

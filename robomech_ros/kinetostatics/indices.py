@@ -1,0 +1,247 @@
+"""Performance indices of a posture, and their gradients by the joint values."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import indices as kernels
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice, real_number
+
+__all__ = [
+    "NORMS",
+    "condition_number",
+    "condition_number_gradient",
+    "least_singular_value",
+    "least_singular_value_gradient",
+    "manipulability",
+    "manipulability_gradient",
+]
+
+Array = NDArray[np.float64]
+
+# Rows of the Jacobian that a part of the task means.
+_PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
+# Columns of the kernels that hold a condition number.
+NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
+
+
+class _Task(NamedTuple):
+    """The rows of the Jacobian that count, and what they are multiplied by."""
+
+    weights: Array
+    rows: NDArray[np.int64]
+    power: float = 2.0
+
+
+def manipulability(
+    chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
+) -> float | Array:
+    """Compute the product of the singular values of the Jacobian.
+
+    That is the root of det(J J^T), where there are no fewer joints than rows: how much the joints
+    move the tip, in volume.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    part : {"pose", "position", "orientation"}, optional
+        Which rows of the Jacobian count.
+    length : float, optional
+        What the linear rows are divided by (m), such as the characteristic length; default 1 m.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        0 where the posture is singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not an array of n finite real numbers or of rows of them, an unknown part, or a length
+        that is not positive.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.  Yoshikawa,
+    Manipulability of robotic mechanisms, Int. J. of Robotics Research 4(2), 1985.
+    """
+    return _value(chain, q, part, length, kernels.MANIPULABILITY)
+
+
+def condition_number(
+    chain: SerialChain,
+    q: ArrayLike,
+    *,
+    norm: str = "2",
+    part: str = "pose",
+    length: float | None = None,
+) -> float | Array:
+    """Compute the condition number of the Jacobian: 1 where isotropic, infinite where singular.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    norm : {"2", "frobenius"}, optional
+        "2": the largest singular value over the least.  "frobenius": the weighted Frobenius norm
+        of J times that of its inverse, never larger and smooth.
+    part, length
+        As for :func:`manipulability`.  A condition number of rows of different units means
+        something only with a length.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`manipulability`, or an unknown norm.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+    """
+    return _value(chain, q, part, length, NORMS[as_choice("norm", norm, tuple(NORMS))])
+
+
+def least_singular_value(
+    chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
+) -> float | Array:
+    """Compute the least singular value of the Jacobian.
+
+    The least speed of the tip at joint rates of norm 1, over all directions; 0 where singular.
+
+    Parameters
+    ----------
+    chain, q, part, length
+        As for :func:`manipulability`.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`manipulability`.
+    """
+    return _value(chain, q, part, length, kernels.LEAST)
+
+
+def manipulability_gradient(
+    chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
+) -> Array:
+    """Compute the derivatives of :func:`manipulability` by the joint values.
+
+    Parameters
+    ----------
+    chain, q, part, length
+        As for :func:`manipulability`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Per rad or m; NaN where the posture is singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`manipulability`.
+    """
+    return _gradient(chain, q, part, length, kernels.MANIPULABILITY)
+
+
+def condition_number_gradient(
+    chain: SerialChain,
+    q: ArrayLike,
+    *,
+    norm: str = "2",
+    part: str = "pose",
+    length: float | None = None,
+) -> Array:
+    """Compute the derivatives of :func:`condition_number` by the joint values.
+
+    Parameters
+    ----------
+    chain, q, norm, part, length
+        As for :func:`condition_number`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Per rad or m; NaN where the posture is singular.  With norm "2" a subgradient where the
+        largest or the least singular value is a double one.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`condition_number`.
+    """
+    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
+    return _gradient(chain, q, part, length, index)
+
+
+def least_singular_value_gradient(
+    chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
+) -> Array:
+    """Compute the derivatives of :func:`least_singular_value` by the joint values.
+
+    Parameters
+    ----------
+    chain, q, part, length
+        As for :func:`manipulability`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Per rad or m; NaN where the posture is singular, a subgradient where the least singular
+        value is a double one.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`manipulability`.
+    """
+    return _gradient(chain, q, part, length, kernels.LEAST)
+
+
+def _value(
+    chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
+) -> float | Array:
+    q, task = as_joint_values(chain, q), _task(part, length)
+    rows = as_rows(q)
+    out = np.empty((len(rows), kernels.COUNT))
+    if kernels.indices(chain.packed, rows, *task, out):
+        raise_not_finite(chain, q)
+    return float(out[0, index]) if q.ndim == 1 else out[:, index].reshape(q.shape[:-1])
+
+
+def _gradient(
+    chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
+) -> Array:
+    q, task = as_joint_values(chain, q), _task(part, length)
+    rows = as_rows(q)
+    out = np.empty((len(rows), chain.n + 1))
+    values = np.empty((len(rows), kernels.COUNT))
+    if kernels.index_gradients(chain.packed, rows, *task, index, values, out):
+        raise_not_finite(chain, q)
+    return out[:, :-1].reshape(q.shape)
+
+
+def _task(part: str, length: float | None) -> _Task:
+    rows = _PARTS[as_choice("part", part, tuple(_PARTS))]
+    expected = "a positive length in m"
+    metres = 1.0 if length is None else real_number("length", length, expected)
+    if not 0.0 < metres < np.inf:
+        raise BadValueError("length", metres, expected)
+    return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)

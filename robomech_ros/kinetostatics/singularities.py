@@ -1,0 +1,206 @@
+"""How far a posture is from a singularity, what is lost there, and why."""
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinetostatics.conditioning import characteristic_length
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinetostatics.singularity_factors import singularity_factors
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import real_number
+
+__all__ = ["SingularityReport", "regular_rank", "report_length", "singularity_report"]
+
+Array = NDArray[np.float64]
+
+_POSITIVE = "a positive length in m"
+_NONE = np.empty((0, 6))
+
+
+@dataclass(frozen=True, eq=False)
+class SingularityReport:
+    """What the Jacobian of a posture says.
+
+    Attributes
+    ----------
+    singular_values : ndarray, shape (k,)
+        Of the Jacobian with its linear rows divided by the length, largest first; k is the smaller
+        of 6 and the number of joints.
+    rank : int
+        How many of them are more than 1e-6 of the largest.
+    length : float
+        By which linear rows are divided (m).
+    manipulability : float
+        Product of the singular values of the Jacobian in SI units.
+    condition_number : float
+        Of the Jacobian in SI units; infinite where singular.
+    normalised_condition_number : float
+        Largest over least of ``singular_values``; infinite where singular.
+    lost_directions : ndarray, shape (r, 6)
+        Twists at the tip in base axes that no joint rates give, as an orthonormal basis after
+        division of their linear part by the length, angular first (rad/s and m/s).
+    idle_wrenches : ndarray, shape (r, 6)
+        Wrenches at the tip in base axes that load no joint, a basis, moment first (N m and N),
+        orthonormal after division of the moment by the length.
+    self_motions : ndarray, shape (s, n)
+        Joint rates of norm 1 that do not move the tip, an orthonormal basis, prismatic ones divided
+        by the length (rad/s and m/s).
+    factors : dict
+        From the name of a part of the arm, such as "elbow", to its factor of the determinant, 0
+        where that part is singular.
+    kinds : tuple of str
+        The parts that are singular here; where none has a name, the joints whose axes depend on
+        each other.
+    """
+
+    singular_values: Array
+    rank: int
+    length: float
+    manipulability: float
+    condition_number: float
+    normalised_condition_number: float
+    lost_directions: Array
+    idle_wrenches: Array
+    self_motions: Array
+    factors: dict[str, float]
+    kinds: tuple[str, ...]
+
+    @property
+    def singular(self) -> bool:
+        """Whether the tip has lost a motion that the arm has in other postures."""
+        return bool(self.kinds)
+
+
+class _Motions(NamedTuple):
+    """The motions that a chain has in one posture or another."""
+
+    rank: int
+    basis: Array
+
+
+@functools.lru_cache(maxsize=64)
+def _length(chain: SerialChain) -> float:
+    return float(characteristic_length(chain))
+
+
+def report_length(chain: SerialChain, length: float | None) -> float:
+    """Give the length (m) that a caller wants, or the characteristic length.
+
+    Raises
+    ------
+    BadValueError
+        It is not positive; or the chain has no joint, or is singular in every posture.
+    """
+    if not chain.n:
+        raise BadValueError("chain", chain.name, "one with a joint")
+    metres = _length(chain) if length is None else real_number("length", length, _POSITIVE)
+    if not 0.0 < metres < math.inf:
+        raise BadValueError("length", metres, _POSITIVE)
+    return metres
+
+
+def regular_rank(chain: SerialChain) -> int:
+    """Give the rank that the Jacobian has in nearly all postures."""
+    return _motions(chain).rank
+
+
+@functools.lru_cache(maxsize=64)
+def _motions(chain: SerialChain) -> _Motions:
+    """Find the largest rank, and a basis (6, r) of all twists, linear parts over the arm's size."""
+    size = arm_size(chain)
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
+    q[:, chain.types == PRISMATIC] *= size
+    J = jacobian(chain, q)
+    J[:, 3:] /= size
+    values = np.linalg.svd(J, compute_uv=False)
+    left, all_values, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
+    rank = int((values > RANK * values[:, :1]).sum(axis=1).max())
+    span: Array = left[:, : int((all_values > RANK * all_values[0]).sum())]
+    span[3:] *= size
+    return _Motions(rank, span)
+
+
+def singularity_report(
+    chain: SerialChain, q: ArrayLike, *, length: float | None = None
+) -> SingularityReport:
+    """Say what the tip can do in a posture, and what not.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+    q : array_like, shape (n,)
+        Joint values (rad or m).
+    length : float, optional
+        What makes linear and angular motions comparable (m); default the characteristic length,
+        which takes a second or so to find and is kept.
+
+    Returns
+    -------
+    SingularityReport
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not an array of n finite real numbers, the length is not positive, or the chain has no
+        joint, or is singular in every posture and no length is given.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.4 and 5.8.
+    """
+    J = jacobian(chain, q)
+    if J.ndim != 2:
+        raise WrongSizeError("q", np.shape(q), (chain.n,))
+    metres = report_length(chain, length)
+    scale = np.repeat((1.0, 1.0 / metres), 3)[:, None]
+    left, values, right = np.linalg.svd(scale * J)
+    rank = int((values > RANK * values[0]).sum())
+    plain = np.linalg.svd(J, compute_uv=False)
+    factors = singularity_factors(chain, J)
+    best = _motions(chain)
+    singular = rank < best.rank
+    return SingularityReport(
+        singular_values=values,
+        rank=rank,
+        length=metres,
+        manipulability=float(plain.prod()),
+        condition_number=_condition(plain, RANK if singular else 0.0),
+        normalised_condition_number=_condition(values, RANK),
+        lost_directions=_lost(left[:, :rank], scale * best.basis, scale) if singular else _NONE,
+        idle_wrenches=left[:, rank:].T * np.repeat((metres, 1.0), 3),
+        self_motions=right[rank:],
+        factors=factors,
+        kinds=_kinds(chain, factors, right[rank:]) if singular else (),
+    )
+
+
+def _condition(values: NDArray[np.floating[Any]], least: float) -> float:
+    low, high = float(values[-1]), float(values[0])
+    return high / low if low > least * high else math.inf
+
+
+def _lost(attained: Array, all_motions: Array, scale: Array) -> Array:
+    """Give a basis of what an arm can do elsewhere and not here."""
+    rest = all_motions - attained @ (attained.T @ all_motions)
+    left, values, _ = np.linalg.svd(rest, full_matrices=False)
+    lost: Array = (left[:, values > FACTOR_ZERO * np.linalg.norm(all_motions)] / scale).T
+    return lost
+
+
+def _kinds(chain: SerialChain, factors: dict[str, float], free: Array) -> tuple[str, ...]:
+    """Name the parts that are singular, or else the joints that depend on each other."""
+    zero = tuple(name for name, value in factors.items() if abs(value) < FACTOR_ZERO)
+    if zero:
+        return zero
+    moving = np.flatnonzero(np.abs(free).max(axis=0) > FACTOR_ZERO)
+    names = [chain.joint_names[i] for i in moving]
+    return (f"joints {', '.join(names)} depend on each other",)

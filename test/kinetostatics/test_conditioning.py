@@ -1,0 +1,78 @@
+"""The characteristic length: golden values, isotropic designs, random postures, refusals."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinetostatics import characteristic_length, condition_number
+from robomech_ros.robots import chain_from_dh, load_robot
+
+
+@pytest.fixture(scope="module")
+def designs(golden):
+    return golden("isotropy_kci")
+
+
+def test_golden_values_of_the_fanuc_arc_mate(designs):
+    chain, case, tolerance = (
+        load_robot("fanuc_arcmate"),
+        designs["fanuc_arc_mate"],
+        designs["tolerance"],
+    )
+    best = characteristic_length(chain)
+    assert float(best) == pytest.approx(case["L2"], rel=tolerance["L_rel_2norm"])
+    assert best.condition_number == pytest.approx(case["kappa2_min"], rel=tolerance["kappa2_rel"])
+    assert best.conditioning_index == pytest.approx(case["KCI2_percent"], rel=1e-5)
+    assert condition_number(chain, best.q, length=best) == best.condition_number
+    smooth = characteristic_length(chain, norm="frobenius")
+    assert float(smooth) == pytest.approx(case["LF"], rel=tolerance["L_rel_F"])
+    assert smooth.condition_number == pytest.approx(case["kappaF_min"], rel=tolerance["kappaF_rel"])
+
+
+def test_golden_values_of_the_puma(designs):
+    case = designs["puma560_b6_0"]
+    chain = chain_from_dh(case["a"], case["b"], np.deg2rad(case["alpha_deg"]))
+    smooth = characteristic_length(chain, norm="frobenius")
+    assert smooth.condition_number == pytest.approx(case["kappaF_min"], rel=1e-7)
+    assert float(smooth) == pytest.approx(case["LF"], rel=1e-6)
+    best = characteristic_length(chain)
+    assert best.condition_number == pytest.approx(case["kappa2_min_approx"], rel=1e-5)
+    assert float(best) == pytest.approx(case["L2_approx"], rel=1e-4)
+
+
+def test_isotropic_designs_are_found(designs):
+    best = characteristic_length(load_robot("diestro"))
+    assert float(best) == pytest.approx(designs["diestro"]["L"], rel=1e-9)
+    assert best.condition_number == pytest.approx(1.0, abs=1e-9)
+    side = 0.4
+    planar = chain_from_dh([side, side, side / 3**0.5], np.zeros(3), np.zeros(3))
+    best = characteristic_length(planar)
+    assert float(best) == pytest.approx(designs["planar3R"]["L_over_a"] * side, rel=1e-7)
+    assert best.condition_number == pytest.approx(1.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("robot", ["ur5e", "panda", "scara", "stanford"])
+def test_no_posture_is_better_conditioned(robot):
+    chain = load_robot(robot)
+    for norm in ("2", "frobenius"):
+        best = characteristic_length(chain, norm=norm)
+        rng = np.random.default_rng(1)
+        q = np.concatenate(
+            [
+                rng.uniform(-3.2, 3.2, (20_000, chain.n)),
+                best.q + rng.normal(0, 0.02, (500, chain.n)),
+            ]
+        )
+        for length in best * np.array([0.9, 0.999, 1.0, 1.001, 1.1]):
+            values = condition_number(chain, q, norm=norm, length=float(length))
+            assert values.min() >= best.condition_number * (1 - 1e-6)
+
+
+def test_what_is_refused():
+    with pytest.raises(BadValueError, match="norm .*one of 2, frobenius"):
+        characteristic_length(load_robot("puma560"), norm="1")
+    with pytest.raises(BadValueError, match="a SerialChain"):
+        characteristic_length("puma560")
+    twice = chain_from_dh([0.0, 0.0], [0.1, 0.1], [0.0, 0.0])
+    with pytest.raises(BadValueError, match="not singular in every posture"):
+        characteristic_length(twice)

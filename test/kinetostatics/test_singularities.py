@@ -1,0 +1,160 @@
+"""Singular postures: what is lost there, their names, the factored determinant, the nearest one."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinetostatics import (
+    characteristic_length,
+    condition_number,
+    jacobian,
+    manipulability,
+    nearest_singular_posture,
+    singularity_report,
+)
+from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
+
+LENGTH = 0.3
+QUARTER = np.pi / 2
+DECOUPLED = ["irb120", "m1013", "puma560", "rv4fr", "stanford", "ur5e", "ur10e", "ur20"]
+# A posture at every kind of singularity, all else being general.
+NAMED = [
+    ("puma560", [0.3, 0.4, 0.5, 0.2, 0.0, 0.6], ("wrist",)),
+    ("puma560", [0.3, 0.4, 0.5, 0.2, np.pi, 0.6], ("wrist",)),
+    ("puma560", [0.3, 0.4, np.pi / 2 + np.arctan2(0.0203, 0.4331), 0.2, 0.7, 0.6], ("elbow",)),
+    ("ur5e", [0.3, -1.0, 0.9, 0.2, 0.0, 0.6], ("wrist",)),
+    ("ur5e", [0.3, -1.0, 0.0, 0.2, 0.7, 0.6], ("elbow",)),
+    ("scara", [0.3, 0.0, 0.1, 0.2], ("elbow",)),
+    ("planar3r", [0.2, 0.0, 0.0], ("elbow",)),
+    ("iiwa14", [0.2, 0.3, 0.4, 0.0, 0.5, 0.6, 0.7], ("elbow",)),
+    ("iiwa14", [0.2, 0.0, QUARTER, 0.8, 0.5, 0.6, 0.7], ("shoulder",)),
+    ("iiwa14", [0.2, 0.3, 0.4, 0.8, QUARTER, 0.0, 0.7], ("wrist",)),
+    ("stanford", [0.2, 0.3, 0.4, 0.1, 0.0, 0.2], ("wrist",)),
+]
+
+
+def shoulder_singular(robot, q):
+    """Turn joint 2 until the shoulder's factor vanishes."""
+    chain, q = load_robot(robot), np.array(q)
+
+    def factor(angle):
+        q[1] = angle
+        return singularity_report(chain, q, length=LENGTH).factors["shoulder"]
+
+    from scipy.optimize import brentq
+
+    grid = np.linspace(-3, 3, 61)
+    signs = np.sign([factor(angle) for angle in grid])
+    k = int(np.flatnonzero(np.diff(signs))[0])
+    q[1] = brentq(factor, grid[k], grid[k + 1], xtol=1e-15)
+    return q
+
+
+@pytest.mark.parametrize(("robot", "q", "kinds"), NAMED)
+def test_named_singularities(robot, q, kinds):
+    chain = load_robot(robot)
+    report = singularity_report(chain, q, length=LENGTH)
+    assert report.kinds == kinds and report.singular
+    assert report.rank == min(6, chain.n) - 1
+    assert np.isinf([report.condition_number, report.normalised_condition_number]).all()
+    assert report.manipulability == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e"])
+def test_the_shoulder(robot):
+    q = shoulder_singular(robot, [0.3, 0.0, 0.9, 0.2, 0.7, 0.6])
+    assert singularity_report(load_robot(robot), q, length=LENGTH).kinds == ("shoulder",)
+
+
+@pytest.mark.parametrize(("robot", "q", "kinds"), NAMED)
+def test_what_is_lost_and_what_is_free(robot, q, kinds):
+    chain = load_robot(robot)
+    report, J = singularity_report(chain, q, length=LENGTH), jacobian(chain, q)
+    scale = np.repeat((1.0, 1.0 / LENGTH), 3)
+    lost = report.lost_directions * scale
+    assert len(lost) == 1
+    np.testing.assert_allclose(lost @ lost.T, np.eye(1), atol=1e-12)
+    np.testing.assert_allclose(lost @ (J * scale[:, None]), 0.0, atol=1e-6)
+    wrenches = report.idle_wrenches
+    assert len(wrenches) == 6 - report.rank
+    np.testing.assert_allclose(wrenches @ J, 0.0, atol=1e-6)
+    scaled = wrenches / np.repeat((LENGTH, 1.0), 3)
+    np.testing.assert_allclose(scaled @ scaled.T, np.eye(len(wrenches)), atol=1e-12)
+    motions = report.self_motions
+    assert len(motions) == chain.n - report.rank
+    np.testing.assert_allclose(J @ motions.T, 0.0, atol=1e-6)
+    # A little aside the lost motion is there again.
+    aside = jacobian(chain, np.array(q) + 0.1)
+    assert np.abs(lost @ (aside * scale[:, None])).max() > 1e-3
+
+
+@pytest.mark.parametrize("robot", DECOUPLED)
+def test_the_determinant_is_the_product_of_its_factors(robot):
+    chain = load_robot(robot)
+    q = np.random.default_rng(4).uniform(-2.5, 2.5, (50, 6))
+    products = [
+        np.prod(list(singularity_report(chain, row, length=1).factors.values())) for row in q
+    ]
+    ratios = np.linalg.det(jacobian(chain, q)) / products
+    np.testing.assert_allclose(ratios, ratios[0], rtol=1e-7)
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda", "gen3", "scara", "general6r"])
+def test_regular_postures(robot):
+    chain = load_robot(robot)
+    q = np.random.default_rng(7).uniform(-1.5, 1.5, chain.n) + 0.2
+    report = singularity_report(chain, q)
+    assert not report.singular and report.kinds == () and report.rank == min(6, chain.n)
+    assert report.length == characteristic_length(chain)
+    assert report.lost_directions.shape == (0, 6)
+    assert report.manipulability == pytest.approx(manipulability(chain, q), rel=1e-9)
+    assert report.condition_number == pytest.approx(condition_number(chain, q), rel=1e-9)
+    given = {"length": report.length}
+    normalised = condition_number(chain, q, **given)
+    assert report.normalised_condition_number == pytest.approx(normalised, rel=1e-9)
+
+
+def test_without_a_name_the_joints_are_told():
+    chain = chain_from_dh(
+        [0.2, 0.3, 0.1, 0, 0, 0], [0, 0.1, 0, 0.4, 0.1, 0.2], [1, 0.7, 1, 1, 1, 0]
+    )
+    near = nearest_singular_posture(chain, np.full(6, 0.4), length=LENGTH)
+    (kind,) = singularity_report(chain, near.q, length=LENGTH).kinds
+    assert "depend on each other" in kind and "joint_" in kind
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e", "stanford", "general6r", "xarm6"])
+def test_no_singular_posture_is_nearer(robot):
+    """The determinant keeps its sign up to the nearest one."""
+    chain: SerialChain = load_robot(robot)
+    rng = np.random.default_rng(11)
+    for _ in range(4):
+        q = rng.uniform(-1.5, 1.5, 6)
+        near = nearest_singular_posture(chain, q, length=LENGTH)
+        assert singularity_report(chain, near.q, length=LENGTH).singular
+        unit = np.where(chain.types == 1, LENGTH, 1.0)
+        assert near.distance == pytest.approx(np.linalg.norm((near.q - q) / unit))
+        aside = rng.normal(size=(20_000, 6))
+        aside *= 0.98 * near.distance / np.linalg.norm(aside, axis=1, keepdims=True)
+        values = np.linalg.det(jacobian(chain, q + aside * unit))
+        assert (np.sign(values) == np.sign(np.linalg.det(jacobian(chain, q)))).all()
+
+
+@pytest.mark.parametrize("robot", ["panda", "iiwa14", "scara", "planar3r", "vx300"])
+def test_nearest_of_arms_with_more_or_fewer_joints(robot):
+    chain = load_robot(robot)
+    q = np.random.default_rng(3).uniform(-1, 1, chain.n)
+    near = nearest_singular_posture(chain, q, length=LENGTH)
+    assert singularity_report(chain, near.q, length=LENGTH).singular
+    assert 0.0 < near.distance < 3.0
+
+
+def test_what_is_refused():
+    chain = load_robot("puma560")
+    for ask in (singularity_report, nearest_singular_posture):
+        with pytest.raises(WrongSizeError, match="q "):
+            ask(chain, np.zeros((2, 6)), length=LENGTH)
+        with pytest.raises(BadValueError, match="length .*a positive length in m"):
+            ask(chain, np.zeros(6), length=-1.0)
+        with pytest.raises(NonFiniteError, match="joint 'waist'"):
+            ask(chain, [np.inf, 0, 0, 0, 0, 0], length=LENGTH)
