@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import branch_bits as bit
-from robomech_ros._kernels.serial import jacobian
+from robomech_ros._kernels.indices import COUNT, MANIPULABILITY, indices
 from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_POSTURE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import family_of
@@ -27,11 +27,10 @@ _GOLDEN = 0.6180339887498949
 
 
 def _manipulability(chain: SerialChain, q: Array) -> Array:
-    """Root of the determinant of J J^T, shape (k,), in SI units."""
-    J = np.empty((len(q), 6, chain.n))
-    jacobian(chain.packed, np.ascontiguousarray(q), J, np.empty((4, 4)))
-    values: Array = np.sqrt(np.maximum(np.linalg.det(J @ np.swapaxes(J, 1, 2)), 0.0))
-    return values
+    """Product of the singular values of the Jacobian in SI units, shape (k,)."""
+    out = np.empty((len(q), COUNT))
+    indices(chain.packed, np.ascontiguousarray(q), np.ones(6), np.arange(6), 2.0, out)
+    return out[:, MANIPULABILITY]
 
 
 CRITERIA: dict[str, Criterion] = {"limit_margin": margins, "manipulability": _manipulability}
