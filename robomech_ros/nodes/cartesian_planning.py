@@ -1,6 +1,6 @@
 """Motions of the tip along paths in space: where they can go, and why not farther."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
+from robomech_ros.nodes.planning import fitting_plan
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain import PRISMATIC
 from robomech_ros.spatial.poses import pose_error
@@ -23,6 +24,7 @@ from robomech_ros.trajectory import (
     PosePath,
     SampledPlan,
     SerialArm,
+    SpeedLimit,
     TipSpeeds,
     along_joint_path,
     arc_path,
@@ -132,10 +134,25 @@ def path_through(start: Array, waypoints: Array, kind: int) -> PosePath | None:
         return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
     poses = np.concatenate([start[None], waypoints])
     apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
-    distinct = poses[np.append(True, apart > _SAME)]
+    kept = np.flatnonzero(np.append(True, apart > _SAME))
+    distinct = poses[kept]
     if len(distinct) == 1:
         return None
-    return straight_path(distinct) if _KINDS[kind] == "STRAIGHT" else spline_path(distinct)
+    if _KINDS[kind] == "STRAIGHT":
+        return straight_path(distinct)
+    try:
+        return spline_path(distinct)
+    except BadValueError as error:
+        raise _in_waypoints(error, kept) from None
+
+
+def _in_waypoints(error: BadValueError, kept: NDArray[np.int64]) -> BadValueError:
+    """Name the waypoint, of which the start is none, instead of a pose of the path."""
+    for k in range(1, len(kept)):
+        if error.what == f"poses[{k}]":
+            expected = f"{error.expected}; a STRAIGHT path (0) rests there instead"
+            return BadValueError(f"waypoints[{kept[k] - 1}]", error.value, expected)
+    return error
 
 
 def follow(
@@ -187,8 +204,11 @@ def plan_along(
     *,
     profile: str,
     speeds: TipSpeeds,
-    period: float,
+    limits: Limits | None = None,
+    speed_limits: Sequence[SpeedLimit] = (),
+    usual_period: float,
     max_points: int,
+    max_duration: float,
 ) -> SampledPlan | None:
     """Plan a motion along what can be followed of a path.
 
@@ -196,10 +216,12 @@ def plan_along(
     ----------
     chain : SerialChain
     followed : FollowedPath
-    profile, speeds
-        As for `along_path`.
-    period, max_points
-        As for `sampled_motion`.
+    profile, speeds, speed_limits
+        As for `along_joint_path`.
+    limits : Limits, optional
+        Those of the chain, scaled.
+    usual_period, max_points, max_duration
+        As for `fitting_plan`.
 
     Returns
     -------
@@ -209,19 +231,35 @@ def plan_along(
     Raises
     ------
     RobomechError
-        As `along_joint_path` and `sampled_motion` do.
+        As `along_joint_path` and `fitting_plan` do.
     """
     joints = followed.tracking.path
     if joints is None:
         return None
+    start, allowed = joints.derivatives(0.0)[0], limits or Limits.of(chain)
+    latest: list[PathMotion] = []
 
-    def planner(limits: Limits) -> PathMotion:
-        return along_joint_path(
-            followed.path, followed.tracking, limits=limits, profile=profile, speeds=speeds
+    def planner(tightened: Limits) -> PathMotion:
+        motion = along_joint_path(
+            followed.path,
+            followed.tracking,
+            limits=tightened,
+            profile=profile,
+            speeds=speeds,
+            speed_limits=speed_limits,
         )
+        latest[:] = [motion]
+        return motion
 
-    start = joints.derivatives(0.0)[0]
-    return sampled_motion(planner, start, Limits.of(chain), period=period, max_points=max_points)
+    return fitting_plan(
+        lambda period: sampled_motion(
+            planner, start, allowed, period=period, max_points=max_points
+        ),
+        lambda: latest[0].duration,
+        usual_period=usual_period,
+        max_points=max_points,
+        max_duration=max_duration,
+    )
 
 
 def _arm(chain: SerialChain) -> SerialArm:

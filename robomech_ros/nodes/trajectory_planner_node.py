@@ -39,7 +39,7 @@ from robomech_ros.nodes.plan_messages import (
     via_points,
     wanted_period,
 )
-from robomech_ros.nodes.planning import check_duration, plan_that_fits
+from robomech_ros.nodes.planning import plan_that_fits
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.trajectory import (
@@ -171,10 +171,12 @@ class TrajectoryPlannerNode(Node):
     def _warm_up(self) -> None:
         """Plan once with every profile, so that the first request finds all in memory."""
         here = self._chain.midrange()
-        for profile in PROFILES:
+        near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
+        ways = [(profile, [here, here]) for profile in PROFILES]
+        for profile, points in (*ways, ("time_optimal", [here, near, here])):
             with suppress(RobomechError):  # limits that are missing are told to who asks
                 plan = sampled_through_points(
-                    [here, here], limits=self._chain, profile=profile, period=0.1, max_points=10
+                    points, limits=self._chain, profile=profile, period=0.1, max_points=10_000
                 )
                 tip_path(self._chain, plan.waypoints.positions)
 
@@ -218,14 +220,14 @@ class TrajectoryPlannerNode(Node):
                 followed,
                 profile=profile,
                 speeds=speeds,
-                period=settings.sample_period,
+                usual_period=settings.sample_period,
                 max_points=settings.max_points,
+                max_duration=settings.max_duration,
             )
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
         encode_path_plan(followed, plan, self._chain, response)
         if plan is not None:
-            check_duration(float(plan.waypoints.times[-1]), settings.max_duration)
             self._publish_soon(response.trajectory, plan)
         return response
 

@@ -22,7 +22,7 @@ from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DoubleS", "Trapezoidal"]
+__all__ = ["DoubleS", "Trapezoidal", "unit_double_s"]
 
 # Durations of phases, and the highest derivative (of order 2 or 3) in each.
 Phases = list[tuple[float, float]]
@@ -134,6 +134,24 @@ class DoubleS(_Straight):
         up = [(step, jerk), (even, 0.0), (step, -jerk)]
         down = [(step, -jerk), (even, 0.0), (step, jerk)]
         return [phase for phase in [*up, (cruise, 0.0), *down] if phase[0] > 0.0], binding
+
+
+def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
+    """Give a double-S profile of one joint over a way of 1 in a time of 1.
+
+    Parameters
+    ----------
+    ramp : float
+        Part of the duration in which the speed rises, and in which it falls, up to 1/2.
+    rounding : float
+        Part of half a ramp in which the jerk acts at each of its ends, above 0 and up to 1.
+    """
+    step = 0.5 * ramp * rounding
+    even = ramp - 2.0 * step
+    jerk = 1.0 / ((1.0 - ramp) * (ramp - step) * step)
+    up = [(step, jerk), (even, 0.0), (step, -jerk)]
+    phases = [*up, (1.0 - 2.0 * ramp, 0.0), *((length, -value) for length, value in up)]
+    return _curve(np.zeros(1), np.ones(1), [phase for phase in phases if phase[0] > 0.0], 3)
 
 
 def _curve(start: FloatArray, rise: FloatArray, phases: Phases, order: int) -> PiecewisePolynomial:
