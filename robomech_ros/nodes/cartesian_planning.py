@@ -34,9 +34,20 @@ from robomech_ros.trajectory import (
     track_path,
 )
 
-__all__ = ["FollowedPath", "PathBounds", "follow", "path_through", "plan_along"]
+__all__ = [
+    "FollowedPath",
+    "PathBounds",
+    "PathCheck",
+    "follow",
+    "last_before",
+    "path_through",
+    "plan_along",
+]
 
 Array = NDArray[np.float64]
+# Where a path must end: its coordinate (m), one of ErrorCode, and why; None where nowhere.
+_Found = tuple[float, int, str] | None
+PathCheck = Callable[[SerialChain, JointPath, "PathBounds"], _Found]
 # Poses nearer to the one before than this (rad, m) are the same waypoint.
 _SAME = 1e-9
 # Places looked at along a path at least, and halvings between two of them.
@@ -156,7 +167,12 @@ def _in_waypoints(error: BadValueError, kept: NDArray[np.int64]) -> BadValueErro
 
 
 def follow(
-    chain: SerialChain, path: PosePath, waypoints: Array, start: Array, bounds: PathBounds
+    chain: SerialChain,
+    path: PosePath,
+    waypoints: Array,
+    start: Array,
+    bounds: PathBounds,
+    further: Sequence["PathCheck"] = (),
 ) -> FollowedPath:
     """Follow a path with the joints as far as they can.
 
@@ -171,6 +187,8 @@ def follow(
     start : ndarray, shape (n,)
         Joint values (rad or m).
     bounds : PathBounds
+    further : sequence of callable
+        Each finds where else a joint path must end.
 
     Raises
     ------
@@ -182,7 +200,8 @@ def follow(
     code = int(_CODES[tracking.status])
     if tracking.path is None:
         return FollowedPath(path, tracking, code, 0.0, 0)
-    for check, reach in ((_outside_limits, 0.0), (_singular, 0.0), (_jumping, bounds.step)):
+    checks = [(_outside_limits, 0.0), (_singular, 0.0), (_jumping, bounds.step)]
+    for check, reach in (*checks, *((one, 0.0) for one in further)):
         found = check(chain, tracking.path, bounds)
         # Joints that move far in the last step do so for the reason that is found already.
         if found is not None and found[0] + reach * (code != ErrorCode.NONE) < tracking.reached:
@@ -271,9 +290,6 @@ def _arm(chain: SerialChain) -> SerialArm:
     return SerialArm(lambda q: forward_kinematics(chain, q), inverse, lambda q: jacobian(chain, q))
 
 
-_Found = tuple[float, int, str] | None
-
-
 def _outside_limits(chain: SerialChain, joints: JointPath, _: PathBounds) -> _Found:
     """Find where a joint leaves its position limits."""
 
@@ -283,7 +299,7 @@ def _outside_limits(chain: SerialChain, joints: JointPath, _: PathBounds) -> _Fo
     def outside(q: Array) -> NDArray[np.bool_]:
         return np.asarray((excess(q) > _SLACK).any(axis=1))
 
-    s = _first(joints, _PLACES, outside)
+    s = last_before(joints, _PLACES, outside)
     if s is None:
         return None
     beyond = min(s + _SHORTEST * joints.length, joints.length)
@@ -320,17 +336,20 @@ def _singular(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> _Fou
         above: NDArray[np.bool_] = singular[:, 0] > bounds.condition * singular[:, -1]
         return above
 
-    s = _first(joints, _PLACES, over)
+    s = last_before(joints, _PLACES, over)
     if s is None:
         return None
     reason = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
     return s, ErrorCode.SINGULAR, reason
 
 
-def _first(
+def last_before(
     joints: JointPath, count: int, wrong: Callable[[Array], NDArray[np.bool_]]
 ) -> float | None:
-    """Find the last coordinate (m) before something is wrong with the joint values (m, n)."""
+    """Find the last coordinate (m) before something is wrong with the joint values (m, n).
+
+    It is looked for at `count` places, and from the first one found nearer and nearer.
+    """
     places = np.linspace(0.0, joints.length, count + 1)
     bad = np.flatnonzero(wrong(joints.derivatives(places)[0]))
     if not len(bad):

@@ -29,6 +29,7 @@ from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is_empty
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.moveit import add_cartesian_path_service
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.plan_messages import (
     OFFERED,
@@ -42,6 +43,7 @@ from robomech_ros.nodes.plan_messages import (
 from robomech_ros.nodes.planning import plan_that_fits
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
+from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import (
     PROFILES,
     SampledPlan,
@@ -88,7 +90,7 @@ class PlannerSettings(StateSettings):
     max_waypoints: int = parameter(
         200,
         "Most via points, or waypoints of a Cartesian path; planning takes up to some 20 ms for "
-        "each of them, in which nobody else is served",
+        "each of them, time-optimal planning 60 ms, in which nobody else is served",
         1,
         100_000,
         "points",
@@ -164,8 +166,12 @@ class TrajectoryPlannerNode(Node):
             (PlanCartesian, "~/plan_cartesian", self._plan_cartesian),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+        moveit = add_cartesian_path_service(
+            self, model, self._monitor, lambda: self._table.settings, self._publish_soon
+        )
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
+            f"{', compute_cartesian_path' if moveit else ''}"
         )
 
     def _warm_up(self) -> None:
@@ -200,7 +206,7 @@ class TrajectoryPlannerNode(Node):
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
         encode_plan(plan, self._chain, options, response)
-        self._publish_soon(response.trajectory, plan)
+        self._publish_soon(response.trajectory, self._chain, plan)
         return answer(response)
 
     @guarded
@@ -228,7 +234,7 @@ class TrajectoryPlannerNode(Node):
             raise NoLimitsForPlanError(error) from None
         encode_path_plan(followed, plan, self._chain, response)
         if plan is not None:
-            self._publish_soon(response.trajectory, plan)
+            self._publish_soon(response.trajectory, self._chain, plan)
         return response
 
     async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
@@ -238,12 +244,14 @@ class TrajectoryPlannerNode(Node):
             self._chain, settings.state_timeout, settings.stopped_velocity_tolerance
         )
 
-    def _publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
+    def _publish_soon(
+        self, trajectory: JointTrajectory, chain: SerialChain, plan: SampledPlan
+    ) -> None:
         """Publish the plan after the answer has left."""
 
         def publish() -> None:
             self._trajectories.publish(trajectory)
-            self._paths.publish(tip_path(self._chain, plan.waypoints.positions))
+            self._paths.publish(tip_path(chain, plan.waypoints.positions))
 
         if self.executor is None:
             publish()
