@@ -14,6 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
@@ -43,7 +44,6 @@ from robomech_ros.nodes.plan_messages import (
 from robomech_ros.nodes.planning import plan_that_fits
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import (
     PROFILES,
     SampledPlan,
@@ -167,7 +167,7 @@ class TrajectoryPlannerNode(Node):
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_cartesian_path_service(
-            self, model, self._monitor, lambda: self._table.settings, self._publish_soon
+            self, model, self._monitor, lambda: self._table.settings
         )
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
@@ -206,7 +206,7 @@ class TrajectoryPlannerNode(Node):
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
         encode_plan(plan, self._chain, options, response)
-        self._publish_soon(response.trajectory, self._chain, plan)
+        self._publish_soon(response.trajectory, plan)
         return answer(response)
 
     @guarded
@@ -233,8 +233,9 @@ class TrajectoryPlannerNode(Node):
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
         encode_path_plan(followed, plan, self._chain, response)
-        if plan is not None:
-            self._publish_soon(response.trajectory, self._chain, plan)
+        # What ends on the way is for who asked to judge, not to be executed as it comes.
+        if plan is not None and response.error_code == ErrorCode.NONE:
+            self._publish_soon(response.trajectory, plan)
         return response
 
     async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
@@ -244,14 +245,12 @@ class TrajectoryPlannerNode(Node):
             self._chain, settings.state_timeout, settings.stopped_velocity_tolerance
         )
 
-    def _publish_soon(
-        self, trajectory: JointTrajectory, chain: SerialChain, plan: SampledPlan
-    ) -> None:
+    def _publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
         """Publish the plan after the answer has left."""
 
         def publish() -> None:
             self._trajectories.publish(trajectory)
-            self._paths.publish(tip_path(chain, plan.waypoints.positions))
+            self._paths.publish(tip_path(self._chain, plan.waypoints.positions))
 
         if self.executor is None:
             publish()

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import Pose, Quaternion
+from geometry_msgs.msg import Pose, PoseStamped, Quaternion
 from moveit_msgs.msg import (
     AttachedCollisionObject,
     Constraints,
@@ -23,6 +23,7 @@ from std_msgs.msg import Header
 from trajectories import waypoints as points_of
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.conversions import joint_state, stamped_pose
@@ -104,10 +105,23 @@ def test_straight_lines_from_waypoint_to_waypoint(puma):
         np.diff(forward_kinematics(PUMA, points.positions)[:, :3, 3], axis=0), axis=1
     )
     assert moves.max() <= 0.01
-    latched = puma.receive(
-        JointTrajectory, "trajectory_planner/planned_trajectory", LATCHED, lambda _: True
-    )
-    assert len(latched.points) == len(points.times)
+
+
+def test_nothing_is_published_that_an_executor_would_take(puma):
+    """Who asks MoveIt's service has the answer executed; neither is a part of a path."""
+    heard = []
+    topic = "trajectory_planner/planned_trajectory"
+    puma.client.create_subscription(JointTrajectory, topic, heard.append, LATCHED)
+    checked(compute(puma, waypoints=shifted([0.01, 0.0, 0.0])))
+    start = joint_state(PUMA.joint_names, Q)
+    part = PlanCartesian.Request(start=start)
+    part.waypoints = [PoseStamped(pose=pose) for pose in shifted([2.0, 0.0, 0.0])]
+    response = puma.call(PlanCartesian, "trajectory_planner/plan_cartesian", part)
+    assert response.error_code and response.trajectory.points
+    whole = PlanJoint.Request(start=start, goal=joint_state(PUMA.joint_names, Q + 0.01))
+    expected = puma.call(PlanJoint, "trajectory_planner/plan_joint", whole).trajectory
+    puma.receive(JointTrajectory, topic, LATCHED, lambda _: True)
+    assert heard == [expected]
 
 
 def test_points_are_no_farther_apart_than_max_step(puma):

@@ -53,9 +53,10 @@ def add_cartesian_path_service(
     model: RobotModel,
     monitor: JointStateMonitor,
     settings: Callable[[], Any],
-    publish: Callable[[Any, Any, Any], None],
 ) -> bool:
     """Add compute_cartesian_path to a node, where its type is installed.
+
+    What it computes is not published: who asked has it executed.
 
     Parameters
     ----------
@@ -63,8 +64,6 @@ def add_cartesian_path_service(
         As for `add_moveit_services`.
     settings : callable
         Gives the parameters of the planner.
-    publish : callable
-        Takes a trajectory message, the chain that moves, and the plan.
 
     Returns
     -------
@@ -77,7 +76,7 @@ def add_cartesian_path_service(
     except ImportError as error:
         _tell(node, "compute_cartesian_path", error)
         return False
-    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings, publish)
+    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings)
     return True
 
 

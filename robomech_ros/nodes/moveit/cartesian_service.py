@@ -72,8 +72,6 @@ class CartesianPathService:
         Its present state.
     settings : callable
         Gives the parameters of the planner.
-    publish : callable
-        Takes a trajectory message, the chain that moves, and the plan.
     """
 
     def __init__(
@@ -82,12 +80,10 @@ class CartesianPathService:
         robot: WholeRobot,
         monitor: JointStateMonitor,
         settings: Callable[[], Any],
-        publish: Callable[[Any, SerialChain, SampledPlan], None],
     ) -> None:
         self._robot = robot
         self._monitor = monitor
         self._settings = settings
-        self._publish = publish
         node.create_service(
             GetCartesianPath,
             "~/compute_cartesian_path",
@@ -119,9 +115,7 @@ class CartesianPathService:
             code, text = _outcome(followed, fraction)
         response.fraction = fraction
         if plan is not None:
-            trajectory = self._trajectory(question, plan)
-            response.solution.joint_trajectory = trajectory
-            self._publish(trajectory, question.chain, plan)
+            response.solution.joint_trajectory = self._trajectory(question, plan)
         return code, text
 
     async def _state(self, given: dict[str, float], needed: list[str]) -> dict[str, float]:
