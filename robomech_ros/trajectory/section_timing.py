@@ -23,7 +23,7 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.thinning import thinned
 from robomech_ros.trajectory.time_optimal_motions import with_ramps
 from robomech_ros.trajectory.time_scaling import fitted, stretch_needed
-from robomech_ros.trajectory.velocity_profiles import unit_double_s
+from robomech_ros.trajectory.velocity_profiles import unit_double_s, unit_double_s_samples
 
 __all__ = ["SECTION_TIMINGS", "Section", "SectionTiming"]
 
@@ -202,19 +202,7 @@ def _shape_durations(
     section: Section, ramps: FloatArray, roundings: FloatArray, speed: SpeedLimit
 ) -> FloatArray:
     """Estimate how long the section takes by each of k shapes, shape (k,)."""
-    steps = 0.5 * ramps * roundings
-    phases = np.stack([steps, ramps - 2.0 * steps, steps], axis=1)
-    lengths = np.concatenate([phases, (1.0 - 2.0 * ramps)[:, None], phases], axis=1)
-    ends = np.cumsum(lengths, axis=1)[:, :, None]
-    tau = (ends - lengths[:, :, None] * (1.0 - _IN_PHASE)).reshape(len(ramps), -1)
-    shapes = zip(ramps, roundings, tau, strict=True)
-    samples = np.stack(
-        [
-            np.stack(unit_double_s(*shape).sample(np.minimum(at, 1.0)))[:, :, 0]
-            for *shape, at in shapes
-        ],
-        axis=1,
-    )
+    samples = unit_double_s_samples(ramps, roundings, _IN_PHASE)
     s = section.at(np.clip(samples[0], 0.0, 1.0))
     v, a, j = (section.length * rate[..., None] for rate in samples[1:])
     _, first, second, third = (

@@ -26,7 +26,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.conversions import joint_state, stamped_pose
+from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
 from robomech_ros.nodes.trajectory_planner_node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose
@@ -37,7 +37,7 @@ Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 HERE = forward_kinematics(PUMA, Q)
 SUCCESS = MoveItErrorCodes.SUCCESS
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-STEPS = np.array([[0.1, 0.0, 0.0], [0.1, 0.1, 0.05]])
+STEPS = np.array([[0.06, 0.0, 0.0], [0.06, 0.05, 0.03]])
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def shifted(*steps, of=HERE):
 
 
 def compute(graph, **fields):
-    good = {"start_state": state(), "waypoints": shifted(*STEPS), "max_step": 0.01}
+    good = {"start_state": state(), "waypoints": shifted(STEPS[0]), "max_step": 0.01}
     request = GetCartesianPath.Request(**(good | fields))
     return graph.call(GetCartesianPath, "trajectory_planner/compute_cartesian_path", request)
 
@@ -87,7 +87,7 @@ def checked(response, code=SUCCESS, chain=PUMA, start=Q, limits=None):
 def test_straight_lines_from_waypoint_to_waypoint(puma):
     for group in ("manipulator", PUMA.name):
         checked(compute(puma, group_name=group, waypoints=shifted([0.01, 0.0, 0.0])))
-    response = compute(puma)
+    response = compute(puma, waypoints=shifted(*STEPS))
     points, poses = checked(response)
     assert response.fraction == 1.0
     assert response.error_code.message == "" and response.error_code.source == "/trajectory_planner"
@@ -155,26 +155,22 @@ def test_scales_and_speeds(puma):
 
 
 def test_frames(puma):
+    expected = shifted(STEPS[0])
     plain, _ = checked(compute(puma))
     base, _ = checked(compute(puma, header=Header(frame_id=PUMA.base)))
     np.testing.assert_array_equal(plain.positions, base.positions)
-    # In the frame of the link itself each waypoint counts from the one before.
-    first = np.eye(4)
-    first[:3, 3] = HERE[:3, :3].T @ STEPS[0]
-    second = np.eye(4)
-    second[:3, 3] = HERE[:3, :3].T @ (STEPS[1] - STEPS[0])
-    own = [stamped_pose(pose, "").pose for pose in (first, second)]
-    tip, _ = checked(compute(puma, header=Header(frame_id=PUMA.tip), waypoints=own))
-    np.testing.assert_allclose(tip.positions[-1], plain.positions[-1], atol=1e-7)
     # A link that moves counts where it is at the start.
     elbow = chain_of_some_joints()
     frame = inverse_pose(forward_kinematics(elbow, Q[: elbow.n]))
-    poses = [HERE.copy() for _ in STEPS]
-    for pose, step in zip(poses, STEPS, strict=True):
-        pose[:3, 3] += step
-    seen = [stamped_pose(frame @ pose, "").pose for pose in poses]
+    seen = [stamped_pose(frame @ matrix_from_pose(pose, ""), "").pose for pose in expected]
     moved, _ = checked(compute(puma, header=Header(frame_id=elbow.tip), waypoints=seen))
     np.testing.assert_allclose(moved.positions[-1], plain.positions[-1], atol=1e-7)
+    # In the frame of the link itself each waypoint counts from the one before.
+    halfway = np.eye(4)
+    halfway[:3, 3] = HERE[:3, :3].T @ (0.5 * STEPS[0])
+    steps = [stamped_pose(halfway, "").pose] * 2
+    own, _ = checked(compute(puma, header=Header(frame_id=PUMA.tip), waypoints=steps))
+    np.testing.assert_allclose(own.positions[-1], plain.positions[-1], atol=1e-7)
 
 
 def test_fraction_counts_waypoints_and_a_part_is_no_success(puma):
@@ -200,9 +196,9 @@ def test_the_relative_jump_threshold_works(puma):
     """It counts in means of the moves between points, ten of which at least are looked at."""
     way = {"waypoints": shifted(STEPS[0])}
     for step in (0.005, 0.5):
-        strict = compute(puma, **way, jump_threshold=1.05, max_step=step)
+        strict = compute(puma, **way, jump_threshold=1.005, max_step=step)
         assert strict.error_code.val == MoveItErrorCodes.PLANNING_FAILED
-        assert "over jump_threshold 1.05 times the mean" in strict.error_code.message
+        assert "over jump_threshold 1.005 times the mean" in strict.error_code.message
         assert strict.fraction < 1.0
     checked(compute(puma, **way, jump_threshold=3.0))
 
@@ -211,14 +207,14 @@ def test_constraints_hold_along_the_path(puma):
     limit = JointConstraint(
         joint_name=PUMA.joint_names[0],
         position=Q[0],
-        tolerance_above=0.05,
-        tolerance_below=0.05,
+        tolerance_above=0.02,
+        tolerance_below=0.02,
         weight=1.0,
     )
     response = compute(puma, path_constraints=Constraints(joint_constraints=[limit]))
     points, _ = checked(response, MoveItErrorCodes.PLANNING_FAILED)
     assert "path_constraints.joint_constraints[0]: joint" in response.error_code.message
-    assert np.abs(points.positions[:, 0] - Q[0]).max() == pytest.approx(0.05, abs=1e-4)
+    assert np.abs(points.positions[:, 0] - Q[0]).max() == pytest.approx(0.02, abs=1e-4)
     limit.position = Q[0] + 1.0
     response = compute(puma, path_constraints=Constraints(joint_constraints=[limit]))
     assert response.error_code.val == MoveItErrorCodes.START_STATE_VIOLATES_PATH_CONSTRAINTS

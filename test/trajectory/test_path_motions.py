@@ -25,7 +25,7 @@ from robomech_ros.trajectory import (
     verify,
 )
 from robomech_ros.trajectory.laws import CUBIC_SPLINE
-from robomech_ros.trajectory.velocity_profiles import unit_double_s
+from robomech_ros.trajectory.velocity_profiles import unit_double_s, unit_double_s_samples
 
 PUMA = load_robot("puma560")
 LIMITS = Limits.of(PUMA)
@@ -177,6 +177,18 @@ def test_double_s_profiles_of_every_shape(shape):
     np.testing.assert_allclose(end.acceleration, 0.0, atol=1e-6)
     middle = one.sample(0.5)
     np.testing.assert_allclose([*middle.position, *middle.velocity], [0.5, 1.0 / (1.0 - shape[0])])
+
+
+def test_many_double_s_profiles_at_once():
+    ramps, roundings, inside = np.array([0.2, 0.01, 0.4]), np.array([0.5, 0.05, 0.9]), [0.25, 0.75]
+    many = unit_double_s_samples(ramps, roundings, np.array(inside))
+    assert many.shape == (4, 3, 14)
+    for k in range(3):
+        one = unit_double_s(ramps[k], roundings[k])
+        at = (one.breaks[:-1, None] + one.spans[:, None] * inside).ravel()
+        for order, values in enumerate(one.sample(at)):
+            close = 1e-12 * np.abs(values).max()
+            np.testing.assert_allclose(many[order, k], values[:, 0], rtol=1e-9, atol=close)
 
 
 def test_a_spline_that_turns_straight_back_names_the_pose():
