@@ -25,6 +25,9 @@ __all__ = [
 # Shortest time (s) in which an acceleration rises from zero to its limit, where no jerk limit says
 # so, and along curved paths, of which shorter ramps would need thousands of samples per second.
 _RAMP = 0.02
+# Points nearer to each other than this (rad or m, and in parts of the largest) are one: rounding
+# would take the way between them for a zigzag.
+_SAME = 1e-7
 # Corrections of the instants at which via points are passed; convergence is quadratic.
 _CORRECTIONS = 4
 
@@ -124,13 +127,13 @@ def time_optimal_through(
     SeedOutsideLimitsError, LimitExceededError
         If the first point, or another part of the spline, is outside the position limits.
     """
-    # A point that repeats the one before is passed with it.
-    distinct = np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))
-    places = points[distinct]
+    kept, owners = _distinct(points)
+    places = points[kept]
     smooth = with_ramps(limits, everywhere=True)
-    if len(places) == 1:
-        still = TimeOptimalMotion.plan(places[0], places[0], smooth, duration).pieces
-        return TimeOptimalThrough(places[0], still, np.linspace(0.0, still.duration, len(points)))
+    if len(places) == 2:
+        straight = TimeOptimalMotion.plan(places[0], places[1], smooth, duration)
+        knots = np.array([0.0, straight.duration])
+        return TimeOptimalThrough(places[1], straight.pieces, knots[owners])
     parameters = spaced_knots(places, "centripetal", limits.velocity)
     path = cubic_spline(parameters, places, "natural")
     timed = time_optimal(path, smooth, jerk_smoothing=True)
@@ -139,18 +142,48 @@ def time_optimal_through(
     exact = fitted(pieces, smooth, duration)
     check_positions(exact, places[0], limits)
     knots = knots * (exact.duration / pieces.duration)
-    return TimeOptimalThrough(places[-1], exact, knots[np.cumsum(distinct) - 1])
+    return TimeOptimalThrough(places[-1], exact, knots[owners])
+
+
+def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
+    """List start, goal, and the points between that are not where the one before is.
+
+    Returns
+    -------
+    kept : list of int
+        Which points these are.
+    owners : list of int
+        For every point the number of the one kept with which it is passed.
+    """
+    same = _SAME * (1.0 + float(np.abs(points).max()))
+    last = len(points) - 1
+    kept, owners = [0], [0]
+    for k in range(1, last):
+        if np.abs(points[k] - points[kept[-1]]).max() > same:
+            kept.append(k)
+        owners.append(len(kept) - 1)
+    if len(kept) > 1 and np.abs(points[last] - points[kept[-1]]).max() <= same:
+        kept[-1] = last
+    else:
+        kept.append(last)
+    return kept, [*owners, len(kept) - 1]
 
 
 def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> FloatArray:
     """Find when places (m, n) at path coordinates (m,) are passed, in s."""
-    instants = np.interp(parameters, timed.coordinates, timed.pieces.breaks)
+    # Rounding may let the coordinates step back by a little; they never do.
+    coordinates = np.maximum.accumulate(timed.coordinates)
+    breaks = timed.pieces.breaks
+    instants = np.interp(parameters, coordinates, breaks)
+    earliest = breaks[np.maximum(np.searchsorted(coordinates, parameters, side="left") - 1, 0)]
+    after = np.searchsorted(coordinates, parameters, side="right")
+    latest = breaks[np.minimum(after, len(breaks) - 1)]
     for _ in range(_CORRECTIONS):
         sample = timed.sample(instants)
         speed = (sample.velocity**2).sum(axis=1)
         away = ((places - sample.position) * sample.velocity).sum(axis=1)
         moving = speed > 0.0
         instants[moving] += away[moving] / speed[moving]
-        instants = np.clip(instants, 0.0, timed.duration)
+        instants = np.clip(instants, earliest, latest)
     instants[[0, -1]] = 0.0, timed.duration
     return instants

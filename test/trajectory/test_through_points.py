@@ -70,6 +70,18 @@ def test_instants_of_choice(profile):
         through_points(points, limits=limits, profile=profile, at=[0.3, 0.7], duration=0.5)
 
 
+@pytest.mark.parametrize("profile", ["ruckig", "time_optimal"])
+def test_via_points_that_are_start_and_goal_make_no_motion(profile):
+    points, limits = random_case(6, 1)
+    motion = through_points(points[[0, 0, 0, 0]], limits=limits, profile=profile)
+    assert motion.duration <= 0.01
+    np.testing.assert_array_equal(motion.sample(motion.knots).position, points[[0, 0, 0, 0]])
+    assert (
+        through_points(points[[0, 0, 0]], limits=limits, profile=profile, duration=3.0).duration
+        == 3.0
+    )
+
+
 @pytest.mark.parametrize("profile", ["cubic_spline", "ruckig"])
 def test_many_points_take_bounded_time(profile):
     points, limits = random_case(3, 120)

@@ -75,6 +75,21 @@ def test_repeated_points_and_no_way_at_all():
     assert still.duration == 0.001 and verify(still, LIMITS, start=POINTS[1]).ok
 
 
+def test_points_that_differ_by_rounding_are_one():
+    """Else rounding would be a path with corners, which takes for ever to pass."""
+    near = POINTS[[0, 0, 0, 1, 1]] + 1e-9 * np.array([[0], [1], [-1], [1], [0]])
+    motion = through(near)
+    assert motion.duration == pytest.approx(through(POINTS[[0, 1]]).duration, rel=1e-6)
+    assert verify(motion, LIMITS, start=near[0]).ok
+    np.testing.assert_array_equal(motion.sample(motion.duration).position, POINTS[1])
+    np.testing.assert_allclose(motion.sample(motion.knots).position, near, atol=1e-7)
+    still = through(POINTS[[1, 1, 1]] + 1e-9 * np.array([[0], [1], [0]]))
+    assert still.duration <= 0.01
+    there_and_back = through(POINTS[[0, 1, 0]])
+    middle = there_and_back.sample(there_and_back.knots[1])
+    np.testing.assert_allclose(middle.position, POINTS[1], atol=1e-7)
+
+
 def test_one_joint_may_turn_back():
     slide = Limits(["slide"], velocity=1.0, acceleration=2.0, jerk=30.0)
     points = np.array([[0.0], [0.5], [0.1], [0.6]])
