@@ -14,7 +14,7 @@ from robomech_ros.nodes.conversions import joint_trajectory, matrix_from_pose
 from robomech_ros.nodes.planning import check_waypoints
 from robomech_ros.nodes.robot_description import RobotModel
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import PATH_PROFILES, SampledPlan, TipSpeeds
+from robomech_ros.trajectory import SampledPlan, TipSpeeds
 
 __all__ = ["encode_path_plan", "path_bounds", "path_profile", "tip_speeds", "waypoint_poses"]
 
@@ -33,15 +33,12 @@ def path_profile(number: int) -> str:
     Raises
     ------
     BadValueError
-        There is no such profile, or it is not offered along paths; those that are get listed.
+        There is no such profile; those there are get listed.
     """
     name = _PROFILES.get(number)
-    if name not in PATH_PROFILES:
-        offered = ", ".join(
-            f"{known.upper()} ({n})" for n, known in _PROFILES.items() if known in PATH_PROFILES
-        )
-        shown = f"{name.upper()} ({number})" if name else number
-        raise BadValueError("profile", shown, f"one of {offered}")
+    if name is None:
+        offered = ", ".join(f"{known.upper()} ({n})" for n, known in _PROFILES.items())
+        raise BadValueError("profile", number, f"one of {offered}")
     return name
 
 

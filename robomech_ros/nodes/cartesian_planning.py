@@ -1,6 +1,6 @@
 """Motions of the tip along paths in space: where they can go, and why not farther."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
+from robomech_ros.nodes.planning import fitting_plan
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain import PRISMATIC
 from robomech_ros.spatial.poses import pose_error
@@ -23,6 +24,7 @@ from robomech_ros.trajectory import (
     PosePath,
     SampledPlan,
     SerialArm,
+    SpeedLimit,
     TipSpeeds,
     along_joint_path,
     arc_path,
@@ -32,9 +34,20 @@ from robomech_ros.trajectory import (
     track_path,
 )
 
-__all__ = ["FollowedPath", "PathBounds", "follow", "path_through", "plan_along"]
+__all__ = [
+    "FollowedPath",
+    "PathBounds",
+    "PathCheck",
+    "follow",
+    "last_before",
+    "path_through",
+    "plan_along",
+]
 
 Array = NDArray[np.float64]
+# Where a path must end: its coordinate (m), one of ErrorCode, and why; None where nowhere.
+_Found = tuple[float, int, str] | None
+PathCheck = Callable[[SerialChain, JointPath, "PathBounds"], _Found]
 # Poses nearer to the one before than this (rad, m) are the same waypoint.
 _SAME = 1e-9
 # Places looked at along a path at least, and halvings between two of them.
@@ -132,14 +145,34 @@ def path_through(start: Array, waypoints: Array, kind: int) -> PosePath | None:
         return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
     poses = np.concatenate([start[None], waypoints])
     apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
-    distinct = poses[np.append(True, apart > _SAME)]
+    kept = np.flatnonzero(np.append(True, apart > _SAME))
+    distinct = poses[kept]
     if len(distinct) == 1:
         return None
-    return straight_path(distinct) if _KINDS[kind] == "STRAIGHT" else spline_path(distinct)
+    if _KINDS[kind] == "STRAIGHT":
+        return straight_path(distinct)
+    try:
+        return spline_path(distinct)
+    except BadValueError as error:
+        raise _in_waypoints(error, kept) from None
+
+
+def _in_waypoints(error: BadValueError, kept: NDArray[np.int64]) -> BadValueError:
+    """Name the waypoint, of which the start is none, instead of a pose of the path."""
+    for k in range(1, len(kept)):
+        if error.what == f"poses[{k}]":
+            expected = f"{error.expected}; a STRAIGHT path (0) rests there instead"
+            return BadValueError(f"waypoints[{kept[k] - 1}]", error.value, expected)
+    return error
 
 
 def follow(
-    chain: SerialChain, path: PosePath, waypoints: Array, start: Array, bounds: PathBounds
+    chain: SerialChain,
+    path: PosePath,
+    waypoints: Array,
+    start: Array,
+    bounds: PathBounds,
+    further: Sequence["PathCheck"] = (),
 ) -> FollowedPath:
     """Follow a path with the joints as far as they can.
 
@@ -154,6 +187,8 @@ def follow(
     start : ndarray, shape (n,)
         Joint values (rad or m).
     bounds : PathBounds
+    further : sequence of callable
+        Each finds where else a joint path must end.
 
     Raises
     ------
@@ -165,7 +200,8 @@ def follow(
     code = int(_CODES[tracking.status])
     if tracking.path is None:
         return FollowedPath(path, tracking, code, 0.0, 0)
-    for check, reach in ((_outside_limits, 0.0), (_singular, 0.0), (_jumping, bounds.step)):
+    checks = [(_outside_limits, 0.0), (_singular, 0.0), (_jumping, bounds.step)]
+    for check, reach in (*checks, *((one, 0.0) for one in further)):
         found = check(chain, tracking.path, bounds)
         # Joints that move far in the last step do so for the reason that is found already.
         if found is not None and found[0] + reach * (code != ErrorCode.NONE) < tracking.reached:
@@ -187,8 +223,11 @@ def plan_along(
     *,
     profile: str,
     speeds: TipSpeeds,
-    period: float,
+    limits: Limits | None = None,
+    speed_limits: Sequence[SpeedLimit] = (),
+    usual_period: float,
     max_points: int,
+    max_duration: float,
 ) -> SampledPlan | None:
     """Plan a motion along what can be followed of a path.
 
@@ -196,10 +235,12 @@ def plan_along(
     ----------
     chain : SerialChain
     followed : FollowedPath
-    profile, speeds
-        As for `along_path`.
-    period, max_points
-        As for `sampled_motion`.
+    profile, speeds, speed_limits
+        As for `along_joint_path`.
+    limits : Limits, optional
+        Those of the chain, scaled.
+    usual_period, max_points, max_duration
+        As for `fitting_plan`.
 
     Returns
     -------
@@ -209,19 +250,35 @@ def plan_along(
     Raises
     ------
     RobomechError
-        As `along_joint_path` and `sampled_motion` do.
+        As `along_joint_path` and `fitting_plan` do.
     """
     joints = followed.tracking.path
     if joints is None:
         return None
+    start, allowed = joints.derivatives(0.0)[0], limits or Limits.of(chain)
+    latest: list[PathMotion] = []
 
-    def planner(limits: Limits) -> PathMotion:
-        return along_joint_path(
-            followed.path, followed.tracking, limits=limits, profile=profile, speeds=speeds
+    def planner(tightened: Limits) -> PathMotion:
+        motion = along_joint_path(
+            followed.path,
+            followed.tracking,
+            limits=tightened,
+            profile=profile,
+            speeds=speeds,
+            speed_limits=speed_limits,
         )
+        latest[:] = [motion]
+        return motion
 
-    start = joints.derivatives(0.0)[0]
-    return sampled_motion(planner, start, Limits.of(chain), period=period, max_points=max_points)
+    return fitting_plan(
+        lambda period: sampled_motion(
+            planner, start, allowed, period=period, max_points=max_points
+        ),
+        lambda: latest[0].duration,
+        usual_period=usual_period,
+        max_points=max_points,
+        max_duration=max_duration,
+    )
 
 
 def _arm(chain: SerialChain) -> SerialArm:
@@ -233,9 +290,6 @@ def _arm(chain: SerialChain) -> SerialArm:
     return SerialArm(lambda q: forward_kinematics(chain, q), inverse, lambda q: jacobian(chain, q))
 
 
-_Found = tuple[float, int, str] | None
-
-
 def _outside_limits(chain: SerialChain, joints: JointPath, _: PathBounds) -> _Found:
     """Find where a joint leaves its position limits."""
 
@@ -245,7 +299,7 @@ def _outside_limits(chain: SerialChain, joints: JointPath, _: PathBounds) -> _Fo
     def outside(q: Array) -> NDArray[np.bool_]:
         return np.asarray((excess(q) > _SLACK).any(axis=1))
 
-    s = _first(joints, _PLACES, outside)
+    s = last_before(joints, _PLACES, outside)
     if s is None:
         return None
     beyond = min(s + _SHORTEST * joints.length, joints.length)
@@ -282,17 +336,20 @@ def _singular(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> _Fou
         above: NDArray[np.bool_] = singular[:, 0] > bounds.condition * singular[:, -1]
         return above
 
-    s = _first(joints, _PLACES, over)
+    s = last_before(joints, _PLACES, over)
     if s is None:
         return None
     reason = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
     return s, ErrorCode.SINGULAR, reason
 
 
-def _first(
+def last_before(
     joints: JointPath, count: int, wrong: Callable[[Array], NDArray[np.bool_]]
 ) -> float | None:
-    """Find the last coordinate (m) before something is wrong with the joint values (m, n)."""
+    """Find the last coordinate (m) before something is wrong with the joint values (m, n).
+
+    It is looked for at `count` places, and from the first one found nearer and nearer.
+    """
     places = np.linspace(0.0, joints.length, count + 1)
     bad = np.flatnonzero(wrong(joints.derivatives(places)[0]))
     if not len(bad):

@@ -14,6 +14,7 @@ COMMANDS = {
     "bringup": "run all nodes for a robot",
     "call": "call a service with a request in YAML",
     "plot": "draw all postures in which an arm takes a pose",
+    "plot-trajectory": "draw a planned trajectory over time, with its limits",
     "robots": "list the robots that are known by name",
     "warmup": "compile the numeric kernels, once",
     "doctor": "say what is missing on this machine, and how to mend it",
@@ -49,7 +50,7 @@ def _run(argv: list[str], chosen: str) -> int:
         if name == chosen:
             # Only the chosen command is imported: `robomech doctor` has to run where ROS is
             # missing, and `robomech robots` need not wait for it.
-            module = import_module(f"robomech_ros.nodes.commands.{name}")
+            module = import_module(f"robomech_ros.nodes.commands.{name.replace('-', '_')}")
             module.add_arguments(sub)
             sub.set_defaults(run=module.run)
     parsed = parser.parse_args(argv)

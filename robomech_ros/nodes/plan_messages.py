@@ -18,7 +18,7 @@ from robomech_ros.nodes.conversions import (
 )
 from robomech_ros.nodes.planning import check_duration, check_waypoints
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import PROFILES, VIA_PROFILES, Limits, SampledPlan
+from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan
 
 __all__ = [
     "OFFERED",
@@ -39,9 +39,7 @@ _NAMES = {
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
 # The profiles a request may ask for, with their numbers, in words.
-OFFERED = ", ".join(
-    f"{name} ({number})" for number, name in _NAMES.items() if name.lower() in PROFILES
-)
+OFFERED = ", ".join(f"{name} ({number})" for number, name in _NAMES.items())
 _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
 
 
@@ -51,12 +49,11 @@ def profile_name(number: int) -> str:
     Raises
     ------
     BadValueError
-        There is no such profile, or it is not offered; those that are get listed.
+        There is no such profile; those there are get listed.
     """
     name = _NAMES.get(number)
-    if name is None or name.lower() not in PROFILES:
-        shown = f"{name} ({number})" if name else number
-        raise BadValueError("profile", shown, f"one of {OFFERED}")
+    if name is None:
+        raise BadValueError("profile", number, f"one of {OFFERED}")
     return name.lower()
 
 
@@ -73,7 +70,7 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     Raises
     ------
     BadValueError, NonFiniteError
-        A profile that is not offered, via points, a value out of range.
+        An unknown profile, via points it does not take, a value out of range.
     """
     options: dict[str, Any] = {"profile": profile_name(request.profile)}
     if request.via and options["profile"] not in VIA_PROFILES:

@@ -1,5 +1,6 @@
 """Plans that fit into a message: sampled finely where that is possible, coarser where not."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import SampledPlan, sampled_through_points, through_points
 
-__all__ = ["check_duration", "check_waypoints", "plan_that_fits"]
+__all__ = ["check_duration", "check_waypoints", "fitting_plan", "plan_that_fits"]
 
 _SHORTEST = "shortest duration within the scaled limits"
 
@@ -49,21 +50,59 @@ def plan_that_fits(
     RobomechError
         As `sampled_through_points` does, and BadValueError for a motion that takes too long.
     """
-    period = wanted_period or usual_period
-    try:
-        plan = sampled_through_points(
+    return fitting_plan(
+        lambda period: sampled_through_points(
             points, limits=chain, period=period, max_points=max_points, **options
-        )
+        ),
+        lambda: through_points(points, limits=chain, **options).duration,
+        wanted_period=wanted_period,
+        usual_period=usual_period,
+        max_points=max_points,
+        max_duration=max_duration,
+    )
+
+
+def fitting_plan(
+    sampled: Callable[[float], SampledPlan],
+    duration: Callable[[], float],
+    *,
+    wanted_period: float = 0.0,
+    usual_period: float,
+    max_points: int,
+    max_duration: float,
+) -> SampledPlan:
+    """Sample a motion as finely as a trajectory may be.
+
+    Parameters
+    ----------
+    sampled : callable
+        Gives the plan for a largest time between two points (s).
+    duration : callable
+        Gives the duration (s) of the motion.
+    wanted_period, usual_period, max_points, max_duration
+        As for `plan_that_fits`.
+
+    Raises
+    ------
+    RobomechError
+        As `sampled` does, and BadValueError for a motion that takes too long, or whose course
+        changes more often than it may have points.
+    """
+    try:
+        plan = sampled(wanted_period or usual_period)
     except BadValueError as error:
         if wanted_period or error.what != "sample_period":
             raise
-        seconds = through_points(points, limits=chain, **options).duration
+        seconds = duration()
         check_duration(seconds, max_duration, _SHORTEST)
         # As many points as may be are left to the breaks of the curve.
-        period = 2.0 * seconds / max_points
-        plan = sampled_through_points(
-            points, limits=chain, period=period, max_points=max_points, **options
-        )
+        try:
+            plan = sampled(2.0 * seconds / max_points)
+        except BadValueError as again:
+            if again.what != "sample_period":
+                raise
+            expected = f"at most {max_points}, the parameter max_points"
+            raise BadValueError("points that the motion needs", "more", expected) from None
     check_duration(float(plan.waypoints.times[-1]), max_duration, _SHORTEST)
     return plan
 

@@ -12,10 +12,11 @@ __all__ = ["PlottingUnavailableError", "plot_motion"]
 
 Array = NDArray[np.float64]
 
-_SIZE = (10.0, 8.0)
+# Width of a picture, and height of one diagram and of the rest, in inches.
+_WIDTH, _HEIGHT, _REST = 10.0, 2.45, 0.65
 _DPI = 110
-_LABELS = ("position", "velocity", "acceleration")
-_UNITS = {False: ("rad", "rad/s", "rad/s²"), True: ("m", "m/s", "m/s²")}
+_LABELS = ("position", "velocity", "acceleration", "jerk")
+_UNITS = {False: ("rad", "rad/s", "rad/s²", "rad/s³"), True: ("m", "m/s", "m/s²", "m/s³")}
 
 
 class PlottingUnavailableError(RobomechError):
@@ -34,8 +35,9 @@ def plot_motion(
     title: str = "",
     prismatic: Sequence[bool] | None = None,
     marks: Sequence[tuple[float, str]] = (),
+    limits: Sequence[tuple[Array, Array]] = (),
 ) -> Path:
-    """Write a picture of positions, velocities and accelerations of all joints over time.
+    """Write a picture of positions, velocities, accelerations and jerks of joints over time.
 
     Parameters
     ----------
@@ -46,14 +48,17 @@ def plot_motion(
     times : ndarray, shape (m,)
         s.
     curves : sequence of ndarray, shape (m, n)
-        Positions, velocities, accelerations (rad or m, and per s and s^2); later ones may be
-        left out.
+        Positions, velocities, accelerations, jerks (rad or m, and per s, s^2 and s^3); later ones
+        may be left out.
     title : str, optional
         Above the picture.
     prismatic : sequence of bool, optional
         Which joints slide; they are marked in the legend.
     marks : sequence of (float, str), optional
         Instants (s) to be marked, each with its label.
+    limits : sequence of (ndarray, ndarray), optional
+        For each of the curves the least and the largest value allowed, shape (n,); drawn dashed in
+        the colour of the joint where they are finite.
 
     Returns
     -------
@@ -65,20 +70,24 @@ def plot_motion(
     PlottingUnavailableError
         matplotlib is not installed.
     BadValueError, WrongSizeError
-        No curve or more than three, or one whose shape does not fit.
+        No curve or more than four, or one or its limits whose shape does not fit.
     """
     slides = list(prismatic) if prismatic is not None else [False] * len(joint_names)
-    _check(joint_names, times, curves)
+    _check(joint_names, times, curves, limits)
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise PlottingUnavailableError from None
-    figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
+    size = (_WIDTH, _REST + _HEIGHT * len(curves))
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
     axes = np.atleast_1d(figure.subplots(len(curves), 1, sharex=True))
     for i, (ax, curve) in enumerate(zip(axes, curves, strict=True)):
         for joint, name in enumerate(joint_names):
             label = f"{name} (m)" if slides[joint] and not all(slides) else name
-            ax.plot(times, curve[:, joint], linewidth=1.4, label=label)
+            (line,) = ax.plot(times, curve[:, joint], linewidth=1.4, label=label)
+            for bound in (pair[joint] for pair in (limits[i] if limits else ())):
+                if np.isfinite(bound):
+                    ax.axhline(bound, color=line.get_color(), linewidth=0.9, linestyle="--")
         for instant, _ in marks:
             ax.axvline(instant, color="0.6", linewidth=0.8, linestyle=":")
         units = " or ".join(_UNITS[kind][i] for kind in sorted(set(slides)))
@@ -99,10 +108,21 @@ def plot_motion(
     return path
 
 
-def _check(joint_names: Sequence[str], times: Array, curves: Sequence[Array]) -> None:
+def _check(
+    joint_names: Sequence[str],
+    times: Array,
+    curves: Sequence[Array],
+    limits: Sequence[tuple[Array, Array]],
+) -> None:
     if not 1 <= len(curves) <= len(_LABELS):
         raise BadValueError("number of curves", len(curves), f"1 to {len(_LABELS)}")
     wanted = (len(times), len(joint_names))
     for label, curve in zip(_LABELS, curves, strict=False):
         if curve.shape != wanted:
             raise WrongSizeError(label, curve.shape, wanted)
+    if limits and len(limits) != len(curves):
+        raise WrongSizeError("limits", len(limits), f"{len(curves)}, a pair for each curve")
+    for label, pair in zip(_LABELS, limits, strict=False):
+        for bound in pair:
+            if bound.shape != (len(joint_names),):
+                raise WrongSizeError(f"{label} limits", bound.shape, (len(joint_names),))

@@ -63,6 +63,10 @@ if TYPE_CHECKING:
         sampled_point_to_point,
     )
     from robomech_ros.trajectory.splines import Spline, spline_through
+    from robomech_ros.trajectory.time_optimal_motions import (
+        TimeOptimalMotion,
+        TimeOptimalThrough,
+    )
     from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
     from robomech_ros.trajectory.verification import Verification, Violation, verify
     from robomech_ros.trajectory.via_motions import (
@@ -105,6 +109,8 @@ __all__ = [
     "SpeedLimit",
     "Spline",
     "TimeOptimal",
+    "TimeOptimalMotion",
+    "TimeOptimalThrough",
     "TipSpeeds",
     "TorqueLimits",
     "Trajectory",
@@ -154,6 +160,8 @@ __all__ = [
 _MODULES = {
     "time_optimal": "path_timing",
     "TimeOptimal": "path_timing",
+    "TimeOptimalMotion": "time_optimal_motions",
+    "TimeOptimalThrough": "time_optimal_motions",
     "TorqueLimits": "path_limits",
     "SpeedLimit": "path_limits",
     "along_path": "path_motions",

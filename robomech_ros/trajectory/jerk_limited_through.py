@@ -10,7 +10,7 @@ import numpy as np
 import ruckig
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.trajectory.jerk_limited import curve_of
+from robomech_ros.trajectory.jerk_limited import JerkLimited, curve_of
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
@@ -73,6 +73,11 @@ def jerk_limited_through(
     # A point that repeats the one before is passed with it.
     distinct = np.append(True, np.any(np.diff(points, axis=0) != 0.0, axis=1))
     places = points[distinct]
+    if len(places) == 1:
+        still = JerkLimited.plan(places[0], places[0], limits, duration)
+        return JerkLimitedThrough(
+            places[0], still.pieces, np.linspace(0.0, still.duration, len(points))
+        )
     velocities = _Search(places, limits).velocities()
     for _ in range(_HALVINGS):
         pieces, knots = _joined(places, velocities, limits)

@@ -15,12 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.hermite import septic
-from robomech_ros.trajectory.limits import Rate
+from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates"]
+__all__ = ["CUBIC_SPLINE", "CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates", "law_of"]
 
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
 _CYCLOIDAL_SEGMENTS = 32
@@ -58,6 +59,46 @@ class Law:
 
 def _one_piece(*coefficients: float) -> PiecewisePolynomial:
     return PiecewisePolynomial(np.array([0.0, 1.0]), np.array(coefficients)[:, None, None])
+
+
+def law_of(pieces: PiecewisePolynomial) -> Law:
+    """Make a law of its pieces: from 0 to 1 in a time of 1, from rest to rest, and symmetric."""
+
+    def progress(tau: FloatArray) -> FloatArray:
+        return pieces.sample(tau).position.reshape(np.shape(tau))
+
+    def rates(tau: FloatArray) -> Rates:
+        # Counted from the nearer end, so that both ends are at rest exactly.
+        back = np.asarray(tau) > 0.5
+        sample = pieces.sample(np.where(back, 1.0 - tau, tau))
+        velocity, acceleration, jerk = (rate.reshape(np.shape(tau)) for rate in sample[1:])
+        return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
+
+    peaks = {
+        rate: max(-float(low[0]), float(high[0]))
+        for order, rate in enumerate(RATES, 1)
+        for low, high in (extremes(pieces, order),)
+    }
+    return Law(progress, rates, peaks, pieces)
+
+
+def _cubic_spline_pieces() -> PiecewisePolynomial:
+    """Give the cubic spline with ends at rest: four segments, in which the jerk is constant."""
+    breaks = np.linspace(0.0, 1.0, 5)
+    jerk = 32.0 * np.array([1.0, -1.0, -1.0, 1.0])
+    powers, state = np.empty((4, 4, 1)), np.zeros(3)
+    h = 0.25
+    for k, step in enumerate(jerk):
+        s, v, a = state
+        powers[:, k, 0] = s, v, a / 2.0, step / 6.0
+        state = np.array(
+            [
+                s + h * (v + h * (a / 2.0 + h * step / 6.0)),
+                v + h * (a + h * step / 2.0),
+                a + h * step,
+            ]
+        )
+    return PiecewisePolynomial(breaks, powers)
 
 
 def _progress345(tau: FloatArray) -> FloatArray:
@@ -123,3 +164,5 @@ CYCLOIDAL = Law(
     {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
     _cycloidal_pieces(),
 )
+# Where the cubic spline at rest at its ends passes one more point only, half of the way.
+CUBIC_SPLINE = law_of(_cubic_spline_pieces())

@@ -1,5 +1,6 @@
 """Motions whose tool follows a pose path, within the limits of every joint."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -10,10 +11,10 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.trajectory.interpolation import interpolant
-from robomech_ros.trajectory.laws import CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.path_limits import SpeedLimit, checked_list
+from robomech_ros.trajectory.path_sections import jump
 from robomech_ros.trajectory.paths.curve import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.path_tracking import PathTracking, track_path
@@ -21,16 +22,17 @@ from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.paths.posture import Arm
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.time_scaling import checked_duration, fitted, stretch_needed
+from robomech_ros.trajectory.section_timing import SECTION_TIMINGS, Section
+from robomech_ros.trajectory.time_scaling import checked_duration, stretch_needed
 
 __all__ = ["PATH_PROFILES", "PathMotion", "TipSpeeds", "along_joint_path", "along_path"]
 
-# Instants of a section to begin with, and at most; between them the joints follow quintics.
-_FEWEST, _MOST = 32, 4096
-# How far these may be off the path, rad or m, where more instants could help.
-_ON_PATH = 1e-7
+# How the path coordinate may be run through from corner to corner.
+PATH_PROFILES = tuple(SECTION_TIMINGS)
 # A step of the second derivative along a path, in parts of the largest, that is no rounding.
 _SMOOTH = 1e-6
+# What slows a curve down is a limit of a joint if it comes as near to it as this part.
+_BINDING = 0.03
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,10 @@ def along_path(
     """Follow a pose path from rest to rest, as fast as the limits allow.
 
     The joint path comes from the path's differential geometry (:func:`track_path`).  From corner
-    to corner the path coordinate follows the profile's law.
+    to corner the path coordinate follows the law of ``poly345``, ``poly4567``, ``cycloidal`` or
+    ``cubic_spline``, or a double-S profile whose shape makes the motion short (``ruckig``: joint
+    jerk limits are needed and kept); or it is everywhere as fast as the limits allow
+    (``time_optimal``, jerk-limited where the joints are, and accelerations take 20 ms to rise).
 
     Parameters
     ----------
@@ -133,6 +138,7 @@ def along_joint_path(
     profile: str = "poly345",
     duration: float | None = None,
     speeds: TipSpeeds | None = None,
+    speed_limits: Sequence[SpeedLimit] = (),
 ) -> PathMotion:
     """Run along a joint path that follows a pose path.
 
@@ -142,6 +148,8 @@ def along_joint_path(
         As for `along_path`.
     tracking : PathTracking
         With a joint path.
+    speed_limits : sequence of SpeedLimit
+        Further speeds, over the path coordinate.
 
     Returns
     -------
@@ -155,15 +163,17 @@ def along_joint_path(
     joints = tracking.path
     if joints is None:
         raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
-    law = PATH_PROFILES[as_choice("profile", profile, tuple(PATH_PROFILES))]
+    timing = SECTION_TIMINGS[as_choice("profile", profile, PATH_PROFILES)]
     allowed = Limits.of(limits)
-    allowed.require("velocity", "acceleration")
-    most = speeds or TipSpeeds()
-    for what, speed in (("linear", most.linear), ("angular", most.angular)):
-        if speed != np.inf:
-            as_positive(f"{what} speed", speed)
-    sections = [_section(path, joints, edges, law, allowed, most) for edges in _edges(joints)]
-    curve = _joined(sections)
+    allowed.require(*timing.required)
+    others = checked_list("speed_limits", speed_limits, SpeedLimit)
+    slow = (*_speed_limits(path, speeds or TipSpeeds()), *others)
+    curve = _joined(
+        [
+            timing.timed(Section(joints, low, high, allowed, slow))
+            for low, high in _edges(joints, timing.needs_smooth)
+        ]
+    )
     seconds = checked_duration(duration)
     if seconds is not None:
         _check_wanted(seconds, curve, allowed)
@@ -172,7 +182,7 @@ def along_joint_path(
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
 
 
-def _edges(joints: JointPath) -> list[tuple[float, float]]:
+def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
     """Give the parts of a joint path between which the motion must rest.
 
     At its stops the first derivative steps; where the second one does, the acceleration would.
@@ -182,73 +192,28 @@ def _edges(joints: JointPath) -> list[tuple[float, float]]:
     before = joints.derivatives(np.nextafter(inner, 0.0))[2]
     largest = max(float(np.abs(after).max(initial=0.0)), float(np.abs(before).max(initial=0.0)))
     steps = np.abs(after - before).max(axis=1, initial=0.0) > _SMOOTH * (1.0 + largest)
+    if needs_smooth and len(inner):
+        steps |= jump(joints.pieces, 2)
     rests = np.unique(np.concatenate([[0.0], joints.stops, inner[steps], [joints.length]]))
     return list(pairwise(rests.tolist()))
 
 
-def _section(
-    path: PosePath,
-    joints: JointPath,
-    edges: tuple[float, float],
-    law: Law,
-    limits: Limits,
-    speeds: TipSpeeds,
-) -> PiecewisePolynomial:
-    """Time one part: as fast as joints and tool may move."""
-    count, error = _FEWEST, np.inf
-    while True:
-        unit = _timed(joints, edges, law, count)
-        before, error = error, _deviation(unit, joints, edges, law)
-        # Rounding, too, ends this: twice as many instants must help.
-        if error <= _ON_PATH or count >= _MOST or error > 0.5 * before:
-            break
-        count *= 2
-    curve = fitted(unit, limits)
-    least = _least_duration(path, edges, law, speeds, count)
-    return curve.stretched(max(least / curve.duration, 1.0))
+def _speed_limits(path: PosePath, most: TipSpeeds) -> list[SpeedLimit]:
+    """Express the speeds of the tool that are limited by the path coordinate's."""
 
+    def rate(part: slice) -> Callable[[FloatArray], FloatArray]:
+        def of(s: FloatArray) -> FloatArray:
+            magnitude: FloatArray = np.linalg.norm(path.sample(s).twist[:, part], axis=1)
+            return magnitude
 
-def _coordinates(edges: tuple[float, float], law: Law, tau: FloatArray) -> tuple[FloatArray, ...]:
-    """Path coordinate and its first two rates over a duration of 1, shape (m, 1)."""
-    low, high = edges
-    done = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
-    rates = law.rates(tau)
-    # The limit from the left at the end, where the next part begins with other derivatives.
-    s = np.minimum(low + (high - low) * done, np.nextafter(high, low))
-    length = high - low
-    return s[:, None], length * rates.velocity[:, None], length * rates.acceleration[:, None]
+        return of
 
-
-def _timed(
-    joints: JointPath, edges: tuple[float, float], law: Law, count: int
-) -> PiecewisePolynomial:
-    """Interpolate the joints over a duration of 1, by exact values and rates."""
-    tau = np.linspace(0.0, 1.0, count + 1)
-    s, v, a = _coordinates(edges, law, tau)
-    q, first, second, _ = joints.derivatives(s[:, 0])
-    q[-1] = joints.derivatives(edges[1])[0]
-    return interpolant(tau, q, first * v, second * v**2 + first * a)
-
-
-def _deviation(
-    unit: PiecewisePolynomial, joints: JointPath, edges: tuple[float, float], law: Law
-) -> float:
-    """How far (rad or m) the joints are off the path in the middle between instants."""
-    middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
-    exact = joints.derivatives(_coordinates(edges, law, middle)[0][:, 0])[0]
-    return float(np.abs(unit.sample(middle).position - exact).max())
-
-
-def _least_duration(
-    path: PosePath, edges: tuple[float, float], law: Law, speeds: TipSpeeds, count: int
-) -> float:
-    """Shortest time (s) for a part in which the tool keeps its speeds."""
-    s, v, _ = _coordinates(edges, law, np.linspace(0.0, 1.0, 2 * count + 1))
-    twists = path.sample(s[:, 0]).twist * v
-    turning, moving = (
-        np.linalg.norm(part, axis=1).max() for part in (twists[:, :3], twists[:, 3:])
-    )
-    return max(float(turning) / speeds.angular, float(moving) / speeds.linear)
+    kinds = (("linear", most.linear, slice(3, 6)), ("angular", most.angular, slice(0, 3)))
+    return [
+        SpeedLimit(rate(part), as_positive(f"{what} speed", speed))
+        for what, speed, part in kinds
+        if speed != np.inf
+    ]
 
 
 def _joined(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
@@ -267,9 +232,5 @@ def _check_wanted(seconds: float, curve: PiecewisePolynomial, limits: Limits) ->
     slack = tolerances.DURATION_ROUNDING * (1.0 + curve.duration)
     if seconds < curve.duration - slack:
         factor, joint, rate = stretch_needed(curve, limits)
-        name = limits.joint_names[joint] if factor > 1.0 - _SMOOTH else "of the tool"
+        name = limits.joint_names[joint] if factor > 1.0 - _BINDING else "of the tool"
         raise DurationTooShortError(seconds, curve.duration, name, rate)
-
-
-# Laws of the path coordinate from corner to corner.
-PATH_PROFILES: dict[str, Law] = {"poly345": POLY345, "poly4567": POLY4567, "cycloidal": CYCLOIDAL}

@@ -14,6 +14,7 @@ from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
 from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.splines import CubicSplineMotion
+from robomech_ros.trajectory.time_optimal_motions import TimeOptimalMotion
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
@@ -63,6 +64,7 @@ PROFILES: dict[str, type[Profile]] = {
     "trapezoidal": Trapezoidal,
     "double_s": DoubleS,
     "ruckig": JerkLimited,
+    "time_optimal": TimeOptimalMotion,
 }
 
 
@@ -106,7 +108,8 @@ def point_to_point(
     profile : str
         A name in `PROFILES`, in capitals or not: ``poly345``, ``poly4567``, ``cycloidal`` (the
         book's laws), ``cubic_spline``, ``trapezoidal``, ``double_s``, ``ruckig`` (the fastest;
-        the only one that may start moving).
+        the only one that may start moving), ``time_optimal`` (the fastest on the straight line;
+        without a jerk limit an acceleration takes 20 ms to rise).
     duration : float, optional
         Wanted duration in s; None (or 0) for the shortest within the limits, which is 1 ms at
         the least.

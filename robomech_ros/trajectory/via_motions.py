@@ -18,6 +18,7 @@ from robomech_ros.trajectory.sampled_plan import (
     sampled_motion,
 )
 from robomech_ros.trajectory.splines import spline_through
+from robomech_ros.trajectory.time_optimal_motions import time_optimal_through
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.via_polynomials import MOST_VIAS, via_polynomial
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
@@ -49,12 +50,18 @@ def _spline(
     return spline_through(points, limits=limits, at=at, spacing=spacing, duration=duration)
 
 
-def _ruckig(
-    points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
-) -> PiecewiseTrajectory:
-    if at is not None:
-        raise BadValueError("at", at.tolist(), "none for ruckig, which finds the instants itself")
-    return jerk_limited_through(points, limits, duration)
+def _finding_instants(
+    profile: str, plan: Callable[[FloatArray, Limits, float | None], PiecewiseTrajectory]
+) -> Through:
+    def through(
+        points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+    ) -> PiecewiseTrajectory:
+        if at is not None:
+            expected = f"none for {profile}, which finds the instants itself"
+            raise BadValueError("at", at.tolist(), expected)
+        return plan(points, limits, duration)
+
+    return through
 
 
 # Profiles that can pass via points on their way.
@@ -62,7 +69,8 @@ VIA_PROFILES: dict[str, Through] = {
     "poly345": _polynomial("poly345"),
     "poly4567": _polynomial("poly4567"),
     "cubic_spline": _spline,
-    "ruckig": _ruckig,
+    "ruckig": _finding_instants("ruckig", jerk_limited_through),
+    "time_optimal": _finding_instants("time_optimal", time_optimal_through),
 }
 
 
@@ -86,11 +94,12 @@ def through_points(
     limits : JointLimits
         As for `point_to_point`.
     profile : str
-        With via points ``"cubic_spline"``, ``"ruckig"``, or ``"poly345"`` and ``"poly4567"`` for
-        at most two of them; without any of `PROFILES`.
+        With via points ``"cubic_spline"``, ``"ruckig"``, ``"time_optimal"`` (along the natural
+        cubic spline through all points), or ``"poly345"`` and ``"poly4567"`` for at most two of
+        them; without any of `PROFILES`.
     at : array_like, shape (m - 2,), optional
         Which part of the duration is over at each via point, strictly between 0 and 1 and
-        increasing; default the best that is known.
+        increasing; default the best that is known.  Not with ``"ruckig"`` and ``"time_optimal"``.
     duration : float, optional
         Wanted duration in s; None (or 0) for the shortest within the limits.
     velocity_scale, acceleration_scale, jerk_scale : float

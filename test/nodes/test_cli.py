@@ -4,11 +4,14 @@ import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import yaml
+from builtin_interfaces.msg import Duration
 from rclpy.node import Node
 from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.srv import Execute
 from robomech_ros import __version__
@@ -16,6 +19,7 @@ from robomech_ros.nodes import cli
 from robomech_ros.nodes.commands.warmup import kernel_modules
 from robomech_ros.nodes.kinematics_node import KinematicsNode
 from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
+from robomech_ros.nodes.robot_description import LATCHED
 from robomech_ros.robots import list_robots
 
 
@@ -221,3 +225,78 @@ def test_nodes_import_no_heavy_library(node):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+TRAJECTORY = """
+header: {frame_id: ''}
+joint_names: [waist, shoulder]
+points:
+- {positions: [0.0, 0.5], velocities: [0.0, 0.0], accelerations: [0.0, 0.0]}
+- positions: [1.0, 0.0]
+  velocities: [0.0, 0.0]
+  accelerations: [0.0, 0.0]
+  time_from_start: {sec: 2, nanosec: 500000000}
+"""
+
+
+@pytest.fixture
+def trajectory_file(tmp_path):
+    path = tmp_path / "trajectory.yaml"
+    path.write_text(TRAJECTORY + "---\n", encoding="utf-8")
+    return path
+
+
+def test_plot_trajectory_draws_a_file_with_and_without_limits(capfd, tmp_path, trajectory_file):
+    path = str(tmp_path / "motion.svg")
+    code, out, _ = run(capfd, "plot-trajectory", str(trajectory_file), "--output", path)
+    assert (code, out) == (0, f"{path}: 2 joints, 2 points, 2.5 s\n")
+    plain = Path(path).read_text(encoding="utf-8")
+    answer = tmp_path / "answer.yaml"
+    indented = TRAJECTORY.replace("\n", "\n  ")
+    answer.write_text(f"trajectory:{indented}\nfraction: 1.0\n", encoding="utf-8")
+    options = ("--robot", "puma560", "--title", "up and round", "--output", path)
+    code, _, _ = run(capfd, "plot-trajectory", str(answer), *options)
+    assert code == 0
+    limited = Path(path).read_text(encoding="utf-8")
+    # Two bounds of two joints for position, velocity, acceleration and jerk.
+    assert limited.count("stroke-dasharray") == plain.count("stroke-dasharray") + 16
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "words"),
+    [
+        (("waist", "knee"), ["--robot", "puma560"], "knee"),
+        (("[1.0, 0.0]", "[1.0]"), [], "positions"),
+        (("[1.0, 0.0]", "[.nan, 0.0]"), [], "nan"),
+        (("points", "dots"), [], "expected a JointTrajectory, or an answer"),
+        (("sec: 2", "sec: -2"), [], "time_from_start"),
+        (("", ""), ["--output", "motion.doc"], "png, svg or pdf"),
+        (("", ""), ["--joint-limits", "limits.yaml"], "expected a robot as well"),
+    ],
+)
+def test_plot_trajectory_refuses_what_it_cannot_draw(
+    capfd, tmp_path, trajectory_file, change, options, words
+):
+    trajectory_file.write_text(TRAJECTORY.replace(*change), encoding="utf-8")
+    if "--output" not in options:
+        options = [*options, "--output", str(tmp_path / "motion.png")]
+    code, _, err = run(capfd, "plot-trajectory", str(trajectory_file), *options)
+    assert code == cli.EXIT_USAGE
+    assert words in err
+    assert not (tmp_path / "motion.png").exists()
+
+
+def test_plot_trajectory_takes_the_latched_topic(capfd, tmp_path, graph):
+    """From the topic that a planner latches; positions alone make two diagrams."""
+    message = JointTrajectory(joint_names=["slide"])
+    message.points = [
+        JointTrajectoryPoint(positions=[float(k)], time_from_start=Duration(sec=k)) for k in (0, 1)
+    ]
+    publisher = graph.client.create_publisher(JointTrajectory, "planned", LATCHED)
+    publisher.publish(message)
+    path = str(tmp_path / "latched.png")
+    code, out, _ = run(capfd, "plot-trajectory", "--topic", "planned", "--output", path)
+    assert (code, out) == (0, f"{path}: 1 joints, 2 points, 1 s\n")
+    options = ("--topic", "nobody", "--timeout", "0.3", "--output", path)
+    code, _, err = run(capfd, "plot-trajectory", *options)
+    assert code == 3 and "nothing came on topic 'nobody' within 0.3 s" in err

@@ -44,6 +44,7 @@ UR_Q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
 HASHES = {
     "GetPositionIK": "RIHS01_054ed6f6f71a09b01b5246c5d80beb4dacc6f444f58df039849c76292933e9e3",
     "GetPositionFK": "RIHS01_2f16ec361a135d84b85a29385abeb9eeb025e39c09038bd6b2826645edc7edad",
+    "GetCartesianPath": "RIHS01_b19f501df5d378141d918199894c3ad24533e76021a880b15dc5d62fec8d7b1a",
 }
 
 GRIPPER = """

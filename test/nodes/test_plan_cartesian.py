@@ -64,7 +64,10 @@ def keeps_to(points, chain, start):
     assert not points.velocities[-1].any() and not points.accelerations[-1].any()
 
 
-@pytest.mark.parametrize("profile", ["POLY345", "POLY4567", "CYCLOIDAL"])
+PROFILES = ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
+
+
+@pytest.mark.parametrize("profile", PROFILES)
 def test_straight_lines_are_straight(puma, profile):
     steps = np.array([[0.1, 0.0, 0.0], [0.1, 0.1, 0.05]])
     response = plan(puma, shifted(*steps), profile=getattr(PlanCartesian.Request, profile))
@@ -96,6 +99,39 @@ def test_arcs_and_splines_pass_their_waypoints(puma):
     for step in steps:
         apart = np.linalg.norm(poses[:, :3, 3] - HERE[:3, 3] - step, axis=1)
         assert apart.min() < 1e-4
+
+
+@pytest.mark.parametrize("profile", PROFILES[3:])
+def test_splines_and_speeds_by_the_profiles_that_are_no_polynomials(puma, profile):
+    poses = shifted([0.05, 0.05, 0.0], [0.1, 0.0, 0.0])
+    options = {"path": PlanCartesian.Request.SPLINE, "max_linear_speed": 0.1}
+    response = plan(puma, poses, profile=getattr(PlanCartesian.Request, profile), **options)
+    assert (response.error_code, response.error_msg) == (ErrorCode.NONE, "")
+    points, tips = dense(response)
+    keeps_to(points, PUMA, START)
+    speeds = np.linalg.norm(np.diff(tips[:, :3, 3], axis=0), axis=1) * 1999 / points.times[-1]
+    assert 0.09 < speeds.max() < 0.1001
+
+
+def test_a_plan_of_too_many_points_is_sampled_coarser(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", max_points=400)
+    response = plan(graph, shifted([0.2, 0.0, 0.0]), max_linear_speed=0.01)
+    assert (response.error_code, response.error_msg) == (ErrorCode.NONE, "")
+    points, tips = dense(response)
+    keeps_to(points, PUMA, START)
+    assert points.times[-1] == pytest.approx(37.5, rel=1e-4) and 200 < len(points.times) <= 400
+    assert off_the_line(tips[:, :3, 3], HERE[:3, 3], HERE[:3, 3] + [0.2, 0, 0]).max() < 1e-5
+
+
+def test_limits_of_a_trajectory_are_told(graph):
+    options = {"robot_description": "puma560", "max_points": 10, "max_duration": 3.0}
+    graph.start(TrajectoryPlannerNode, **options)
+    few = plan(graph, shifted([0.2, 0.0, 0.0]))
+    assert few.error_code == ErrorCode.BAD_VALUE and not few.trajectory.points
+    assert "expected at most 10, the parameter max_points" in few.error_msg
+    long = plan(graph, shifted([0.2, 0.0, 0.0]), max_linear_speed=0.01)
+    assert long.error_code == ErrorCode.BAD_VALUE and not long.trajectory.points
+    assert "expected at most 3 s, the parameter max_duration" in long.error_msg
 
 
 def test_the_tool_keeps_its_speed(puma):
@@ -180,8 +216,17 @@ CASES = {
         ErrorCode.BAD_VALUE,
         ["arc 0"],
     ),
+    "a spline straight back": (
+        {"path": 1, "waypoints": shifted([0, 0, 0], [0.1, 0, 0], [0.05, 0, 0])},
+        ErrorCode.BAD_VALUE,
+        ["waypoints[1]", "need not go straight back", "a STRAIGHT path (0) rests there"],
+    ),
     "unknown path": ({"path": 9}, ErrorCode.BAD_VALUE, ["STRAIGHT (0), SPLINE (1), ARC (2)"]),
-    "unknown profile": ({"profile": 77}, ErrorCode.BAD_VALUE, ["POLY345 (0), POLY4567 (1)"]),
+    "unknown profile": (
+        {"profile": 77},
+        ErrorCode.BAD_VALUE,
+        ["profile is 77", "POLY345 (0), POLY4567 (1)", "TIME_OPTIMAL (5)"],
+    ),
     "unknown end": ({"at_singularity": 5}, ErrorCode.BAD_VALUE, ["STOP (0), SLOW (1)"]),
     "quaternion": (
         {"waypoints": [PoseStamped(pose=Pose(orientation=Quaternion(w=0.0)))]},

@@ -31,7 +31,7 @@ START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 GOAL = np.array([-1.2, 0.8, -1.5, 1.5, -0.4, 2.7])
 PROFILES = {
     name: getattr(PlanJoint.Request, name.upper())
-    for name in ("poly345", "poly4567", "cycloidal", "cubic_spline", "ruckig")
+    for name in ("poly345", "poly4567", "cycloidal", "cubic_spline", "ruckig", "time_optimal")
 }
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -106,7 +106,7 @@ def test_a_wanted_duration_and_a_wanted_period(puma, profile):
 VIA = np.array([[0.2, 0.1, -0.3, 0.9, 0.4, 0.2], [-0.6, 0.5, -1.2, 1.1, 0.3, 1.9]])
 
 
-@pytest.mark.parametrize("name", ["poly345", "poly4567", "cubic_spline", "ruckig"])
+@pytest.mark.parametrize("name", ["poly345", "poly4567", "cubic_spline", "ruckig", "time_optimal"])
 def test_via_points_are_passed(puma, name):
     via = [JointTrajectoryPoint(positions=point.tolist()) for point in VIA]
     points = check(plan(puma, profile=PROFILES[name], via=via))

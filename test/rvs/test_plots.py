@@ -38,13 +38,24 @@ def test_positions_alone_will_do(tmp_path):
     ("curves", "error", "text"),
     [
         ((), BadValueError, "number of curves is 0"),
-        ((Q, V, A, A), BadValueError, "number of curves is 4"),
+        ((Q, V, A, A, A), BadValueError, "number of curves is 5"),
         ((Q, V[:-1]), WrongSizeError, r"velocity has shape \(49, 2\), expected \(50, 2\)"),
     ],
 )
 def test_curves_that_do_not_fit(tmp_path, curves, error, text):
     with pytest.raises(error, match=text):
         plot_motion(tmp_path / "q.png", "ab", TIMES, curves)
+
+
+def test_limits_are_drawn_where_they_are_finite(tmp_path):
+    bounds = [(np.array([-1.0, -np.inf]), np.array([1.5, np.inf]))] * 4
+    plain = plot_motion(tmp_path / "plain.svg", "ab", TIMES, (Q, V, A, A)).read_text()
+    limited = plot_motion(tmp_path / "limits.svg", "ab", TIMES, (Q, V, A, A), limits=bounds)
+    assert limited.read_text().count("stroke-dasharray") == plain.count("stroke-dasharray") + 8
+    with pytest.raises(WrongSizeError, match="limits has size 1, expected 2"):
+        plot_motion(tmp_path / "no.svg", "ab", TIMES, (Q, V), limits=bounds[:1])
+    with pytest.raises(WrongSizeError, match=r"position limits has shape \(1,\)"):
+        plot_motion(tmp_path / "no.svg", "ab", TIMES, (Q,), limits=[(TIMES[:1], TIMES[:1])])
 
 
 def test_without_matplotlib_the_way_to_get_it_is_named(tmp_path, monkeypatch):

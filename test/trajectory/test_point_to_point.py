@@ -27,7 +27,7 @@ def profile(request):
 
 def test_the_names_of_profiles():
     names = {"poly345", "poly4567", "cycloidal", "cubic_spline", "trapezoidal"}
-    assert set(PROFILES) == names | {"double_s", "ruckig"}
+    assert set(PROFILES) == names | {"double_s", "ruckig", "time_optimal"}
 
 
 def test_a_profile_is_found_in_capitals_as_well(profile):

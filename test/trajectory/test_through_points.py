@@ -40,8 +40,10 @@ def test_samples_pass_the_points_and_keep_to_the_limits(profile, count, seed):
     )
     assert plan.verification.ok
     knots = plan.trajectory.knots
-    np.testing.assert_allclose(plan.trajectory.sample(knots).position, points, atol=1e-9)
-    np.testing.assert_allclose(plan.waypoints.curve.sample(knots).position, points, atol=1e-7)
+    # Along a path in many pieces, thinned out, the points are met less exactly.
+    close = 1e-7 if profile == "time_optimal" else 1e-9
+    np.testing.assert_allclose(plan.trajectory.sample(knots).position, points, atol=close)
+    np.testing.assert_allclose(plan.waypoints.curve.sample(knots).position, points, atol=2e-7)
     if profile != "ruckig":  # which stops where that is faster
         inner = plan.trajectory.sample(knots[1:-1]).velocity
         assert (np.abs(inner).max(axis=1) > 0.0).all()
@@ -59,13 +61,25 @@ def test_two_points_are_a_motion_from_point_to_point(profile):
     assert motion.duration == point_to_point(*points, limits=limits, profile=profile).duration
 
 
-@pytest.mark.parametrize("profile", sorted(set(VIA_PROFILES) - {"ruckig"}))
+@pytest.mark.parametrize("profile", sorted(set(VIA_PROFILES) - {"ruckig", "time_optimal"}))
 def test_instants_of_choice(profile):
     points, limits = random_case(2, 4)
     motion = through_points(points, limits=limits, profile=profile, at=[0.3, 0.7], duration=90.0)
     np.testing.assert_allclose(motion.sample([27.0, 63.0]).position, points[1:3], atol=1e-9)
     with pytest.raises(DurationTooShortError):
         through_points(points, limits=limits, profile=profile, at=[0.3, 0.7], duration=0.5)
+
+
+@pytest.mark.parametrize("profile", ["ruckig", "time_optimal"])
+def test_via_points_that_are_start_and_goal_make_no_motion(profile):
+    points, limits = random_case(6, 1)
+    motion = through_points(points[[0, 0, 0, 0]], limits=limits, profile=profile)
+    assert motion.duration <= 0.01
+    np.testing.assert_array_equal(motion.sample(motion.knots).position, points[[0, 0, 0, 0]])
+    assert (
+        through_points(points[[0, 0, 0]], limits=limits, profile=profile, duration=3.0).duration
+        == 3.0
+    )
 
 
 @pytest.mark.parametrize("profile", ["cubic_spline", "ruckig"])
@@ -122,6 +136,7 @@ def test_a_motion_that_would_swing_out_of_the_limits_is_slower_instead():
             "none for cycloidal; poly345, poly4567",
         ),
         (3, {"profile": "ruckig", "at": [0.5]}, BadValueError, "at is .*none for ruckig"),
+        (3, {"profile": "time_optimal", "at": [0.5]}, BadValueError, "none for time_optimal"),
         (3, {"profile": "double_s"}, BadValueError, "none for double_s"),
         (3, {"at": [1.5]}, BadValueError, "between 0 and 1"),
         (3, {"at": [0.2, 0.5]}, WrongSizeError, "at"),

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.message_yaml import fill_message, interface_class, parse_yaml, to_yaml
 
-__all__ = ["add_arguments", "run"]
+__all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 
 EXIT_REFUSED = 1
 EXIT_NO_ANSWER = 3
@@ -35,14 +35,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("request", nargs="?", default="", help="fields in YAML; default all zero")
     parser.add_argument("--type", default="", help="interface type; default: ask the graph")
     parser.add_argument(
-        "--timeout", type=_seconds, default=10.0, help="seconds to wait for service and answer (10)"
+        "--timeout",
+        type=seconds_to_wait,
+        default=10.0,
+        help="seconds to wait for service and answer (10)",
     )
     parser.add_argument(
         "--full", action="store_true", help="show empty lists and zero times of inner messages, too"
     )
 
 
-def _seconds(text: str) -> float:
+def seconds_to_wait(text: str) -> float:
     """Read a time to wait (s)."""
     try:
         seconds = float(text)

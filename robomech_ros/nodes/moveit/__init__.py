@@ -1,13 +1,14 @@
-"""The services compute_ik and compute_fk of MoveIt, where the package moveit_msgs is installed."""
+"""Services of MoveIt under the names of the nodes, where the package moveit_msgs is installed."""
 
 from collections.abc import Callable
+from typing import Any
 
 from rclpy.node import Node
 
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.robot_description import RobotModel
 
-__all__ = ["add_moveit_services"]
+__all__ = ["add_cartesian_path_service", "add_moveit_services"]
 
 
 def add_moveit_services(
@@ -41,8 +42,45 @@ def add_moveit_services(
         from robomech_ros.nodes.moveit.services import MoveItServices
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
     except ImportError as error:
-        if getattr(error, "name", "") != "moveit_msgs":
-            node.get_logger().warning(f"no compute_ik and compute_fk: {error}")
+        _tell(node, "compute_ik and compute_fk", error)
         return False
     MoveItServices(node, WholeRobot(model, monitor), patience, check_size)
     return True
+
+
+def add_cartesian_path_service(
+    node: Node,
+    model: RobotModel,
+    monitor: JointStateMonitor,
+    settings: Callable[[], Any],
+) -> bool:
+    """Add compute_cartesian_path to a node, where its type is installed.
+
+    What it computes is not published: who asked has it executed.
+
+    Parameters
+    ----------
+    node, model, monitor
+        As for `add_moveit_services`.
+    settings : callable
+        Gives the parameters of the planner.
+
+    Returns
+    -------
+    bool
+        Whether it is there.
+    """
+    try:
+        from robomech_ros.nodes.moveit.cartesian_service import CartesianPathService
+        from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+    except ImportError as error:
+        _tell(node, "compute_cartesian_path", error)
+        return False
+    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings)
+    return True
+
+
+def _tell(node: Node, services: str, error: ImportError) -> None:
+    """Log why there are no such services, but where the package is simply not installed."""
+    if getattr(error, "name", "") != "moveit_msgs":
+        node.get_logger().warning(f"no {services}: {error}")

@@ -15,11 +15,9 @@ from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
     UnknownJointError,
-    UnknownLinkError,
     WrongSizeError,
 )
 from robomech_ros.nodes.conversions import matrix_from_pose, point_vector
-from robomech_ros.nodes.error_codes import FrameUnavailableError
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import (
@@ -46,8 +44,10 @@ class Conditions:
     Parameters
     ----------
     constraints : Constraints
-        Of a PositionIKRequest.
+        Of a request.
     robot : WholeRobot
+    what : str
+        Their name in the request.
 
     Raises
     ------
@@ -57,24 +57,26 @@ class Conditions:
         A joint, link or frame that the robot does not have, or a number that is none.
     """
 
-    def __init__(self, constraints: Any, robot: WholeRobot) -> None:
+    def __init__(self, constraints: Any, robot: WholeRobot, what: str = "constraints") -> None:
         if constraints.visibility_constraints:
             raise RefusedError(
                 MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS,
-                f"constraints.visibility_constraints has {len(constraints.visibility_constraints)} "
+                f"{what}.visibility_constraints has {len(constraints.visibility_constraints)} "
                 "entries, expected none: this node knows no shapes that could be in the way",
             )
         turning = (*constraints.position_constraints, *constraints.orientation_constraints)
         joints = [one.joint_name for one in constraints.joint_constraints]
         for one in turning:
             joints += robot.joints_to(one.link_name)
-            joints += _joints_of_frame(one.header.frame_id, robot)
+            joints += robot.joints_of_frame(one.header.frame_id)
         #: The joints whose positions the conditions are about.
         self.joints = tuple(dict.fromkeys(joints))
         self._all = [
-            *_conditions("joint", constraints.joint_constraints, _of_joint, robot),
-            *_conditions("position", constraints.position_constraints, _of_position, robot),
-            *_conditions("orientation", constraints.orientation_constraints, _of_turn, robot),
+            *_conditions(f"{what}.joint", constraints.joint_constraints, _of_joint, robot),
+            *_conditions(f"{what}.position", constraints.position_constraints, _of_position, robot),
+            *_conditions(
+                f"{what}.orientation", constraints.orientation_constraints, _of_turn, robot
+            ),
         ]
 
     def __bool__(self) -> bool:
@@ -89,18 +91,9 @@ def _conditions(
     kind: str, messages: Any, make: Callable[[str, Any, WholeRobot], _Condition], robot: WholeRobot
 ) -> Iterator[_Condition]:
     for i, message in enumerate(messages):
-        what = f"constraints.{kind}_constraints[{i}]"
+        what = f"{kind}_constraints[{i}]"
         _checked(f"{what}.weight", message.weight)
         yield make(what, message, robot)
-
-
-def _joints_of_frame(frame: str, robot: WholeRobot) -> tuple[str, ...]:
-    """Name the joints that move a frame, "" being the base."""
-    try:
-        return robot.joints_to(frame or robot.model.chain.base)
-    except UnknownLinkError as error:
-        why = "the robot has no such link"
-        raise FrameUnavailableError(frame, error.available, why) from None
 
 
 def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:

@@ -8,13 +8,14 @@ from moveit_msgs.msg import MoveItErrorCodes
 
 from robomech_ros.errors import RobomechError, UnknownLinkError
 from robomech_ros.kinematics.status import Status
-from robomech_ros.nodes.error_codes import FrameUnavailableError, NoStateError
+from robomech_ros.nodes.error_codes import FrameUnavailableError, NoStateError, RobotMovesError
 
 __all__ = ["RefusedError", "code_of_outcome", "fill_code", "refused_as"]
 
 # What these mean does not depend on the part of the request that they are found in.
 _CODES = (
     (FrameUnavailableError, MoveItErrorCodes.FRAME_TRANSFORM_FAILURE),
+    (RobotMovesError, MoveItErrorCodes.START_STATE_INVALID),
     (NoStateError, MoveItErrorCodes.ROBOT_STATE_STALE),
     (UnknownLinkError, MoveItErrorCodes.INVALID_LINK_NAME),
 )

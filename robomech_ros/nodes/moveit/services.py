@@ -1,7 +1,6 @@
 """compute_ik and compute_fk: what MoveIt's move_group answers, from the solvers of this package."""
 
-import traceback
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,27 +11,24 @@ from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
-from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.nodes.conversions import matrix_from_pose, seconds_from_duration, stamped_pose
 from robomech_ros.nodes.moveit.conditions import Conditions
-from robomech_ros.nodes.moveit.refusals import (
-    RefusedError,
-    code_of_outcome,
-    fill_code,
-    refused_as,
+from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
+from robomech_ros.nodes.moveit.serving import (
+    answering,
+    chain_to,
+    check_group,
+    refuse_collision_checks,
 )
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.nodes.pauses import Turns
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["GROUP", "MoveItServices"]
+__all__ = ["MoveItServices"]
 
 Array = NDArray[np.float64]
-
-# The one group of joints of this node, beside the name of the robot.
-GROUP = "manipulator"
 
 
 @dataclass(frozen=True)
@@ -76,30 +72,7 @@ class MoveItServices:
             (GetPositionFK, "~/compute_fk", self._compute_fk),
         ):
             group = ReentrantCallbackGroup()
-            node.create_service(kind, name, self._guarded(callback), callback_group=group)
-
-    def _guarded(
-        self, callback: Callable[[Any, Any], Awaitable[Any]]
-    ) -> Callable[[Any, Any], Awaitable[Any]]:
-        """Let a callback answer whatever happens; the node goes on serving."""
-        source = self._node.get_fully_qualified_name()
-
-        async def call(request: Any, response: Any) -> Any:
-            try:
-                code, text = await callback(request, response)
-            except RobomechError as error:
-                response = type(response)()
-                code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
-            except Exception as error:
-                response = type(response)()
-                log = f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
-                self._node.get_logger().error(log)
-                code = MoveItErrorCodes.FAILURE
-                text = f"internal error, please report it: {type(error).__name__}: {error}"
-            fill_code(response.error_code, code, text, source)
-            return response
-
-        return call
+            node.create_service(kind, name, answering(node, callback), callback_group=group)
 
     async def _compute_ik(self, request: Any, response: Any) -> tuple[int, str]:
         question = await self._read(request.ik_request)
@@ -115,14 +88,10 @@ class MoveItServices:
         return MoveItErrorCodes.SUCCESS, result.reason
 
     async def _read(self, request: Any) -> _Question:
-        self._check_group(request.group_name)
-        if request.avoid_collisions:
-            raise RefusedError(
-                MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-                "avoid_collisions is true, expected false: this node knows no collisions",
-            )
+        check_group(self._robot.model, request.group_name)
+        refuse_collision_checks(request)
         link, pose = _one_pose(request)
-        chain = self._chain_to(link)
+        chain = chain_to(self._robot.model, link)
         with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
             T = matrix_from_pose(pose.pose, "pose_stamped.pose")
             frame = self._robot.model.frame_in_base(pose.header.frame_id)
@@ -140,25 +109,6 @@ class MoveItServices:
         positions = self._robot.with_defaults(positions)
         target = T if frame is None else frame @ T
         return _Question(chain, target, positions, conditions, timeout)
-
-    def _check_group(self, name: str) -> None:
-        known = (GROUP, self._robot.model.chain.name)
-        if name and name not in known:
-            listed = " or ".join(f"'{one}'" for one in known)
-            raise RefusedError(
-                MoveItErrorCodes.INVALID_GROUP_NAME,
-                f"group_name is {name[:200]!r}, expected {listed}, or empty for the same",
-            )
-
-    def _chain_to(self, link: str) -> SerialChain:
-        with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
-            chain = self._robot.model.chain_to(link)
-        if not chain.n:
-            raise RefusedError(
-                MoveItErrorCodes.INVALID_LINK_NAME,
-                f"link '{link}' is not moved by any joint: it is fixed to '{chain.base}'",
-            )
-        return chain
 
     @staticmethod
     def _solve(question: _Question) -> InverseKinematicsResult:

@@ -7,9 +7,16 @@ import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    UnknownJointError,
+    UnknownLinkError,
+    WrongSizeError,
+)
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.conversions import joint_state
+from robomech_ros.nodes.error_codes import FrameUnavailableError
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.nodes.robot_description import RobotModel
@@ -42,8 +49,14 @@ class WholeRobot:
         limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}
         self._middle = {name: _middle(*limits[name]) for name in self.joint_names}
 
-    def given(self, state: Any) -> dict[str, float]:
+    def given(self, state: Any, what: str = "robot_state") -> dict[str, float]:
         """Read the positions (rad or m) that a RobotState gives, by joint.
+
+        Parameters
+        ----------
+        state : RobotState
+        what : str
+            Its name in the request.
 
         Raises
         ------
@@ -56,33 +69,33 @@ class WholeRobot:
             carried = ", ".join(_object_name(one) for one in state.attached_collision_objects[:5])
             raise RefusedError(
                 MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-                f"robot_state.attached_collision_objects has {carried}, expected none: this node "
+                f"{what}.attached_collision_objects has {carried}, expected none: this node "
                 "knows no collisions",
             )
         compound = state.multi_dof_joint_state
         for field in ("joint_names", "transforms", "twist", "wrench"):
             entries = getattr(compound, field)
             if entries:
-                what = f"robot_state.multi_dof_joint_state.{field}"
                 shown = list(compound.joint_names) or f"{len(entries)} entries"
-                raise BadValueError(what, shown, "none: the robot has no joint of several freedoms")
-        return self._checked(state.joint_state)
+                expected = "none: the robot has no joint of several freedoms"
+                raise BadValueError(f"{what}.multi_dof_joint_state.{field}", shown, expected)
+        return self._checked(state.joint_state, what)
 
-    def _checked(self, joints: Any) -> dict[str, float]:
+    def _checked(self, joints: Any, what: str) -> dict[str, float]:
         names, positions = list(joints.name), joints.position
         if len(positions) != len(names):
             expected = f"{len(names)}, one for every name"
-            raise WrongSizeError("robot_state.joint_state.position", len(positions), expected)
+            raise WrongSizeError(f"{what}.joint_state.position", len(positions), expected)
         values = dict(zip(names, positions, strict=True))
         if len(values) < len(names):
             twice = next(name for i, name in enumerate(names) if name in names[:i])
             expected = f"every name once; '{twice}' is repeated"
-            raise WrongSizeError("robot_state.joint_state.name", len(names), expected)
+            raise WrongSizeError(f"{what}.joint_state.name", len(names), expected)
         for name, value in values.items():
             if name not in self._middle and name not in self._followers:
                 raise UnknownJointError(name, self.joint_names)
             if not np.isfinite(value):
-                raise NonFiniteError(f"robot_state of joint '{name}'", value)
+                raise NonFiniteError(f"{what} of joint '{name}'", value)
         return {name: value for name, value in values.items() if name in self._middle}
 
     async def completed(
@@ -124,9 +137,9 @@ class WholeRobot:
         return {**self._middle, **positions}
 
     def state(self, positions: Positions) -> Any:
-        """Make the joint_state of a RobotState from a position (rad or m) for every joint."""
-        values = np.array([positions[name] for name in self.joint_names])
-        message = joint_state(self.joint_names, values)
+        """Make the joint_state of a RobotState from the positions (rad or m) that are known."""
+        names = [name for name in self.joint_names if name in positions]
+        message = joint_state(names, np.array([positions[name] for name in names]))
         message.header.frame_id = self.model.chain.base
         return message
 
@@ -141,6 +154,20 @@ class WholeRobot:
         if frame in self.model.fixed_frames:
             return ()
         return self.model.chain_to(frame).joint_names
+
+    def joints_of_frame(self, frame: str) -> tuple[str, ...]:
+        """Name the joints that move the frame of a pose, "" being the base.
+
+        Raises
+        ------
+        FrameUnavailableError, RobotDescriptionError
+            There is no such link, or no chain to it.
+        """
+        try:
+            return self.joints_to(frame or self.model.chain.base)
+        except UnknownLinkError as error:
+            why = "the robot has no such link"
+            raise FrameUnavailableError(frame, error.available, why) from None
 
     def pose(self, frame: str, positions: Positions) -> Array:
         """Give the pose of a link in the base, shape (4, 4) (m); "" is the base itself."""

@@ -87,7 +87,26 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
     """
     given, knots, weight = _checked(poses, radius)
     curve = PolynomialCurve(cubic_spline(knots, given[:, :3, 3], "natural"))
-    return pose_path(curve, orientation_spline(given[:, :3, :3], knots), radius=weight)
+    turning = orientation_spline(given[:, :3, :3], knots)
+    try:
+        return pose_path(curve, turning, radius=weight)
+    except BadValueError:
+        k = _turning_back(given)
+        if k is None:
+            raise
+        expected = "a pose from which a smooth path need not go straight back, as it does here"
+        raise BadValueError(f"poses[{k}]", given[k, :3, 3].tolist(), expected) from None
+
+
+def _turning_back(poses: FloatArray) -> int | None:
+    """Find the inner pose at which the way goes straight back most nearly, if any."""
+    legs = np.diff(poses[:, :3, 3], axis=0)
+    along = (legs[1:] * legs[:-1]).sum(axis=1)
+    lengths = np.linalg.norm(legs, axis=1)
+    cosines = along / np.maximum(lengths[1:] * lengths[:-1], np.finfo(np.float64).tiny)
+    if not len(cosines) or cosines.min() > 0.0:
+        return None
+    return int(np.argmin(cosines)) + 1
 
 
 def arc_path(

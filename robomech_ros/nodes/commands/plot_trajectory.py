@@ -1,0 +1,167 @@
+"""``robomech plot-trajectory``: a planned trajectory over time, from a topic or a file."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import BadValueError, UnknownJointError
+from robomech_ros.execution.given import GivenTrajectory, read_waypoints
+from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
+from robomech_ros.nodes.conversions import seconds_from_duration
+from robomech_ros.nodes.joint_limits import read_joint_limits
+from robomech_ros.nodes.message_yaml import fill_message, parse_yaml
+from robomech_ros.robots import load_description
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.rvs.plots import plot_motion
+from robomech_ros.trajectory import Waypoints
+
+__all__ = ["add_arguments", "run"]
+
+Array = NDArray[np.float64]
+_TOPIC = "trajectory_planner/planned_trajectory"
+# What a picture is made of at the most.
+_MOST_POINTS, _LONGEST = 1_000_000, 1e7
+_LARGEST_FILE = 1 << 28
+# Instants at which curves are drawn, beside the points of the trajectory.
+_INSTANTS = 3000
+_ENDINGS = (".png", ".svg", ".pdf")
+_POLL = 0.1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "file",
+        nargs="?",
+        type=Path,
+        help="YAML of a JointTrajectory, or of an answer that contains one; default: the topic",
+    )
+    parser.add_argument("--topic", default=_TOPIC, help=f"latched topic to take it from ({_TOPIC})")
+    parser.add_argument(
+        "--timeout", type=seconds_to_wait, default=10.0, help="seconds to wait for the topic (10)"
+    )
+    parser.add_argument(
+        "--robot", default="", help="name, or path of a URDF or YAML file: its limits"
+    )
+    parser.add_argument("--joint-limits", default="", help="YAML file with limits that it lacks")
+    parser.add_argument("--title", default="", help="above the picture")
+    parser.add_argument(
+        "--output", type=Path, default=Path("trajectory.png"), help="png, svg or pdf"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draw the picture; returns 0, or 3 where no trajectory came."""
+    if args.output.suffix not in _ENDINGS:
+        raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
+    if args.joint_limits and not args.robot:
+        raise BadValueError("--joint-limits", args.joint_limits, "a robot as well: --robot")
+    robot = load_description(args.robot) if args.robot else None
+    if robot is not None and args.joint_limits:
+        robot = read_joint_limits(args.joint_limits).on(robot)
+    message = _from_file(args.file) if args.file else _from_topic(args.topic, args.timeout)
+    if message is None:
+        text = f"nothing came on topic '{args.topic}' within {args.timeout:g} s"
+        print(f"robomech plot-trajectory: {text}; has a plan been made?", file=sys.stderr)
+        return EXIT_NO_ANSWER
+    names = list(message.joint_names)
+    points = _waypoints(message)
+    times, curves = _curves(points)
+    limits, prismatic = _of_robot(robot, names) if robot is not None else ([], None)
+    path = plot_motion(
+        args.output,
+        names,
+        times,
+        curves,
+        title=args.title,
+        prismatic=prismatic,
+        limits=limits[: len(curves)],
+    )
+    print(f"{path}: {len(names)} joints, {len(points.times)} points, {points.times[-1]:g} s")
+    return 0
+
+
+def _from_topic(topic: str, timeout: float) -> JointTrajectory | None:
+    """Wait for a latched trajectory."""
+    import rclpy
+    from rclpy.node import Node
+
+    from robomech_ros.nodes.robot_description import LATCHED
+
+    received: list[JointTrajectory] = []
+    rclpy.init(args=[])
+    node = Node("robomech_plot", enable_rosout=False, start_parameter_services=False)
+    try:
+        node.create_subscription(JointTrajectory, topic, received.append, LATCHED)
+        deadline = time.monotonic() + timeout
+        while not received and time.monotonic() < deadline:
+            rclpy.spin_once(node, timeout_sec=_POLL)
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+    return received[0] if received else None
+
+
+def _from_file(path: Path) -> JointTrajectory:
+    """Read a trajectory, or the one in the answer of a planner, or of MoveIt."""
+    try:
+        with path.open("rb") as stream:
+            text = stream.read(_LARGEST_FILE + 1).decode()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadValueError("file", str(path), f"a YAML file ({reason})") from None
+    if len(text) > _LARGEST_FILE:
+        raise BadValueError("file", str(path), f"one of at most {_LARGEST_FILE} bytes")
+    # `ros2 topic echo` ends a message with a line of dashes.
+    values: Any = parse_yaml(text.split("\n---", 1)[0])
+    for key in ("solution", "trajectory", "joint_trajectory"):
+        values = values.get(key, values) if isinstance(values, dict) else values
+    if not isinstance(values, dict) or "points" not in values:
+        expected = "a JointTrajectory, or an answer with a trajectory or solution"
+        raise BadValueError("file", str(path), expected)
+    message = JointTrajectory()
+    fill_message(message, values)
+    return message
+
+
+def _waypoints(message: JointTrajectory) -> Waypoints:
+    times = [
+        seconds_from_duration(point.time_from_start, f"points[{k}].time_from_start")
+        for k, point in enumerate(message.points)
+    ]
+    given = GivenTrajectory(message.joint_names, times, message.points)
+    return read_waypoints(given, message.joint_names, _MOST_POINTS, _LONGEST, to_rest=False)
+
+
+def _curves(points: Waypoints) -> tuple[Array, list[Array]]:
+    """Sample what a controller makes of the points; without velocities, no more than these."""
+    curve = points.curve
+    first, last = points.times[[0, -1]]
+    times = np.union1d(points.times, np.linspace(first, last, _INSTANTS))
+    sample = curve.sample(times)
+    count = 4 if len(curve.coefficients) > 2 else 2
+    return times, [np.asarray(values) for values in sample[:count]]
+
+
+def _of_robot(
+    robot: RobotDescription, names: list[str]
+) -> tuple[list[tuple[Array, Array]], list[bool]]:
+    """Find the limits of positions and of three rates, and which joints slide."""
+    known = {joint.name: joint for joint in robot.joints if joint.moves}
+    for name in names:
+        if name not in known:
+            raise UnknownJointError(name, list(known))
+    joints = [known[name] for name in names]
+    rates = [
+        np.array([getattr(joint, rate) for joint in joints], dtype=float)
+        for rate in ("velocity", "acceleration", "jerk")
+    ]
+    ranges = [np.array([getattr(joint, side) for joint in joints]) for side in ("lower", "upper")]
+    limits = [(ranges[0], ranges[1]), *((-rate, rate) for rate in rates)]
+    return limits, [joint.type == "prismatic" for joint in joints]

@@ -1,0 +1,197 @@
+"""Requests of compute_cartesian_path, read and checked field by field."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from moveit_msgs.msg import MoveItErrorCodes
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.nodes.conversions import matrix_from_pose
+from robomech_ros.nodes.moveit.conditions import Conditions
+from robomech_ros.nodes.moveit.refusals import refused_as
+from robomech_ros.nodes.moveit.serving import chain_to, check_group, refuse_collision_checks
+from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
+from robomech_ros.nodes.planning import check_waypoints
+from robomech_ros.robots import SerialChain
+
+__all__ = ["CartesianQuestion", "read_question"]
+
+Array = NDArray[np.float64]
+# Finer steps would fill the memory, slower motions would take years.
+_LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6
+
+
+@dataclass(frozen=True)
+class CartesianQuestion:
+    """What a request asks for.
+
+    Attributes
+    ----------
+    chain : SerialChain
+        To the link that goes along the path.
+    positions : mapping
+        Where all joints are that are known, rad or m.
+    waypoints : ndarray, shape (m, 4, 4)
+        Poses of the link in the base (m).
+    step : float
+        Largest distance of neighbouring points (m).
+    relative_jump : float
+        Largest move of the joints between two points, over the mean; infinite for any.
+    revolute_jump, prismatic_jump : float
+        Largest move of a joint between two points, rad and m; infinite for any.
+    conditions : Conditions
+        What must hold all along the path.
+    velocity_scale, acceleration_scale : float
+        Parts of the limits that may be used.
+    limited : SerialChain
+        To the link whose speed is limited.
+    speed : float
+        Its largest speed (m/s); infinite for any.
+    """
+
+    chain: SerialChain
+    positions: Positions
+    waypoints: Array
+    step: float
+    relative_jump: float
+    revolute_jump: float
+    prismatic_jump: float
+    conditions: Conditions
+    velocity_scale: float
+    acceleration_scale: float
+    limited: SerialChain
+    speed: float
+
+    @property
+    def start(self) -> Array:
+        """Joint values of the chain at the start, shape (n,)."""
+        return np.array([self.positions[name] for name in self.chain.joint_names])
+
+
+async def read_question(
+    request: Any,
+    robot: WholeRobot,
+    most_waypoints: int,
+    state: Callable[[dict[str, float], list[str]], Any],
+    tolerance: float,
+) -> CartesianQuestion:
+    """Read a request.
+
+    Parameters
+    ----------
+    request : GetCartesianPath.Request
+    robot : WholeRobot
+    most_waypoints : int
+    state : callable
+        Completes positions by those of the present state, of which the listed joints are needed.
+    tolerance : float
+        How fast a joint of the start may be (rad/s or m/s).
+
+    Raises
+    ------
+    RefusedError
+        It cannot be served as it is; the code says by which part of it.
+    """
+    check_group(robot.model, request.group_name)
+    refuse_collision_checks(request)
+    chain = chain_to(robot.model, request.link_name)
+    numbers = _numbers(request)
+    limited = chain_to(
+        robot.model, getattr(request, "cartesian_speed_limited_link", "") or chain.tip
+    )
+    frame = request.header.frame_id
+    with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
+        check_waypoints("waypoints", len(request.waypoints), most_waypoints)
+        if not request.waypoints:
+            raise BadValueError("waypoints", [], "at least one pose")
+        poses = [matrix_from_pose(p, f"waypoints[{k}]") for k, p in enumerate(request.waypoints)]
+        conditions = Conditions(request.path_constraints, robot, "path_constraints")
+    with refused_as(MoveItErrorCodes.FRAME_TRANSFORM_FAILURE):
+        to_frame = robot.joints_of_frame(frame)
+    with refused_as(MoveItErrorCodes.START_STATE_INVALID):
+        given = robot.given(request.start_state, "start_state")
+        _check_rest(request.start_state.joint_state, tolerance)
+        joints = (*chain.joint_names, *limited.joint_names, *conditions.joints, *to_frame)
+        positions = await state(given, list(dict.fromkeys(joints)))
+    return CartesianQuestion(
+        chain=chain,
+        positions=positions,
+        waypoints=_in_base(poses, frame, chain, positions, robot),
+        conditions=conditions,
+        limited=limited,
+        **numbers,
+    )
+
+
+def _in_base(
+    poses: list[Array], frame: str, chain: SerialChain, positions: Positions, robot: WholeRobot
+) -> Array:
+    """Give waypoints in the base; in the frame of the link itself each counts from the last."""
+    if frame == chain.tip and chain.n:
+        pose, found = robot.pose(frame, positions), []
+        for step in poses:
+            pose = pose @ step
+            found.append(pose)
+        return np.stack(found)
+    return np.stack([robot.pose(frame, positions) @ pose for pose in poses])
+
+
+def _check_rest(joints: Any, tolerance: float) -> None:
+    """Refuse a start that moves: every plan starts at rest."""
+    for k, speed in enumerate(joints.velocity):
+        name = joints.name[k] if k < len(joints.name) else f"number {k}"
+        if not math.isfinite(speed):
+            raise NonFiniteError(f"start_state: velocity of joint '{name}'", speed)
+        if abs(speed) > tolerance:
+            expected = f"at most {tolerance:g}: every plan starts at rest"
+            raise BadValueError(f"start_state: velocity of joint '{name}'", speed, expected)
+
+
+def _numbers(request: Any) -> dict[str, float]:
+    with refused_as(MoveItErrorCodes.FAILURE):
+        jump = _at_least_zero(request, "jump_threshold")
+        if 0.0 < jump <= 1.0:
+            expected = "more than 1, times the mean move between two points, or 0 for any"
+            raise BadValueError("jump_threshold", jump, expected)
+        step = _finite(request, "max_step")
+        if not step >= _LEAST_STEP:
+            raise BadValueError("max_step", step, f"at least {_LEAST_STEP:g} m")
+        speed = _finite(request, "max_cartesian_speed")
+        if 0.0 < speed < _LEAST_SPEED:
+            expected = f"at least {_LEAST_SPEED:g} m/s, or 0 for any"
+            raise BadValueError("max_cartesian_speed", speed, expected)
+        return {
+            "step": step,
+            "relative_jump": jump or math.inf,
+            "revolute_jump": _at_least_zero(request, "revolute_jump_threshold") or math.inf,
+            "prismatic_jump": _at_least_zero(request, "prismatic_jump_threshold") or math.inf,
+            "velocity_scale": _scale(request, "max_velocity_scaling_factor"),
+            "acceleration_scale": _scale(request, "max_acceleration_scaling_factor"),
+            # As in MoveIt a speed below zero, too, is none.
+            "speed": speed if speed > 0.0 else math.inf,
+        }
+
+
+def _finite(request: Any, name: str) -> float:
+    value = float(getattr(request, name, 0.0))  # some fields are missing in Humble
+    if not math.isfinite(value):
+        raise NonFiniteError(name, value)
+    return value
+
+
+def _at_least_zero(request: Any, name: str) -> float:
+    value = _finite(request, name)
+    if value < 0.0:
+        raise BadValueError(name, value, "a positive number, or 0 for any move")
+    return value
+
+
+def _scale(request: Any, name: str) -> float:
+    value = _finite(request, name)
+    if value and not _LEAST_SCALE <= value <= 1.0:
+        raise BadValueError(name, value, f"at least {_LEAST_SCALE:g} and at most 1, or 0 for 1")
+    return value or 1.0

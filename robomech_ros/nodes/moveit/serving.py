@@ -1,0 +1,77 @@
+"""What all services with types of MoveIt have in common."""
+
+import traceback
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from moveit_msgs.msg import MoveItErrorCodes
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
+from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.robots import SerialChain
+
+__all__ = ["GROUP", "answering", "chain_to", "check_group", "refuse_collision_checks"]
+
+# The one group of joints of a node, beside the name of the robot.
+GROUP = "manipulator"
+
+_Callback = Callable[[Any, Any], Awaitable[Any]]
+
+
+def answering(node: Node, callback: _Callback) -> _Callback:
+    """Let a callback answer whatever happens; the node goes on serving.
+
+    The callback fills the response and returns one of MoveItErrorCodes and a text.
+    """
+    source = node.get_fully_qualified_name()
+
+    async def call(request: Any, response: Any) -> Any:
+        try:
+            code, text = await callback(request, response)
+        except RobomechError as error:
+            response = type(response)()
+            code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
+        except Exception as error:
+            response = type(response)()
+            log = f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}"
+            node.get_logger().error(log)
+            code = MoveItErrorCodes.FAILURE
+            text = f"internal error, please report it: {type(error).__name__}: {error}"
+        fill_code(response.error_code, code, text, source)
+        return response
+
+    return call
+
+
+def check_group(model: RobotModel, name: str) -> None:
+    """Refuse the name of any group but the one of the node."""
+    known = (GROUP, model.chain.name)
+    if name and name not in known:
+        listed = " or ".join(f"'{one}'" for one in known)
+        raise RefusedError(
+            MoveItErrorCodes.INVALID_GROUP_NAME,
+            f"group_name is {name[:200]!r}, expected {listed}, or empty for the same",
+        )
+
+
+def chain_to(model: RobotModel, link: str) -> SerialChain:
+    """Give the chain to a link that joints move; "" is the configured tip."""
+    with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
+        chain = model.chain_to(link)
+    if not chain.n:
+        raise RefusedError(
+            MoveItErrorCodes.INVALID_LINK_NAME,
+            f"link '{link}' is not moved by any joint: it is fixed to '{chain.base}'",
+        )
+    return chain
+
+
+def refuse_collision_checks(request: Any) -> None:
+    """Refuse a request that wants collisions to be avoided."""
+    if request.avoid_collisions:
+        raise RefusedError(
+            MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
+            "avoid_collisions is true, expected false: this node knows no collisions",
+        )
