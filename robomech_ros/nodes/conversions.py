@@ -185,7 +185,14 @@ def _refuse_non_finite(what: str, vector: object, fields: str) -> None:
 
 
 def pose_from_matrix(T: Array) -> Pose:
-    """Convert a homogeneous transform, shape (4, 4), to a pose message.
+    """Convert a homogeneous transform, shape (4, 4), to a pose message, as :func:`fill_pose`."""
+    message = Pose()
+    fill_pose(message, T)
+    return message
+
+
+def fill_pose(message: Pose, T: Array) -> None:
+    """Write a homogeneous transform, shape (4, 4), to a pose message.
 
     Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number
     that is not zero is positive.
@@ -204,12 +211,10 @@ def pose_from_matrix(T: Array) -> Pose:
     if (w, x, y, z) < (0.0, 0.0, 0.0, 0.0):
         norm = -norm
     # Adding 0 turns -0 into 0: equal poses are equal bytes.
-    return Pose(
-        position=Point(x=px, y=py, z=pz),
-        orientation=Quaternion(
-            x=x / norm + 0.0, y=y / norm + 0.0, z=z / norm + 0.0, w=w / norm + 0.0
-        ),
-    )
+    position, orientation = message.position, message.orientation
+    position.x, position.y, position.z = px, py, pz
+    orientation.x, orientation.y = x / norm + 0.0, y / norm + 0.0
+    orientation.z, orientation.w = z / norm + 0.0, w / norm + 0.0
 
 
 def stamped_pose(T: Array, frame: str) -> PoseStamped:

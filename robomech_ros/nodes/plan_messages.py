@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
 
@@ -11,10 +12,10 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.conversions import (
     duration_from_seconds,
+    fill_pose,
     floats,
     joint_trajectory,
     seconds_from_duration,
-    stamped_pose,
 )
 from robomech_ros.nodes.planning import check_duration, check_waypoints
 from robomech_ros.robots import SerialChain
@@ -23,16 +24,18 @@ from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan
 __all__ = [
     "OFFERED",
     "SHORTEST_PERIOD",
+    "TipPath",
     "encode_plan",
     "plan_options",
     "profile_name",
-    "tip_path",
     "via_points",
     "wanted_period",
 ]
 
 # Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
 SHORTEST_PERIOD = 1e-4
+# Pose messages that are kept from one path to the next, 2 kB each.
+_POSES_KEPT = 2000
 
 _NAMES = {
     getattr(PlanJoint.Request, name): name
@@ -169,21 +172,35 @@ def encode_plan(
     return response
 
 
-def tip_path(chain: SerialChain, positions: NDArray[np.float64]) -> Path:
-    """Make the path of the tip in the base link.
+class TipPath:
+    """The path of the tip in the base link, for one plan after the other.
+
+    Pose messages are used again: to make one takes longer than to fill it, and a message that is
+    published has been copied.
 
     Parameters
     ----------
     chain : SerialChain
         n joints.
-    positions : ndarray, shape (m, n)
-        Joint values along the way, rad or m.
-
-    Returns
-    -------
-    Path
-        m poses; the stamps stay 0.
     """
-    path = Path(poses=[stamped_pose(T, chain.base) for T in tip_poses(chain, positions)])
-    path.header.frame_id = chain.base
-    return path
+
+    def __init__(self, chain: SerialChain) -> None:
+        self._chain = chain
+        self._poses: list[PoseStamped] = []
+
+    def along(self, positions: NDArray[np.float64]) -> Path:
+        """Make the path of m poses, of stamp 0, for joint values (rad or m) of shape (m, n).
+
+        It holds until the next one is made.
+        """
+        transforms = tip_poses(self._chain, positions)
+        new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
+        for message in new:
+            message.header.frame_id = self._chain.base
+        poses = self._poses[: len(transforms)] + new
+        for message, T in zip(poses, transforms, strict=True):
+            fill_pose(message.pose, T)
+        self._poses += new[: max(0, _POSES_KEPT - len(self._poses))]
+        path = Path(poses=poses)
+        path.header.frame_id = self._chain.base
+        return path

@@ -35,9 +35,9 @@ from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.plan_messages import (
     OFFERED,
     SHORTEST_PERIOD,
+    TipPath,
     encode_plan,
     plan_options,
-    tip_path,
     via_points,
     wanted_period,
 )
@@ -155,6 +155,7 @@ class TrajectoryPlannerNode(Node):
     def _serve(self, model: RobotModel) -> None:
         self._model, self._chain = model, model.chain
         self._joints = JointPositions(model, self._monitor)
+        self._tip_path = TipPath(model.chain)
         self._warm_up()
         self._trajectories = self.create_publisher(
             JointTrajectory, "~/planned_trajectory", _LATCHED
@@ -184,7 +185,7 @@ class TrajectoryPlannerNode(Node):
                 plan = sampled_through_points(
                     points, limits=self._chain, profile=profile, period=0.1, max_points=10_000
                 )
-                tip_path(self._chain, plan.waypoints.positions)
+                self._tip_path.along(plan.waypoints.positions)
 
     @guarded
     async def _plan_joint(self, request: Any, response: Any) -> Any:
@@ -250,7 +251,7 @@ class TrajectoryPlannerNode(Node):
 
         def publish() -> None:
             self._trajectories.publish(trajectory)
-            self._paths.publish(tip_path(self._chain, plan.waypoints.positions))
+            self._paths.publish(self._tip_path.along(plan.waypoints.positions))
 
         if self.executor is None:
             publish()
