@@ -76,17 +76,20 @@ class RestToRest:
         DurationTooShortError
             If the wanted duration would break a limit.
         """
-        rise = np.abs(goal - start)
-        needed = {
-            rate: (cls.LAW.peaks[rate] * rise / getattr(limits, rate)) ** (1.0 / order)
-            for order, rate in enumerate(RATES, start=1)
-        }
-        rate = max(RATES, key=lambda name: needed[name].max(initial=0.0))
-        shortest = max(float(needed[rate].max(initial=0.0)), tolerances.SHORTEST_TRAJECTORY)
+        peaks = cls.LAW.peaks
+        velocity, acceleration, jerk = limits.shares(start, goal)
+        needed = (
+            peaks["velocity"] * velocity,
+            (peaks["acceleration"] * acceleration) ** (1.0 / 2.0),
+            (peaks["jerk"] * jerk) ** (1.0 / 3.0),
+        )
+        shortest = max(*needed, tolerances.SHORTEST_TRAJECTORY)
         if duration is not None:
             slack = tolerances.DURATION_ROUNDING * (1.0 + shortest)
-            if duration < shortest - slack and needed[rate].max(initial=0.0) > duration:
-                joint = limits.joint_names[int(np.argmax(needed[rate]))]
+            if duration < shortest - slack and max(needed) > duration:
+                rate = RATES[needed.index(max(needed))]
+                shares = np.abs(goal - start) / getattr(limits, rate)
+                joint = limits.joint_names[int(np.argmax(shares))]
                 raise DurationTooShortError(duration, shortest, joint, rate)
             shortest = max(shortest, duration)
         return cls(start, goal, shortest)

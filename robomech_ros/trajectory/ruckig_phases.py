@@ -9,7 +9,9 @@ States", Robotics: Science and Systems XVII, 2021.
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NoReturn
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import ruckig
@@ -18,14 +20,16 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Phases", "jerk_phases"]
+__all__ = ["Phases", "RestToRestPhases", "jerk_phases", "rest_to_rest_phases"]
 
 # Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
 _LONG = 1000.0
 # Ways below this (rad, m) are no unit of length.
 _SHORTEST_WAY = 1e-9
-# What making up for a missed goal may add to the jerk, in parts of its limit.
-_LARGEST_MISS = 1e-8
+# What making up for a missed goal may add to the jerk, in parts of its limit; and the jerk of the
+# 3-4-5 polynomial that makes up for it, over the way and the duration to the power of -3.
+_LARGEST_MISS = 1e-10
+_MISS_JERK = 60.0
 # Breaks nearer to each other than this, in parts of the duration, are one.
 _SAME_BREAK = 1e-12
 # What rounding may add to the peaks of a joint whose limits another joint's course just meets.
@@ -53,10 +57,112 @@ class Phases:
     coefficients: FloatArray
     alone: FloatArray
 
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return float(self.breaks[-1])
+
+    @property
+    def phases(self) -> "Phases":
+        """These."""
+        return self
+
     def slowed(self, factor: float) -> "Phases":
         """Let everything take `factor` times as long."""
         slower = self.coefficients * (factor ** -np.arange(4.0))[:, None, None]
         return Phases(self.breaks * factor, slower, self.alone * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class RestToRestPhases:
+    """A motion from rest to rest as Ruckig gives it; the phases are made when asked for.
+
+    Attributes
+    ----------
+    rise : ndarray, shape (n,)
+        Displacements, rad or m.
+    limits : Limits
+    motion : ruckig.Trajectory
+        Its units are s and rad or m.
+    duration : float
+        In s.
+    """
+
+    rise: FloatArray
+    limits: Limits
+    motion: Any
+    duration: float
+
+    @cached_property
+    def phases(self) -> Phases:
+        """The phases of all joints; positions count from the start."""
+        still = np.zeros_like(self.rise)
+        request = _request(self.rise, still, still, self.limits, 1.0, 1.0)
+        return _phases_of(self.motion, request, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solver:
+    """Ruckig with a request from rest to rest within limits.
+
+    Attributes
+    ----------
+    ruckig, request : Ruckig, InputParameter
+    coarsest : float
+        Least jerk limit, rad or m over s^3.
+    """
+
+    ruckig: Any
+    request: Any
+    coarsest: float
+
+
+# Solvers that are not at work, by limits: to make one takes longer than to use it.
+_SPARE: "WeakKeyDictionary[Limits, list[_Solver]]" = WeakKeyDictionary()
+
+
+def rest_to_rest_phases(
+    rise: FloatArray, limits: Limits, shortest: float
+) -> RestToRestPhases | None:
+    """Compute the fastest motion from rest to rest that takes at least a given time.
+
+    No joint goes beyond its start or its goal on the way.
+
+    Parameters
+    ----------
+    rise, limits, shortest
+        As for `jerk_phases`; `shortest` is the same in all calls with these limits.
+
+    Returns
+    -------
+    RestToRestPhases or None
+        None where Ruckig cannot do it, or not well enough, in units of s, rad and m.
+    """
+    spare = _SPARE.get(limits)
+    if spare is None:
+        spare = _SPARE.setdefault(limits, [])
+    solver = spare.pop() if spare else _solver(limits, shortest)
+    target = rise.tolist()
+    solver.request.target_position = target
+    motion = ruckig.Trajectory(len(target))
+    try:
+        solver.ruckig.calculate(solver.request, motion)
+    except (ValueError, ruckig.RuckigError):
+        return None
+    spare.append(solver)
+    duration = motion.duration
+    worst = _LARGEST_MISS * solver.coarsest * duration**3 / _MISS_JERK
+    for reached, wanted in zip(motion.at_time(duration)[0], target, strict=True):
+        if not -worst <= reached - wanted <= worst:
+            return None
+    return RestToRestPhases(rise, limits, motion, duration)
+
+
+def _solver(limits: Limits, shortest: float) -> _Solver:
+    still = np.zeros(len(limits.joint_names))
+    request = _request(still, still, still, limits, 1.0, 1.0)
+    request.minimum_duration = shortest
+    return _Solver(ruckig.Ruckig(len(still)), request, float(limits.jerk.min()))
 
 
 def jerk_phases(
@@ -184,7 +290,7 @@ def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
     """Jerk (n,) of the 3-4-5 polynomial that makes up for missing the goal."""
     span = phases.breaks[-1] - phases.breaks[-2]
     end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
-    jerk: FloatArray = 60.0 * np.abs(end - rise) / phases.breaks[-1] ** 3
+    jerk: FloatArray = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
     return jerk
 
 

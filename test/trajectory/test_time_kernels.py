@@ -5,7 +5,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from robomech_ros._kernels import time_optimal, time_peaks
+from robomech_ros._kernels import time_peaks, time_rows
 from robomech_ros.trajectory import PiecewisePolynomial
 from robomech_ros.trajectory.bounds import extremes
 
@@ -16,7 +16,7 @@ def test_rows_are_the_bernstein_coefficients_of_the_acceleration(degree):
     local = rng.normal(size=(3, 2, degree + 1))
     spans, bends, scales = rng.uniform(0.1, 1, 3), rng.uniform(-0.5, 0.5, 3), rng.uniform(0.5, 2, 2)
     first, second = np.empty((2, 3, 2 * (degree + 1)))
-    time_optimal.joint_rows(local, spans, bends, scales, first, second)
+    time_rows.joint_rows(local, spans, bends, scales, first, second)
     sigma = np.linspace(0, 1, 7)
     basis = [comb(degree, i) * sigma**i * (1 - sigma) ** (degree - i) for i in range(degree + 1)]
     for k in range(3):
