@@ -16,9 +16,9 @@ from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import (
     Phases,
-    RestToRestPhases,
     jerk_phases,
-    rest_to_rest_phases,
+    phases_from_rest,
+    rest_to_rest,
 )
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
@@ -42,13 +42,21 @@ class JerkLimited:
     ----------
     start, goal : ndarray, shape (n,)
         Joint values in rad or m.
-    course : Phases or RestToRestPhases
-        The way from the start on, as Ruckig found it.
+    limits : Limits
+    course : Phases or ruckig.Trajectory
+        The way from the start on; from Ruckig, in s, rad and m, only from rest to rest.
     """
 
     start: FloatArray
     goal: FloatArray
-    course: Phases | RestToRestPhases
+    limits: Limits
+    course: Phases | Any
+
+    def __init__(
+        self, start: FloatArray, goal: FloatArray, limits: Limits, course: Phases | Any
+    ) -> None:
+        # What a frozen dataclass does for this takes a tenth of the time of a whole plan.
+        vars(self).update(start=start, goal=goal, limits=limits, course=course)
 
     REQUIRED: ClassVar[tuple[Rate, ...]] = RATES
     STARTS_MOVING: ClassVar[bool] = True
@@ -87,9 +95,9 @@ class JerkLimited:
             If Ruckig fails.
         """
         if start_velocity is None and start_acceleration is None and duration is None:
-            course = rest_to_rest_phases(goal - start, limits, tolerances.SHORTEST_TRAJECTORY)
+            course = rest_to_rest(goal - start, limits, tolerances.SHORTEST_TRAJECTORY)
             if course is not None:
-                return cls(start, goal, course)
+                return cls(start, goal, limits, course)
         rest = np.zeros(len(start))
         velocity = rest if start_velocity is None else start_velocity
         acceleration = rest if start_acceleration is None else start_acceleration
@@ -99,11 +107,11 @@ class JerkLimited:
         if moving and duration is not None:
             least = max(least, duration)
         phases = jerk_phases(goal - start, velocity, acceleration, limits, least)
-        planned = cls(start, goal, phases)
+        planned = cls(start, goal, limits, phases)
         if duration is not None:
             planned._check_duration(duration, phases.alone, limits)
             if not moving and duration > planned.duration:
-                planned = cls(start, goal, phases.slowed(duration / planned.duration))
+                planned = cls(start, goal, limits, phases.slowed(duration / planned.duration))
         if moving:
             check_positions(planned.pieces, start, limits)
         return planned
@@ -111,13 +119,20 @@ class JerkLimited:
     @property
     def duration(self) -> float:
         """Time from start to end, in s."""
-        return self.course.duration
+        duration: float = self.course.duration
+        return duration
+
+    @cached_property
+    def phases(self) -> Phases:
+        """The way from the start on, in phases in which no joint changes its jerk."""
+        if isinstance(self.course, Phases):
+            return self.course
+        return phases_from_rest(self.course, self.goal - self.start, self.limits)
 
     @cached_property
     def pieces(self) -> PiecewisePolynomial:
         """The curve, from t = 0 on, exactly from the start to the goal."""
-        rest = np.zeros(len(self.goal))
-        return curve_of(self.course.phases, self.start, self.goal, rest)
+        return curve_of(self.phases, self.start, self.goal, np.zeros(len(self.goal)))
 
     def sample(self, t: npt.ArrayLike) -> Sample:
         """Sample positions and derivatives.
@@ -141,7 +156,7 @@ class JerkLimited:
 
     def __getstate__(self) -> dict[str, Any]:
         # What Ruckig gives cannot be copied or stored, its phases can.
-        return {"start": self.start, "goal": self.goal, "course": self.course.phases}
+        return vars(self) | {"course": self.phases}
 
     def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:
         """Refuse where Ruckig needed longer than wanted."""

@@ -11,6 +11,7 @@ J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -54,6 +55,11 @@ class Law:
     rates: Callable[[FloatArray], Rates]
     peaks: dict[Rate, float]
     pieces: PiecewisePolynomial
+
+    @cached_property
+    def magnitudes(self) -> tuple[float, float, float]:
+        """Peaks of velocity, acceleration and jerk, in this order."""
+        return self.peaks["velocity"], self.peaks["acceleration"], self.peaks["jerk"]
 
 
 def _one_piece(*coefficients: float) -> PiecewisePolynomial:

@@ -53,6 +53,13 @@ class JointLimits(Protocol):
         """Largest magnitudes of the jerks, rad/s^3 or m/s^3, shape (n,)."""
 
 
+class Tools(list[Any]):
+    """A list whose contents are neither copied nor stored with it."""
+
+    def __reduce__(self) -> tuple[type["Tools"], tuple[()]]:
+        return Tools, ()
+
+
 @dataclass(frozen=True, eq=False)
 class Limits:
     """Limits of n joints; a scalar stands for the same value at every joint.
@@ -157,62 +164,36 @@ class Limits:
 
     def require(self, *rates: Rate) -> None:
         """Raise `MissingLimitsError` with the names of the joints that lack one of `rates`."""
-        for rate in rates:
-            if self._missing[rate]:
-                raise MissingLimitsError(rate, self._missing[rate])
+        if self._missing:
+            for rate in rates:
+                if rate in self._missing:
+                    raise MissingLimitsError(rate, self._missing[rate])
 
     @cached_property
     def _missing(self) -> dict[Rate, list[str]]:
-        """Names of the joints without a limit, by rate."""
-        return {
-            rate: [self.joint_names[k] for k in np.flatnonzero(~np.isfinite(getattr(self, rate)))]
-            for rate in RATES
-        }
-
-    # Loops over lists: for the joints of one arm they take half the time of arrays.
-
-    def hold(self, start: FloatArray, goal: FloatArray) -> bool:
-        """Whether two positions (n,) in rad or m are within the limits, without any slack."""
-        for first, last, (low, high) in zip(
-            start.tolist(), goal.tolist(), self._ranges, strict=True
-        ):
-            if not (low <= first <= high and low <= last <= high):
-                return False
-        return True
-
-    def shares(self, start: FloatArray, goal: FloatArray) -> tuple[float, float, float]:
-        """Give the largest ways from start to goal (n,) in parts of the limits.
-
-        Returns
-        -------
-        velocity, acceleration, jerk : float
-            Of all joints the largest way over the limit, in s, s^2 and s^3.
-        """
-        velocity = acceleration = jerk = 0.0
-        for first, last, (slow, gentle, smooth) in zip(
-            start.tolist(), goal.tolist(), self._inverses, strict=True
-        ):
-            way = abs(last - first)
-            if way * slow > velocity:
-                velocity = way * slow
-            if way * gentle > acceleration:
-                acceleration = way * gentle
-            if way * smooth > jerk:
-                jerk = way * smooth
-        return velocity, acceleration, jerk
+        """Names of the joints without a limit, for those rates that lack some."""
+        found: dict[Rate, list[str]] = {}
+        for rate in RATES:
+            without = np.flatnonzero(~np.isfinite(getattr(self, rate)))
+            if len(without):
+                found[rate] = [self.joint_names[k] for k in without]
+        return found
 
     @cached_property
-    def _ranges(self) -> list[tuple[float, float]]:
-        """Lowest and highest position of each joint; where it has no limit, of any joint."""
+    def tools(self) -> "Tools":
+        """What planners keep for the next plan within these limits."""
+        return Tools()
+
+    @cached_property
+    def ranges(self) -> FloatArray:
+        """Lowest and highest positions, (2, n) in rad or m; finite where a joint has no limit."""
         largest = tolerances.LARGEST_LENGTH
-        lower, upper = self.lower.clip(-largest, None), self.upper.clip(None, largest)
-        return list(zip(lower.tolist(), upper.tolist(), strict=True))
+        return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
-    def _inverses(self) -> list[tuple[float, float, float]]:
-        """One over the limits of velocity, acceleration and jerk of each joint."""
-        rows = ((1.0 / getattr(self, rate)).tolist() for rate in RATES)
-        return list(zip(*rows, strict=True))
+    def inverses(self) -> FloatArray:
+        """One over the limits of velocity, acceleration and jerk, (3, n)."""
+        return np.stack([1.0 / getattr(self, rate) for rate in RATES])
 
     def check_start(self, position: FloatArray) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
+from robomech_ros._kernels import time_straight, tolerances
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
@@ -141,7 +141,7 @@ def point_to_point(
     )
     n = len(allowed.joint_names)
     start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
-    if not allowed.hold(start, goal):
+    if not time_straight.both_within(start, goal, allowed.ranges):
         _check_numbers("start", start)
         _check_numbers("goal", goal)
         allowed.check_start(start)
@@ -164,12 +164,13 @@ def scaled_limits(
     jerk_scale: float = 1.0,
 ) -> Limits:
     """Scale the limits as a request wants them; refuse where one that is needed is missing."""
-    for rate, given in zip(RATES, (velocity_scale, acceleration_scale, jerk_scale), strict=True):
-        if not (type(given) is float and SMALLEST_SCALE <= given <= 1.0):
-            _check_scale(f"{rate}_scale", given)
-    limits.require(*method.REQUIRED)
-    if velocity_scale == acceleration_scale == jerk_scale == 1.0:
+    a, b, c = velocity_scale, acceleration_scale, jerk_scale
+    if type(a) is type(b) is type(c) is float and a == b == c == 1.0:  # the usual case, at once
+        limits.require(*method.REQUIRED)
         return limits
+    for rate, given in zip(RATES, (velocity_scale, acceleration_scale, jerk_scale), strict=True):
+        _check_scale(f"{rate}_scale", given)
+    limits.require(*method.REQUIRED)
     if jerk_scale != 1.0:
         limits.require("jerk")  # else the scale would mean nothing, silently
     return limits.scaled(velocity=velocity_scale, acceleration=acceleration_scale, jerk=jerk_scale)
@@ -189,7 +190,6 @@ def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
     array = real_array(what, values).copy()
     if array.shape != (n,):
         raise WrongSizeError(what, array.shape, (n,))
-    array.setflags(write=False)
     return array
 
 
