@@ -11,9 +11,13 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
-from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
+from robomech_ros.trajectory.rest_to_rest import (
+    CubicSplineMotion,
+    Cycloidal,
+    Polynomial345,
+    Polynomial4567,
+)
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.splines import CubicSplineMotion
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory

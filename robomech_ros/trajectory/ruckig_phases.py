@@ -70,7 +70,7 @@ class Phases:
 
 
 class _Solver(NamedTuple):
-    """Ruckig with a request from rest to rest within limits; to make one takes longer than to use it.
+    """Ruckig with a request from rest to rest, which takes longer to make than to use.
 
     Attributes
     ----------
@@ -115,9 +115,10 @@ def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
     spare.append(solver)
     duration = motion.duration
     bearable = _LARGEST_MISS * solver.coarsest * duration**3 / _MISS_JERK
+    # Where any miss is bearable none is looked for.
     if bearable < _RUCKIG_MISS:
-        if max(map(abs, map(sub, motion.at_time(duration)[0], target))) > bearable:
-            return None
+        miss = max(map(abs, map(sub, motion.at_time(duration)[0], target)))
+        return motion if miss <= bearable else None
     return motion
 
 
@@ -323,8 +324,7 @@ def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatAr
         elapsed = (breaks[:-1] - begin[phase])[:, None]
         position, velocity, acceleration, jerk = states[phase].transpose(1, 0, 2)
         coefficients[0, :, joints] = (
-            position
-            + elapsed * (velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0))
+            position + elapsed * (velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0))
         ).T
         coefficients[1, :, joints] = (velocity + elapsed * (acceleration + elapsed * jerk / 2.0)).T
         coefficients[2, :, joints] = (acceleration + elapsed * jerk).T / 2.0

@@ -1,7 +1,7 @@
 """Splines through points in joint space."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -10,14 +10,14 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
-from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions, settled
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 
-__all__ = ["CubicSplineMotion", "Spline", "spline_through"]
+__all__ = ["Spline", "spline_through"]
 
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 
@@ -68,45 +68,6 @@ class Spline:
         """
         sample = self.pieces.sample(t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
-
-
-class CubicSplineMotion(MotionToRest):
-    """From rest to rest by the cubic spline through both points: four segments."""
-
-    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
-    STARTS_MOVING: ClassVar[bool] = False
-    ACCELERATION_STEPS: ClassVar[bool] = False
-
-    @classmethod
-    def plan(
-        cls,
-        start: FloatArray,
-        goal: FloatArray,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
-    ) -> "CubicSplineMotion":
-        """Plan as `spline_through` does for two points.
-
-        Parameters
-        ----------
-        start, goal : ndarray, shape (n,)
-            Joint values in rad or m.
-        limits : Limits
-            Velocity and acceleration limits count, and those jerk limits that are finite.
-        duration : float, optional
-            Wanted duration in s; None for the shortest.
-        start_velocity, start_acceleration : None
-            The motion starts from rest.
-
-        Raises
-        ------
-        DurationTooShortError
-            If the wanted duration would break a limit.
-        """
-        spline = spline_through(np.stack([start, goal]), limits=limits, duration=duration)
-        return cls(goal, spline.pieces)
 
 
 def spline_through(

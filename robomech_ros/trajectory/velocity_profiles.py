@@ -9,32 +9,27 @@ L. Biagiotti and C. Melchiorri, *Trajectory Planning for Automatic Machines and 
 """
 
 import math
-from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import ClassVar
+from abc import abstractmethod
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
-from robomech_ros._kernels import tolerances
-from robomech_ros.errors import DurationTooShortError
-from robomech_ros.trajectory.limits import Limits, Rate
+from robomech_ros.trajectory.from_rest import FromRest
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["DoubleS", "Trapezoidal"]
 
+_M = TypeVar("_M", bound="_Straight")
+
 # Durations of phases, and the highest derivative (of order 2 or 3) in each.
 Phases = list[tuple[float, float]]
 
 
-@dataclass(frozen=True, eq=False)
-class _Straight(MotionToRest, ABC):
+class _Straight(MotionToRest, FromRest):
     """From rest to rest on a straight line, in phases in which one derivative is constant."""
-
-    REQUIRED: ClassVar[tuple[Rate, ...]]
-    STARTS_MOVING: ClassVar[bool] = False
-    ACCELERATION_STEPS: ClassVar[bool] = False
 
     @staticmethod
     @abstractmethod
@@ -42,51 +37,27 @@ class _Straight(MotionToRest, ABC):
         """Give the phases over a way of 1 within limits of its rates, and which limit binds."""
 
     @classmethod
-    def plan(
-        cls,
-        start: FloatArray,
-        goal: FloatArray,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
-    ) -> "_Straight":
-        """Compute the fastest motion within the limits, slowed down as a whole where wanted.
+    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, Phases]:
+        shares = (np.abs(goal - start) * limits.inverses).max(axis=1, initial=0.0).tolist()
+        if not any(shares):
+            return 0.0, []
+        phases, _ = cls.phases(*(1.0 / share for share in shares[: len(cls.REQUIRED)]))
+        return sum(length for length, _ in phases), phases
 
-        Parameters
-        ----------
-        start, goal : ndarray, shape (n,)
-            Joint values in rad or m.
-        limits : Limits
-            Those of ``REQUIRED`` count.
-        duration : float, optional
-            Wanted duration in s; None for the shortest.
-        start_velocity, start_acceleration : None
-            The motion starts from rest.
+    @classmethod
+    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+        shares = np.abs(goal - start) * limits.inverses
+        _, rate = cls.phases(*(1.0 / share for share in shares.max(axis=1)[: len(cls.REQUIRED)]))
+        return rate, int(np.argmax(shares[RATES.index(rate)]))
 
-        Raises
-        ------
-        DurationTooShortError
-            If the wanted duration would break a limit.
-        """
-        rise = goal - start
-        way = np.abs(rise)
-        if not way.any():
-            still = max(duration or 0.0, tolerances.SHORTEST_TRAJECTORY)
-            return cls(goal, _curve(start, rise, [(still, 0.0)], len(cls.REQUIRED)))
-        moving = np.flatnonzero(way)
-        scaled = {rate: getattr(limits, rate)[moving] / way[moving] for rate in cls.REQUIRED}
-        phases, binding = cls.phases(*(float(values.min()) for values in scaled.values()))
-        shortest = sum(length for length, _ in phases)
-        wanted = max(shortest, tolerances.SHORTEST_TRAJECTORY)
-        if duration is not None:
-            if duration < wanted - tolerances.DURATION_ROUNDING * (1.0 + wanted):
-                joint = limits.joint_names[moving[int(np.argmin(scaled[binding]))]]
-                raise DurationTooShortError(duration, wanted, joint, binding)
-            wanted = max(wanted, duration)
-        order, slower = len(cls.REQUIRED), wanted / shortest
-        slow = [(length * slower, value / slower**order) for length, value in phases]
-        return cls(goal, _curve(start, rise, slow, order))
+    @classmethod
+    def _lasting(
+        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: Phases
+    ) -> _M:
+        order = len(cls.REQUIRED)
+        slower = duration / sum(length for length, _ in shape) if shape else 1.0
+        slow = [(length * slower, value / slower**order) for length, value in shape]
+        return cls(goal, _curve(start, goal - start, slow or [(duration, 0.0)], order))
 
 
 class Trapezoidal(_Straight):
@@ -95,7 +66,6 @@ class Trapezoidal(_Straight):
     The acceleration steps, so that a limit of the jerk is not kept.
     """
 
-    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
     ACCELERATION_STEPS: ClassVar[bool] = True
 
     @staticmethod
