@@ -56,7 +56,9 @@ class JerkLimited:
         self, start: FloatArray, goal: FloatArray, limits: Limits, course: Phases | Any
     ) -> None:
         # What a frozen dataclass does for this takes a tenth of the time of a whole plan.
-        vars(self).update(start=start, goal=goal, limits=limits, course=course)
+        fields = self.__dict__
+        fields["start"], fields["goal"] = start, goal
+        fields["limits"], fields["course"] = limits, course
 
     REQUIRED: ClassVar[tuple[Rate, ...]] = RATES
     STARTS_MOVING: ClassVar[bool] = True

@@ -140,9 +140,8 @@ def point_to_point(
         If the limits do not allow the wanted duration.
     """
     method = profile_named(profile)
-    allowed = scaled_limits(
-        Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
-    )
+    known = limits if type(limits) is Limits else Limits.of(limits)
+    allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     n = len(allowed.joint_names)
     start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
     if not time_straight.both_within(start, goal, allowed.ranges):
@@ -150,7 +149,7 @@ def point_to_point(
         _check_numbers("goal", goal)
         allowed.check_start(start)
         allowed.check_goal(goal)
-    seconds = checked_duration(duration)
+    seconds = None if duration is None else checked_duration(duration)
     if start_velocity is None and start_acceleration is None:
         return method.plan(start, goal, allowed, seconds)
     moving = _rates_at_start(start_velocity, start_acceleration, n)

@@ -75,13 +75,13 @@ class _Solver(NamedTuple):
     Attributes
     ----------
     ruckig, request : Ruckig, InputParameter
-    coarsest : float
-        Least jerk limit, rad or m over s^3.
+    bearable : float
+        Bearable miss of the goal (rad or m) over the duration to the power of 3.
     """
 
     ruckig: Any
     request: Any
-    coarsest: float
+    bearable: float
 
 
 def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
@@ -114,7 +114,7 @@ def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
         return None
     spare.append(solver)
     duration = motion.duration
-    bearable = _LARGEST_MISS * solver.coarsest * duration**3 / _MISS_JERK
+    bearable = solver.bearable * duration * duration * duration
     # Where any miss is bearable none is looked for.
     if bearable < _RUCKIG_MISS:
         miss = max(map(abs, map(sub, motion.at_time(duration)[0], target)))
@@ -132,7 +132,8 @@ def _solver(limits: Limits, shortest: float) -> _Solver:
     still = np.zeros(len(limits.joint_names))
     request = _request(still, still, still, limits, 1.0, 1.0)
     request.minimum_duration = shortest
-    return _Solver(ruckig.Ruckig(len(still)), request, float(limits.jerk.min()))
+    bearable = _LARGEST_MISS * float(limits.jerk.min(initial=np.inf)) / _MISS_JERK
+    return _Solver(ruckig.Ruckig(len(still)), request, bearable)
 
 
 def jerk_phases(

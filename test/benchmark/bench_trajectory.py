@@ -46,7 +46,7 @@ def _plan_rows() -> list[Row]:
 
     limits = Limits.of(load_robot(ROBOT))
     rng = np.random.default_rng(0)
-    ends = rng.uniform(limits.lower, limits.upper, (PLANS, 2, len(limits.joint_names)))
+    ends = [[rng.uniform(limits.lower, limits.upper) for _ in range(2)] for _ in range(PLANS)]
 
     def bare(start: Array, goal: Array) -> Any:
         request = ruckig.InputParameter(len(start))
