@@ -171,8 +171,10 @@ class JoinedCurve:
         last = len(self.curves) - 1
         owner = np.minimum(np.searchsorted(self.starts, u, side="right") - 1, last)
         rows = np.empty((ORDERS, len(u), 3))
-        for k in np.unique(owner):
-            curve, mine = self.curves[k], owner == k
+        order = np.argsort(owner, kind="stable")
+        asked, begins = np.unique(owner[order], return_index=True)
+        for k, mine in zip(asked, np.split(order, begins[1:]), strict=True):
+            curve = self.curves[k]
             local = np.minimum(u[mine] - self.starts[k] + curve.breaks[0], curve.breaks[-1])
             rows[:, mine] = curve.derivatives(local)
         return rows
