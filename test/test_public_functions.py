@@ -28,6 +28,7 @@ from robomech_ros.trajectory import (
     discretise,
     interpolant,
     point_to_point,
+    sampled_motion,
     sampled_point_to_point,
     sampled_through_points,
     spline_through,
@@ -149,6 +150,15 @@ def calls():
     found |= planned | along_paths()
     found["verify.trajectory"] = lambda value: verify(value, LIMITS)
     found["verify.limits"] = lambda value: verify(MOTION, value)
+    found["discretise.trajectory"] = lambda value: discretise(value, 0.1, 1000)
+    good = {"start": [0.0] * 6, "limits": LIMITS, "period": 0.1}
+    for name in good:
+        found[f"sampled_motion.{name}"] = lambda value, name=name, good=good: sampled_motion(
+            lambda limits: MOTION, max_points=1000, **(good | {name: value})
+        )
+    found["sampled_motion.planner"] = lambda value: sampled_motion(
+        lambda limits: value, [0.0] * 6, LIMITS, period=0.1, max_points=1000
+    )
     found["discretise.period"] = lambda value: discretise(MOTION, value, 1000)
     found |= with_options(interpolant, times=[0.0, 1.0], positions=[[0.0], [1.0]])
     for name in spatial.__all__:
