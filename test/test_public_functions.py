@@ -31,6 +31,7 @@ from robomech_ros.trajectory import (
     sampled_motion,
     sampled_point_to_point,
     sampled_through_points,
+    spline_like,
     spline_through,
     through_points,
     time_optimal,
@@ -133,6 +134,7 @@ def calls():
     points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
     for function in (spline_through, through_points, via_polynomial):
         found |= with_options(function, points=points, limits=LIMITS)
+    found |= with_options(spline_like, q0=[0.0] * 6, q1=[0.5] * 6, limits=LIMITS)
     for name in ("times", "ends", "degree", "slopes"):
         good = {"times": [0.0, 1.0, 2.0], "ends": "clamped"}
         found[f"spline.{name}"] = lambda value, name=name, good=good: spline_through(

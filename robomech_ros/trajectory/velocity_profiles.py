@@ -20,7 +20,7 @@ from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DoubleS", "Trapezoidal"]
+__all__ = ["DoubleS", "Trapezoidal", "along_line"]
 
 _M = TypeVar("_M", bound="_Straight")
 
@@ -57,7 +57,7 @@ class _Straight(MotionToRest, FromRest):
         order = len(cls.REQUIRED)
         slower = duration / sum(length for length, _ in shape) if shape else 1.0
         slow = [(length * slower, value / slower**order) for length, value in shape]
-        return cls(goal, _curve(start, goal - start, slow or [(duration, 0.0)], order))
+        return cls(goal, along_line(start, goal - start, slow or [(duration, 0.0)], order))
 
 
 class Trapezoidal(_Straight):
@@ -106,7 +106,9 @@ class DoubleS(_Straight):
         return [phase for phase in [*up, (cruise, 0.0), *down] if phase[0] > 0.0], binding
 
 
-def _curve(start: FloatArray, rise: FloatArray, phases: Phases, order: int) -> PiecewisePolynomial:
+def along_line(
+    start: FloatArray, rise: FloatArray, phases: Phases, order: int
+) -> PiecewisePolynomial:
     """Integrate a way from 0 to 1 from rest, and lay it on the line from `start` along `rise`."""
     lengths = np.array([length for length, _ in phases])
     taylor = np.zeros((order + 1, len(phases)))
