@@ -134,6 +134,9 @@ def calls():
     points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
     for function in (spline_through, through_points, via_polynomial):
         found |= with_options(function, points=points, limits=LIMITS)
+        found[f"{function.__name__}.goal"] = lambda value, function=function: function(
+            [*points[:2], value], limits=LIMITS
+        )
     found |= with_options(spline_like, q0=[0.0] * 6, q1=[0.5] * 6, limits=LIMITS)
     for name in ("times", "ends", "degree", "slopes"):
         good = {"times": [0.0, 1.0, 2.0], "ends": "clamped"}

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
+from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.motion_to_rest import check_positions, settled
@@ -133,7 +134,7 @@ def spline_through(
     ----------
     Angeles, 4th ed., section 6.6.
     """
-    places = _points(points)
+    places = joint_points(points)
     _check_options(places, ends, degree, spacing)
     rates = _slopes(slopes, ends, places.shape[1], times is not None)
     if times is not None:
@@ -161,17 +162,6 @@ def spline_through(
     pieces = fitted(shape.pieces, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
     return Spline(places, shape.knots * (pieces.duration / shape.duration), ends, pieces)
-
-
-def _points(points: npt.ArrayLike) -> FloatArray:
-    places = real_array("points", points).copy()
-    if places.ndim != 2 or len(places) < 2 or not places.shape[1]:
-        raise WrongSizeError("points", places.shape, "(m, n) with at least two points")
-    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
-    if len(bad):
-        raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
-    places.setflags(write=False)
-    return places
 
 
 def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:
