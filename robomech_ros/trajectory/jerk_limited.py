@@ -12,6 +12,7 @@ from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import (
@@ -154,7 +155,7 @@ class JerkLimited:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        return settled(self.pieces.sample(t), t, self.pieces, self.goal)
+        return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 
     def __getstate__(self) -> dict[str, Any]:
         # What Ruckig gives cannot be copied or stored, its phases can.

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times
+from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
 __all__ = ["PiecewisePolynomial"]
 
@@ -99,13 +99,13 @@ class PiecewisePolynomial:
         times = checked_times(t)
         if not times.ndim:
             return self._sample_one(float(times))
-        # Many instants are what planners ask for; a controller does without compiled code.
-        from robomech_ros._kernels.time_samples import sample_pieces
-
-        rates = np.empty((4, len(times), self.joints))
-        given = (np.ascontiguousarray(values) for values in (self.breaks, self.coefficients))
-        sample_pieces(*given, np.ascontiguousarray(times), rates)
-        return Sample(*rates)
+        inside = np.clip(times, self.breaks[0], self.breaks[-1])
+        last = self.coefficients.shape[1] - 1
+        segment = np.clip(np.searchsorted(self.breaks, inside, side="right") - 1, 0, last)
+        # Instants last: long inner loops.
+        coefficients = np.take(self.coefficients.transpose(0, 2, 1), segment, axis=2)
+        rates = _horner(coefficients, inside - self.breaks[segment])
+        return held_outside(Sample(*rates.transpose(0, 2, 1).copy()), inside != times)
 
     def _sample_one(self, t: float) -> Sample:
         """Sample at one instant, in one product of matrices."""
@@ -125,3 +125,18 @@ def _differentiated(coefficients: FloatArray) -> FloatArray:
     if len(coefficients) == 1:
         return np.zeros_like(coefficients)
     return coefficients[1:] * np.arange(1.0, len(coefficients))[:, None, None]
+
+
+def _horner(coefficients: FloatArray, elapsed: FloatArray) -> FloatArray:
+    """Value and first three derivatives of (n, m) polynomials at m places, shape (4, n, m)."""
+    rates = np.zeros((4, *coefficients.shape[1:]))
+    rates[0] = coefficients[-1]
+    for lower in coefficients[-2::-1]:
+        for order in (3, 2, 1):
+            rates[order] *= elapsed
+            rates[order] += rates[order - 1]
+        rates[0] *= elapsed
+        rates[0] += lower
+    rates[2] *= 2.0
+    rates[3] *= 6.0
+    return rates

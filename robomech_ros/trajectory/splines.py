@@ -12,6 +12,7 @@ from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.quintic_spline import Ends, quintic_spline
@@ -67,7 +68,7 @@ class Spline:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        sample = self.pieces.sample(t)
+        sample = sample_many(self.pieces, t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
 
 

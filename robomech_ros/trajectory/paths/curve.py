@@ -12,6 +12,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import listed, real_array, real_number
 from robomech_ros.spatial.poses import as_pose
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT, PARAMETER_SLACK
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -137,7 +138,7 @@ class PolynomialCurve:
 
     def _rows(self, u: FloatArray) -> FloatArray:
         rate = PiecewisePolynomial(self.pieces.breaks, self.pieces.derivative(1))
-        return np.stack([*self.pieces.sample(u), rate.sample(u).jerk])
+        return np.stack([*sample_many(self.pieces, u), sample_many(rate, u).jerk])
 
 
 @dataclass(frozen=True, eq=False)
