@@ -1,12 +1,14 @@
 """Whatever is given to a public function, it answers or raises an error of its own."""
 
 import inspect
+import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from robomech_ros import spatial
+from robomech_ros import spatial, trajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import (
     forward_kinematics,
@@ -20,15 +22,24 @@ from robomech_ros.robots import chain_from_dh, load_description, load_robot
 from robomech_ros.trajectory import (
     PROFILES,
     Limits,
+    PiecewisePolynomial,
+    SpeedLimit,
+    TorqueLimits,
     discretise,
     interpolant,
     point_to_point,
+    sampled_motion,
     sampled_point_to_point,
+    sampled_through_points,
+    spline_like,
     spline_through,
     through_points,
+    time_optimal,
     verify,
     via_polynomial,
 )
+
+PATHS = "trajectory/paths/test_wrong_arguments.py"
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
 LIMITS = Limits(list("abcdef"), velocity=1.0, acceleration=2.0, jerk=3.0)
@@ -123,13 +134,36 @@ def calls():
     points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
     for function in (spline_through, through_points, via_polynomial):
         found |= with_options(function, points=points, limits=LIMITS)
+        found[f"{function.__name__}.goal"] = lambda value, function=function: function(
+            [*points[:2], value], limits=LIMITS
+        )
+    found |= with_options(spline_like, q0=[0.0] * 6, q1=[0.5] * 6, limits=LIMITS)
     for name in ("times", "ends", "degree", "slopes"):
         good = {"times": [0.0, 1.0, 2.0], "ends": "clamped"}
         found[f"spline.{name}"] = lambda value, name=name, good=good: spline_through(
             points, **(good | {name: value})
         )
+    planned = with_options(
+        sampled_through_points,
+        points=points,
+        limits=LIMITS,
+        profile="ruckig",
+        period=0.1,
+        max_points=1000,
+    )
+    del planned["sampled_through_points.max_points"]
+    found |= planned | along_paths()
     found["verify.trajectory"] = lambda value: verify(value, LIMITS)
     found["verify.limits"] = lambda value: verify(MOTION, value)
+    found["discretise.trajectory"] = lambda value: discretise(value, 0.1, 1000)
+    good = {"start": [0.0] * 6, "limits": LIMITS, "period": 0.1}
+    for name in good:
+        found[f"sampled_motion.{name}"] = lambda value, name=name, good=good: sampled_motion(
+            lambda limits: MOTION, max_points=1000, **(good | {name: value})
+        )
+    found["sampled_motion.planner"] = lambda value: sampled_motion(
+        lambda limits: value, [0.0] * 6, LIMITS, period=0.1, max_points=1000
+    )
     found["discretise.period"] = lambda value: discretise(MOTION, value, 1000)
     found |= with_options(interpolant, times=[0.0, 1.0], positions=[[0.0], [1.0]])
     for name in spatial.__all__:
@@ -139,6 +173,54 @@ def calls():
         count = len(needed)
         found[name] = lambda value, f=function, n=count: f(*[value] * n)
     return found
+
+
+def along_paths():
+    """Motions along a path that is given, and what limits them."""
+    path = spline_through([[0.0] * 6, [0.3] * 6, [0.5] * 6], times=[0.0, 1.0, 2.0]).pieces
+    grid = np.linspace(0.0, 2.0, 5)
+    found = with_options(time_optimal, path=path, limits=LIMITS)
+    found |= {
+        f"smooth.{name}": call
+        for name, call in with_options(
+            time_optimal, path=path, limits=LIMITS, jerk_smoothing=True
+        ).items()
+    }
+    found["path.breaks"] = lambda value: time_optimal(
+        PiecewisePolynomial(value, path.coefficients), LIMITS
+    )
+    found["path.coefficients"] = lambda value: time_optimal(
+        PiecewisePolynomial(path.breaks, value), LIMITS
+    )
+    rates = {"rate": (grid, np.ones(5)), "limit": 1.0}
+    torques = {
+        "coefficients": (grid, np.ones((5, 1)), np.ones((5, 1)), np.zeros((5, 1))),
+        "lower": [-9.0],
+        "upper": [9.0],
+    }
+    for name in rates:
+        found[f"speed.{name}"] = lambda value, name=name: time_optimal(
+            path, LIMITS, speed_limits=SpeedLimit(**(rates | {name: value}))
+        )
+    found["speed.rates"] = lambda value: time_optimal(
+        path, LIMITS, speed_limits=SpeedLimit(lambda s: value, 1.0)
+    )
+    for name in torques:
+        found[f"torque.{name}"] = lambda value, name=name: time_optimal(
+            path, LIMITS, torque_limits=TorqueLimits(**(torques | {name: value}))
+        )
+    found["torque.a"] = lambda value: time_optimal(
+        path, LIMITS, torque_limits=TorqueLimits(lambda s: (value, value, value), [-9.0], [9.0])
+    )
+    return found
+
+
+def test_every_public_function_of_trajectories_is_called_here_or_with_the_paths():
+    here = (Path(__file__).parent / name for name in ("test_public_functions.py", PATHS))
+    called = set().union(*(re.findall(r"\w+", file.read_text()) for file in here))
+    functions = [name for name in trajectory.__all__ if name[0].islower()]
+    assert len(functions) > 30
+    assert [name for name in functions if name not in called] == []
 
 
 CALLS = calls()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from robomech_ros._kernels._jit import IN1, IN3, f8, i8, inline, kernel
-from robomech_ros._kernels.time_optimal import to_bernstein
+from robomech_ros._kernels.time_bernstein import to_bernstein
 
 __all__ = ["peak_above"]
 

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.paths.serial_arm import SerialArm
     from robomech_ros.trajectory.paths.splines import spline_curve
     from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+    from robomech_ros.trajectory.profile_splines import spline_like
     from robomech_ros.trajectory.profiles import PROFILES, point_to_point
     from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
     from robomech_ros.trajectory.sample import Sample, Trajectory
@@ -145,6 +146,7 @@ __all__ = [
     "sampled_point_to_point",
     "sampled_through_points",
     "spline_curve",
+    "spline_like",
     "spline_path",
     "spline_through",
     "straight_path",
@@ -226,6 +228,7 @@ _MODULES = {
     "sampled_point_to_point": "sampled_plan",
     "sampled_through_points": "via_motions",
     "spline_curve": "paths.splines",
+    "spline_like": "profile_splines",
     "spline_path": "paths.pose_lists",
     "spline_through": "splines",
     "straight_path": "paths.pose_lists",

@@ -2,32 +2,64 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
-from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.many_samples import sample_many
+from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.ruckig_phases import Phases, jerk_phases
-from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.ruckig_phases import (
+    Phases,
+    jerk_phases,
+    phases_from_rest,
+    rest_to_rest,
+)
+from robomech_ros.trajectory.sample import FloatArray, Sample
 
 __all__ = ["JerkLimited", "curve_of"]
 
+# Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
+_SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
+_SHIFTED = np.array([[max(k - i, 0) for k in range(3, 6)] for i in range(6)])
+
 
 @dataclass(frozen=True, eq=False)
-class JerkLimited(MotionToRest):
+class JerkLimited:
     """Piecewise constant jerk, all joints arriving together, at rest.
 
     From rest every joint whose limits permit it follows the course of the slowest one, so that
     the path is as straight as can be; that costs no time.  A wanted duration slows the fastest
     motion down as a whole; from a moving start it is left to Ruckig.
     The breaks of its pieces are the steps of the jerk of any joint.
+
+    Attributes
+    ----------
+    start, goal : ndarray, shape (n,)
+        Joint values in rad or m.
+    limits : Limits
+    course : Phases or ruckig.Trajectory
+        The way from the start on; from Ruckig, in s, rad and m, only from rest to rest.
     """
+
+    start: FloatArray
+    goal: FloatArray
+    limits: Limits
+    course: Phases | Any
+
+    def __init__(
+        self, start: FloatArray, goal: FloatArray, limits: Limits, course: Phases | Any
+    ) -> None:
+        # What a frozen dataclass does for this takes a tenth of the time of a whole plan.
+        fields = self.__dict__
+        fields["start"], fields["goal"] = start, goal
+        fields["limits"], fields["course"] = limits, course
 
     REQUIRED: ClassVar[tuple[Rate, ...]] = RATES
     STARTS_MOVING: ClassVar[bool] = True
@@ -65,6 +97,10 @@ class JerkLimited(MotionToRest):
         BadValueError
             If Ruckig fails.
         """
+        if start_velocity is None and start_acceleration is None and duration is None:
+            course = rest_to_rest(goal - start, limits, tolerances.SHORTEST_TRAJECTORY)
+            if course is not None:
+                return cls(start, goal, limits, course)
         rest = np.zeros(len(start))
         velocity = rest if start_velocity is None else start_velocity
         acceleration = rest if start_acceleration is None else start_acceleration
@@ -74,14 +110,56 @@ class JerkLimited(MotionToRest):
         if moving and duration is not None:
             least = max(least, duration)
         phases = jerk_phases(goal - start, velocity, acceleration, limits, least)
-        planned = cls(goal, curve_of(phases, start, goal, rest))
+        planned = cls(start, goal, limits, phases)
         if duration is not None:
             planned._check_duration(duration, phases.alone, limits)
             if not moving and duration > planned.duration:
-                slow = phases.slowed(duration / planned.duration)
-                planned = cls(goal, curve_of(slow, start, goal, rest))
-        check_positions(planned.pieces, start, limits)
+                planned = cls(start, goal, limits, phases.slowed(duration / planned.duration))
+        if moving:
+            check_positions(planned.pieces, start, limits)
         return planned
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        duration: float = self.course.duration
+        return duration
+
+    @cached_property
+    def phases(self) -> Phases:
+        """The way from the start on, in phases in which no joint changes its jerk."""
+        if isinstance(self.course, Phases):
+            return self.course
+        return phases_from_rest(self.course, self.goal - self.start, self.limits)
+
+    @cached_property
+    def pieces(self) -> PiecewisePolynomial:
+        """The curve, from t = 0 on, exactly from the start to the goal."""
+        return curve_of(self.phases, self.start, self.goal, np.zeros(len(self.goal)))
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What Ruckig gives cannot be copied or stored, its phases can.
+        return vars(self) | {"course": self.phases}
 
     def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:
         """Refuse where Ruckig needed longer than wanted."""
@@ -119,19 +197,22 @@ def curve_of(
     over the whole duration, where it is nothing; in the last step alone it would be a jump of
     the jerk.
     """
-    breaks = phases.breaks
-    end = PiecewisePolynomial(breaks, phases.coefficients).sample(breaks[-1])
-    none = np.zeros_like(goal)
-    missing = np.stack([none, goal - start - end.position])
+    breaks, given = phases.breaks, phases.coefficients
+    span = breaks[-1] - breaks[-2]
+    powers = np.array([1.0, span, span * span, span * span * span])
+    missing = goal - start - powers @ given[:, -1]
     # At rest the next piece does not go on with what rounding has left of the velocity.
-    faster = np.stack([none, final_velocity - end.velocity if final_velocity.any() else none])
-    unchanged = np.zeros_like(missing)
-    quintic = interpolant(breaks[[0, -1]], missing, faster, unchanged).coefficients[:, 0]
-    coefficients = np.zeros((6, *phases.coefficients.shape[1:]))
-    coefficients[:4] = phases.coefficients
+    faster = np.zeros_like(goal)
+    if final_velocity.any():
+        faster = final_velocity - np.array([1.0, 2.0 * span, 3.0 * span**2]) @ given[1:, -1]
+    coefficients = np.zeros((6, *given.shape[1:]))
+    coefficients[:4] = given
     coefficients[0] += start
-    for power in range(6):
-        for lower in range(power + 1):
-            shifted = math.comb(power, lower) * breaks[:-1] ** (power - lower)
-            coefficients[lower] += np.outer(shifted, quintic[power])
+    # The quintic's powers since the beginning of each segment, which begins at a part of it.
+    part = breaks[:-1] / breaks[-1]
+    shifts = _SHIFTS * part[:, None, None] ** _SHIFTED
+    quintic = np.stack([10.0 * missing, -15.0 * missing, 6.0 * missing])
+    quintic += np.stack([-4.0 * faster, 7.0 * faster, -3.0 * faster]) * breaks[-1]
+    scales = breaks[-1] ** -np.arange(6.0)
+    coefficients += (shifts @ quintic).transpose(1, 0, 2) * scales[:, None, None]
     return PiecewisePolynomial(breaks, coefficients)

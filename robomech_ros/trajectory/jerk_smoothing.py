@@ -6,15 +6,17 @@ a window of the duration w,
 .. math:: \tilde s(t) = \frac 1 w \int_{t - w}^{t} s(\tau)\, d\tau
 
 is w longer, stays on the path, has a continuous acceleration that is zero at both ends, and a jerk
-that is bounded by the steps over w.  On a straight line it turns the trapezoidal profile into
-the double-S one.  Where velocities, accelerations or jerks of the joints are over their limits,
-the path is slowed down there, and all is done again; what little is left in the end is taken off by
-stretching the time.
+that is bounded by the steps over w.  Where velocities, accelerations or
+jerks of the joints are over their limits, the path is slowed down there, and all is done again;
+what little is left in the end is taken off by stretching the time.
+
+On a straight line in joint space, where the limits are the same all along, the double-S profile of
+the path coordinate is the fastest motion of all, and is taken instead.
 
 References
 ----------
 L. Biagiotti and C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", Springer
-2008, section 4.6: trajectories as responses of moving-average filters.
+2008, sections 3.4: double-S, and 4.6: trajectories as responses of moving-average filters.
 """
 
 from dataclasses import dataclass, replace
@@ -30,6 +32,7 @@ from robomech_ros.trajectory.path_sections import jump
 from robomech_ros.trajectory.path_speed import PathLimits, SpeedProfile, Timed, fastest
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.velocity_profiles import DoubleS, along_line
 
 __all__ = ["smoothed"]
 
@@ -67,6 +70,8 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) ->
         If the second derivative of the path steps.
     """
     _check_smoothness(path)
+    if _is_straight(path) and not limits.speeds:
+        return _double_s(path, limits, jerk)
     bounded = replace(limits, square=_jerk_bound(path, jerk))
     longest = float((limits.acceleration / jerk).max())
     best: Timed | None = None
@@ -85,6 +90,28 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) ->
             break
     assert best is not None
     return best
+
+
+def _is_straight(path: PiecewisePolynomial) -> bool:
+    """Whether all joints are linear in the path coordinate, with the same slopes all along."""
+    bent = len(path.coefficients) > 2 and bool(path.coefficients[2:].any())
+    return not bent and not jump(path, 1).any()
+
+
+def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -> Timed:
+    """Pass a straight path by the double-S profile, exactly."""
+    start, slope = path.coefficients[:2, 0]
+    way = np.abs(slope) * path.duration
+    kinds = (limits.velocity, limits.acceleration, jerk)
+    phases, _ = DoubleS.phases(*(1.0 / float((way / limit).max()) for limit in kinds))
+    law = along_line(path.breaks[:1], path.breaks[-1:] - path.breaks[:1], phases, 3)
+    coefficients = np.zeros((6, len(law.spans), path.joints))
+    coefficients[:4] = law.coefficients * slope
+    coefficients[0] += start - path.breaks[0] * slope
+    ends = law.sample(law.breaks)
+    speeds = np.maximum(ends.velocity[:, 0], 0.0)
+    timed = Timed(PiecewisePolynomial(law.breaks, coefficients), ends.position[:, 0], speeds)
+    return timed.within(limits.velocity, limits.acceleration, jerk)
 
 
 def _kept(

@@ -1,16 +1,20 @@
 """Laws of motion from rest to rest, over a time and a way of 1.
 
+The cubic spline through both points is one of them: with neither velocity nor acceleration at its
+ends it has two more knots, at a quarter and at three quarters of the time.
+
 All of them are symmetric, s(1 - tau) = 1 - s(tau), and have no velocity and no acceleration at
 their ends.
 
 References
 ----------
-J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3 and 6.4.
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3, 6.4 and 6.6.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +25,7 @@ from robomech_ros.trajectory.limits import RATES, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["CUBIC_SPLINE", "CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates", "law_of"]
+__all__ = ["CUBIC", "CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates", "law_of"]
 
 # Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
 _CYCLOIDAL_SEGMENTS = 32
@@ -56,9 +60,18 @@ class Law:
     peaks: dict[Rate, float]
     pieces: PiecewisePolynomial
 
+    @cached_property
+    def magnitudes(self) -> tuple[float, float, float]:
+        """Peaks of velocity, acceleration and jerk, in this order."""
+        return self.peaks["velocity"], self.peaks["acceleration"], self.peaks["jerk"]
+
+
+def _pieces(breaks: list[float], *coefficients: list[float]) -> PiecewisePolynomial:
+    return PiecewisePolynomial(np.array(breaks), np.array(coefficients)[:, :, None])
+
 
 def _one_piece(*coefficients: float) -> PiecewisePolynomial:
-    return PiecewisePolynomial(np.array([0.0, 1.0]), np.array(coefficients)[:, None, None])
+    return _pieces([0.0, 1.0], *([one] for one in coefficients))
 
 
 def law_of(pieces: PiecewisePolynomial) -> Law:
@@ -80,25 +93,6 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
         for low, high in (extremes(pieces, order),)
     }
     return Law(progress, rates, peaks, pieces)
-
-
-def _cubic_spline_pieces() -> PiecewisePolynomial:
-    """Give the cubic spline with ends at rest: four segments, in which the jerk is constant."""
-    breaks = np.linspace(0.0, 1.0, 5)
-    jerk = 32.0 * np.array([1.0, -1.0, -1.0, 1.0])
-    powers, state = np.empty((4, 4, 1)), np.zeros(3)
-    h = 0.25
-    for k, step in enumerate(jerk):
-        s, v, a = state
-        powers[:, k, 0] = s, v, a / 2.0, step / 6.0
-        state = np.array(
-            [
-                s + h * (v + h * (a / 2.0 + h * step / 6.0)),
-                v + h * (a + h * step / 2.0),
-                a + h * step,
-            ]
-        )
-    return PiecewisePolynomial(breaks, powers)
 
 
 def _progress345(tau: FloatArray) -> FloatArray:
@@ -140,6 +134,25 @@ def _rates_cycloidal(tau: FloatArray) -> Rates:
     )
 
 
+def _progress_cubic(tau: FloatArray) -> FloatArray:
+    left = 0.5 - tau
+    late = 0.5 - left * (2.0 - 16.0 / 3.0 * left**2)
+    return np.where(tau < 0.25, 16.0 / 3.0 * tau**3, late)
+
+
+def _rates_cubic(tau: FloatArray) -> Rates:
+    # Since the nearer end, or until the middle.
+    since = np.minimum(tau, 1.0 - tau)
+    left = 0.5 - since
+    outer = since < 0.25
+    magnitude = 32.0 * np.where(outer, since, left)
+    return Rates(
+        np.where(outer, 16.0 * since**2, 2.0 - 16.0 * left**2),
+        np.where(tau < 0.5, magnitude, -magnitude),
+        np.where((tau < 0.25) | (tau >= 0.75), 32.0, -32.0),
+    )
+
+
 def _cycloidal_pieces() -> PiecewisePolynomial:
     tau = np.linspace(0.0, 1.0, _CYCLOIDAL_SEGMENTS + 1)
     values = np.stack([_progress_cycloidal(tau), *_rates_cycloidal(tau)])
@@ -164,5 +177,15 @@ CYCLOIDAL = Law(
     {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
     _cycloidal_pieces(),
 )
-# Where the cubic spline at rest at its ends passes one more point only, half of the way.
-CUBIC_SPLINE = law_of(_cubic_spline_pieces())
+CUBIC = Law(
+    _progress_cubic,
+    _rates_cubic,
+    {"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0},
+    _pieces(
+        [0.0, 0.25, 0.75, 1.0],
+        [0.0, 1.0 / 12.0, 11.0 / 12.0],
+        [0.0, 1.0, 1.0],
+        [0.0, 4.0, -4.0],
+        [16.0 / 3.0, -16.0 / 3.0, 16.0 / 3.0],
+    ),
+)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -50,6 +51,13 @@ class JointLimits(Protocol):
     @property
     def jerk(self) -> npt.ArrayLike:
         """Largest magnitudes of the jerks, rad/s^3 or m/s^3, shape (n,)."""
+
+
+class Tools(list[Any]):
+    """A list whose contents are neither copied nor stored with it."""
+
+    def __reduce__(self) -> tuple[type["Tools"], tuple[()]]:
+        return Tools, ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,10 +164,36 @@ class Limits:
 
     def require(self, *rates: Rate) -> None:
         """Raise `MissingLimitsError` with the names of the joints that lack one of `rates`."""
-        for rate in rates:
-            missing = np.flatnonzero(~np.isfinite(getattr(self, rate)))
-            if len(missing):
-                raise MissingLimitsError(rate, [self.joint_names[k] for k in missing])
+        if self._missing:
+            for rate in rates:
+                if rate in self._missing:
+                    raise MissingLimitsError(rate, self._missing[rate])
+
+    @cached_property
+    def _missing(self) -> dict[Rate, list[str]]:
+        """Names of the joints without a limit, for those rates that lack some."""
+        found: dict[Rate, list[str]] = {}
+        for rate in RATES:
+            without = np.flatnonzero(~np.isfinite(getattr(self, rate)))
+            if len(without):
+                found[rate] = [self.joint_names[k] for k in without]
+        return found
+
+    @cached_property
+    def tools(self) -> "Tools":
+        """What planners keep for the next plan within these limits."""
+        return Tools()
+
+    @cached_property
+    def ranges(self) -> FloatArray:
+        """Lowest and highest positions, (2, n) in rad or m; finite where a joint has no limit."""
+        largest = tolerances.LARGEST_LENGTH
+        return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
+
+    @cached_property
+    def inverses(self) -> FloatArray:
+        """One over the limits of velocity, acceleration and jerk, (3, n)."""
+        return np.stack([1.0 / getattr(self, rate) for rate in RATES])
 
     def check_start(self, position: FloatArray) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""

@@ -9,6 +9,7 @@ from robomech_ros._kernels import tolerances
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
@@ -53,7 +54,7 @@ class MotionToRest:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        return settled(self.pieces.sample(t), t, self.pieces, self.goal)
+        return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 
 
 def settled(

@@ -46,7 +46,7 @@ class SpeedLimit:
         if not limit > 0.0:
             raise BadValueError("speed limit", limit, "a number above 0")
         object.__setattr__(self, "limit", limit)
-        if not callable(self.rate):
+        if not _is_function(self.rate):
             object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))
 
     def powers(self, nodes: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ class TorqueLimits:
             raise BadValueError(f"lower torque limit [{k}]", float(lower[k]), expected)
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)
-        if not callable(self.coefficients):
+        if not _is_function(self.coefficients):
             object.__setattr__(self, "coefficients", _table(self.coefficients, len(lower)))
 
     @property
@@ -123,6 +123,10 @@ def checked_list(what: str, given: object, kind: type) -> list[Any]:
     if not isinstance(given, Sequence) or not all(isinstance(one, kind) for one in given):
         raise BadValueError(what, given, f"a {kind.__name__} or a list of them")
     return list(given)
+
+
+def _is_function(given: object) -> bool:
+    return callable(given) and not isinstance(given, type)
 
 
 def _places(nodes: FloatArray) -> FloatArray:

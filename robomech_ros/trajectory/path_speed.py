@@ -7,7 +7,15 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import time_bends, time_optimal, time_peaks, time_pieces, tolerances
+from robomech_ros._kernels import (
+    time_bends,
+    time_bounds,
+    time_optimal,
+    time_peaks,
+    time_pieces,
+    time_rows,
+    tolerances,
+)
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
@@ -250,7 +258,7 @@ def _profile(
     spans = np.diff(nodes)
     size, _, joints = path.coefficients.shape
     local = np.empty((len(spans), joints, size))
-    time_optimal.local_path(path.breaks, path.coefficients, nodes, local)
+    time_rows.local_path(path.breaks, path.coefficients, nodes, local)
     bounds = _bounds(limits, nodes, spans, local, bends)
     first, second, rest, owners = _rows(limits, nodes, spans, local, bends)
     rows = first, second, rest, bounds
@@ -329,12 +337,12 @@ def _bounds(
     """Bound the squares of the speed at the nodes by the limits of speeds, shape (m + 1,)."""
     bounds = np.full(len(nodes), ((nodes[-1] - nodes[0]) / _INSTANT) ** 2)
     rates = np.empty((*local.shape[:2], local.shape[2] - 1))
-    time_optimal.joint_rates(local, spans, limits.velocity_scales, rates)
-    time_optimal.speed_bounds(rates, bends, bounds)
+    time_bounds.joint_rates(local, spans, limits.velocity_scales, rates)
+    time_bounds.speed_bounds(rates, bends, bounds)
     if limits.speeds:
         margin = 1.0 + tolerances.TIMING_MARGIN
         others = np.stack([speed.powers(nodes) * margin for speed in limits.speeds], axis=1)
-        time_optimal.speed_bounds(others, bends, bounds)
+        time_bounds.speed_bounds(others, bends, bounds)
     if limits.square is not None:
         np.minimum(bounds, limits.square(nodes), out=bounds)
     return bounds
@@ -353,7 +361,7 @@ def _rows(
     owners = np.concatenate(
         [np.repeat(np.arange(joints), size), np.repeat(np.arange(joints, joints + others), 7)]
     )
-    time_optimal.joint_rows(local, spans, bends, limits.acceleration_scales, first, second)
+    time_rows.joint_rows(local, spans, bends, limits.acceleration_scales, first, second)
     if limits.slowdown is not None:
         less = 1.0 / limits.slowdown(0.5 * (nodes[:-1] + nodes[1:]))[:, None]
         first[:, :start] *= less
@@ -361,7 +369,7 @@ def _rows(
     for torques in limits.torques:
         margin = 1.0 + tolerances.TIMING_MARGIN
         a, b, c = (margin * powers for powers in torques.powers(nodes))
-        time_optimal.other_rows(a, b, c, spans, bends, start, first, second, rest)
+        time_rows.other_rows(a, b, c, spans, bends, start, first, second, rest)
         start += 7 * torques.count
     return first, second, rest, owners + 1
 

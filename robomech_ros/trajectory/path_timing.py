@@ -29,6 +29,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory.jerk_smoothing import smoothed
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.motion_to_rest import check_positions
 from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.path_sections import checked_path, sections
@@ -82,7 +83,7 @@ class TimeOptimal:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        return self.pieces.sample(t)
+        return sample_many(self.pieces, t)
 
 
 def time_optimal(

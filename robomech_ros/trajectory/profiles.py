@@ -6,14 +6,18 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
+from robomech_ros._kernels import time_straight, tolerances
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
-from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
-from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
+from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
+from robomech_ros.trajectory.rest_to_rest import (
+    CubicSplineMotion,
+    Cycloidal,
+    Polynomial345,
+    Polynomial4567,
+)
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.splines import CubicSplineMotion
 from robomech_ros.trajectory.time_optimal_motions import TimeOptimalMotion
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
@@ -139,25 +143,23 @@ def point_to_point(
         If the limits do not allow the wanted duration.
     """
     method = profile_named(profile)
-    allowed = scaled_limits(
-        Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
-    )
+    known = limits if type(limits) is Limits else Limits.of(limits)
+    allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     n = len(allowed.joint_names)
     start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
-    allowed.check_start(start)
-    allowed.check_goal(goal)
-    moving = {
-        what: _joint_values(what, values, n)
-        for what, values in (
-            ("start_velocity", start_velocity),
-            ("start_acceleration", start_acceleration),
-        )
-        if values is not None
-    }
+    if not time_straight.both_within(start, goal, allowed.ranges):
+        _check_numbers("start", start)
+        _check_numbers("goal", goal)
+        allowed.check_start(start)
+        allowed.check_goal(goal)
+    seconds = None if duration is None else checked_duration(duration)
+    if start_velocity is None and start_acceleration is None:
+        return method.plan(start, goal, allowed, seconds)
+    moving = _rates_at_start(start_velocity, start_acceleration, n)
     if not method.STARTS_MOVING:
         _check_at_rest(profile, moving)
         moving = {}
-    return method.plan(start, goal, allowed, checked_duration(duration), **moving)
+    return method.plan(start, goal, allowed, seconds, **moving)
 
 
 def scaled_limits(
@@ -168,32 +170,55 @@ def scaled_limits(
     jerk_scale: float = 1.0,
 ) -> Limits:
     """Scale the limits as a request wants them; refuse where one that is needed is missing."""
-    scales = {"velocity": velocity_scale, "acceleration": acceleration_scale, "jerk": jerk_scale}
-    expected = f"at least {SMALLEST_SCALE:g} and at most 1"
-    for rate, given in scales.items():
-        scale = real_number(f"{rate}_scale", given, expected)
-        if not math.isfinite(scale):
-            raise NonFiniteError(f"{rate}_scale", scale)
-        if not SMALLEST_SCALE <= scale <= 1.0:
-            raise BadValueError(f"{rate}_scale", scale, expected)
+    a, b, c = velocity_scale, acceleration_scale, jerk_scale
+    if type(a) is type(b) is type(c) is float and a == b == c == 1.0:  # the usual case, at once
+        limits.require(*method.REQUIRED)
+        return limits
+    for rate, given in zip(RATES, (velocity_scale, acceleration_scale, jerk_scale), strict=True):
+        _check_scale(f"{rate}_scale", given)
     limits.require(*method.REQUIRED)
     if jerk_scale != 1.0:
         limits.require("jerk")  # else the scale would mean nothing, silently
     return limits.scaled(velocity=velocity_scale, acceleration=acceleration_scale, jerk=jerk_scale)
 
 
+def _check_scale(what: str, given: object) -> None:
+    expected = f"at least {SMALLEST_SCALE:g} and at most 1"
+    scale = real_number(what, given, expected)
+    if not math.isfinite(scale):
+        raise NonFiniteError(what, scale)
+    if not SMALLEST_SCALE <= scale <= 1.0:
+        raise BadValueError(what, scale, expected)
+
+
 def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
+    """Copy one number for each joint."""
     array = real_array(what, values).copy()
     if array.shape != (n,):
         raise WrongSizeError(what, array.shape, (n,))
-    if not np.isfinite(array).all():
-        raise NonFiniteError(what, array)
-    k = int(np.argmax(np.abs(array))) if n else 0
-    if n and abs(array[k]) > tolerances.LARGEST_LENGTH:
-        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
-        raise BadValueError(f"{what}[{k}]", float(array[k]), expected)
-    array.setflags(write=False)
     return array
+
+
+def _check_numbers(what: str, values: FloatArray) -> None:
+    """Refuse numbers (n,) that are not finite, or too large."""
+    if not np.isfinite(values).all():
+        raise NonFiniteError(what, values)
+    k = int(np.argmax(np.abs(values))) if len(values) else 0
+    if len(values) and abs(values[k]) > tolerances.LARGEST_LENGTH:
+        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
+        raise BadValueError(f"{what}[{k}]", float(values[k]), expected)
+
+
+def _rates_at_start(
+    velocity: npt.ArrayLike | None, acceleration: npt.ArrayLike | None, n: int
+) -> dict[str, FloatArray]:
+    """Check the rates (n,) at the start, those that are given."""
+    moving = {}
+    for what, values in (("start_velocity", velocity), ("start_acceleration", acceleration)):
+        if values is not None:
+            moving[what] = _joint_values(what, values, n)
+            _check_numbers(what, moving[what])
+    return moving
 
 
 def _check_at_rest(profile: str, moving: dict[str, FloatArray]) -> None:

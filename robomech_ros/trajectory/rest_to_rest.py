@@ -2,28 +2,31 @@
 
 References
 ----------
-J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3 and 6.4.
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3, 6.4 and 6.6.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
-from robomech_ros.errors import DurationTooShortError
-from robomech_ros.trajectory.laws import CYCLOIDAL, POLY345, POLY4567, Law
+from robomech_ros._kernels import time_straight
+from robomech_ros.trajectory.from_rest import FromRest
+from robomech_ros.trajectory.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
-__all__ = ["Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
+__all__ = ["CubicSplineMotion", "Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
+
+
+_M = TypeVar("_M", bound="RestToRest")
 
 
 @dataclass(frozen=True, eq=False)
-class RestToRest:
+class RestToRest(FromRest):
     r"""From rest to rest, all joints together.
 
     .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T)
@@ -43,53 +46,30 @@ class RestToRest:
     goal: FloatArray
     duration: float
 
+    def __init__(self, start: FloatArray, goal: FloatArray, duration: float) -> None:
+        # What a frozen dataclass does for this takes a sixth of the time of a whole plan.
+        fields = self.__dict__
+        fields["start"], fields["goal"], fields["duration"] = start, goal, duration
+
     LAW: ClassVar[Law]
-    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
-    STARTS_MOVING: ClassVar[bool] = False
-    ACCELERATION_STEPS: ClassVar[bool] = False
 
     @classmethod
-    def plan(
-        cls,
-        start: FloatArray,
-        goal: FloatArray,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
-    ) -> "RestToRest":
-        """Choose the duration: the shortest within the limits, or the one wanted.
+    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, None]:
+        peaks = cls.LAW.magnitudes
+        return time_straight.shortest_duration(start, goal, limits.inverses, *peaks), None
 
-        Parameters
-        ----------
-        start, goal : ndarray, shape (n,)
-            Joint values in rad or m.
-        limits : Limits
-            Velocity and acceleration limits count, and those jerk limits that are finite.
-        duration : float, optional
-            Wanted duration in s; None for the shortest.
-        start_velocity, start_acceleration : None
-            The motion starts from rest.
+    @classmethod
+    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+        shares = np.abs(goal - start) * limits.inverses * np.array(cls.LAW.magnitudes)[:, None]
+        needed = shares ** (1.0 / np.arange(1.0, 4.0))[:, None]
+        order, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
+        return RATES[order], int(joint)
 
-        Raises
-        ------
-        DurationTooShortError
-            If the wanted duration would break a limit.
-        """
-        rise = np.abs(goal - start)
-        needed = {
-            rate: (cls.LAW.peaks[rate] * rise / getattr(limits, rate)) ** (1.0 / order)
-            for order, rate in enumerate(RATES, start=1)
-        }
-        rate = max(RATES, key=lambda name: needed[name].max(initial=0.0))
-        shortest = max(float(needed[rate].max(initial=0.0)), tolerances.SHORTEST_TRAJECTORY)
-        if duration is not None:
-            slack = tolerances.DURATION_ROUNDING * (1.0 + shortest)
-            if duration < shortest - slack and needed[rate].max(initial=0.0) > duration:
-                joint = limits.joint_names[int(np.argmax(needed[rate]))]
-                raise DurationTooShortError(duration, shortest, joint, rate)
-            shortest = max(shortest, duration)
-        return cls(start, goal, shortest)
+    @classmethod
+    def _lasting(
+        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: None
+    ) -> _M:
+        return cls(start, goal, duration)
 
     def sample(self, t: npt.ArrayLike) -> Sample:
         """Sample positions and derivatives.
@@ -152,3 +132,9 @@ class Cycloidal(RestToRest):
     """Along the cycloidal motion: uniform, less one turn of a wheel."""
 
     LAW = CYCLOIDAL
+
+
+class CubicSplineMotion(RestToRest):
+    """Along the cubic spline through both points, at rest at its ends: the jerk steps inside."""
+
+    LAW = CUBIC

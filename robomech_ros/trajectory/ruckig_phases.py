@@ -9,7 +9,8 @@ States", Robotics: Science and Systems XVII, 2021.
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from operator import sub
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 import ruckig
@@ -18,14 +19,18 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Phases", "jerk_phases"]
+__all__ = ["Phases", "jerk_phases", "phases_from_rest", "rest_to_rest"]
 
 # Ruckig refuses durations of more than 7600 of its units of time; this leaves room for a detour.
 _LONG = 1000.0
 # Ways below this (rad, m) are no unit of length.
 _SHORTEST_WAY = 1e-9
-# What making up for a missed goal may add to the jerk, in parts of its limit.
-_LARGEST_MISS = 1e-8
+# What making up for a missed goal may add to the jerk, in parts of its limit; and the jerk of the
+# 3-4-5 polynomial that makes up for it, over the way and the duration to the power of -3.
+_LARGEST_MISS = 1e-9
+_MISS_JERK = 60.0
+# By how much Ruckig lets itself miss a goal at most, in its unit of length.
+_RUCKIG_MISS = 1e-8
 # Breaks nearer to each other than this, in parts of the duration, are one.
 _SAME_BREAK = 1e-12
 # What rounding may add to the peaks of a joint whose limits another joint's course just meets.
@@ -53,10 +58,82 @@ class Phases:
     coefficients: FloatArray
     alone: FloatArray
 
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return float(self.breaks[-1])
+
     def slowed(self, factor: float) -> "Phases":
         """Let everything take `factor` times as long."""
         slower = self.coefficients * (factor ** -np.arange(4.0))[:, None, None]
         return Phases(self.breaks * factor, slower, self.alone * factor)
+
+
+class _Solver(NamedTuple):
+    """Ruckig with a request from rest to rest, which takes longer to make than to use.
+
+    Attributes
+    ----------
+    ruckig, request : Ruckig, InputParameter
+    bearable : float
+        Bearable miss of the goal (rad or m) over the duration to the power of 3.
+    """
+
+    ruckig: Any
+    request: Any
+    bearable: float
+
+
+def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
+    """Compute the fastest motion from rest to rest that takes at least a given time.
+
+    No joint goes beyond its start or its goal on the way.  The phases are left to
+    `phases_from_rest`: who compares durations does not need them.
+
+    Parameters
+    ----------
+    rise, limits, shortest
+        As for `jerk_phases`; `shortest` is the same in all calls with these limits.
+
+    Returns
+    -------
+    ruckig.Trajectory or None
+        None where Ruckig cannot do it, or not well enough, in units of s, rad and m.
+    """
+    spare = limits.tools  # those that are not at work, in this thread or another
+    try:
+        solver = spare.pop()
+    except IndexError:
+        solver = _solver(limits, shortest)
+    target = rise.tolist()
+    solver.request.target_position = target
+    motion = ruckig.Trajectory(len(target))
+    try:
+        solver.ruckig.calculate(solver.request, motion)
+    except (ValueError, ruckig.RuckigError):
+        return None
+    spare.append(solver)
+    duration = motion.duration
+    bearable = solver.bearable * duration * duration * duration
+    # Where any miss is bearable none is looked for.
+    if bearable < _RUCKIG_MISS:
+        miss = max(map(abs, map(sub, motion.at_time(duration)[0], target)))
+        return motion if miss <= bearable else None
+    return motion
+
+
+def phases_from_rest(motion: Any, rise: FloatArray, limits: Limits) -> Phases:
+    """Give the phases of what `rest_to_rest` found; positions count from the start."""
+    still = np.zeros_like(rise)
+    return _phases_of(motion, _request(rise, still, still, limits, 1.0, 1.0), 1.0)
+
+
+def _solver(limits: Limits, shortest: float) -> _Solver:
+    still = np.zeros(len(limits.joint_names))
+    request = _request(still, still, still, limits, 1.0, 1.0)
+    request.minimum_duration = shortest
+    bearable = _LARGEST_MISS * float(limits.jerk.min(initial=np.inf)) / _MISS_JERK
+    return _Solver(ruckig.Ruckig(len(still)), request, bearable)
 
 
 def jerk_phases(
@@ -184,37 +261,39 @@ def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
     """Jerk (n,) of the 3-4-5 polynomial that makes up for missing the goal."""
     span = phases.breaks[-1] - phases.breaks[-2]
     end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
-    jerk: FloatArray = 60.0 * np.abs(end - rise) / phases.breaks[-1] ** 3
+    jerk: FloatArray = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
     return jerk
 
 
 def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
     alone = np.array(motion.independent_min_durations)
-    joints = [_phases(profile) for profile in motion.profiles[0]]
+    profiles = motion.profiles[0]
     rates = request.current_velocity, request.current_acceleration, request.target_velocity
-    if not any(map(any, rates)):
-        joints = _on_one_course(joints, int(np.argmax(alone)), request)
+    if any(map(any, rates)):
+        joints = [_phases(profile) for profile in profiles]
+    else:
+        joints = _on_one_course(profiles, int(np.argmax(alone)), request)
     breaks, coefficients = _common_phases(joints, motion.duration)
     return Phases(breaks, coefficients * length, alone)
 
 
-def _on_one_course(joints: list[_JointPhases], leader: int, request: Any) -> list[_JointPhases]:
+def _on_one_course(profiles: list[Any], leader: int, request: Any) -> list[_JointPhases]:
     """Let all joints that can do so, from rest to rest, follow the course of the slowest one.
 
     Ruckig does this for all joints or none; but the fewer courses there are, the fewer are the
     steps of the jerk, and the straighter is the path.
     """
-    begin, states = joints[leader]
+    begin, states = _phases(profiles[leader])
     ways = np.array(request.target_position)
     if not ways[leader]:
-        return joints
+        return [_phases(profile) for profile in profiles]
     peaks = _peaks(begin, states)
-    bounds = np.stack([request.max_velocity, request.max_acceleration, request.max_jerk], axis=1)
+    bounds = np.array([request.max_velocity, request.max_acceleration, request.max_jerk])
     shares = ways / ways[leader]
-    able = (np.abs(shares)[:, None] * peaks <= bounds * (1.0 + _SAME_LIMIT)).all(axis=1)
+    able = (np.abs(shares) * peaks[:, None] <= bounds * (1.0 + _SAME_LIMIT)).all(axis=0)
     return [
-        (begin, states * share) if follows else own
-        for own, share, follows in zip(joints, shares, able, strict=True)
+        (begin, states * share) if follows else _phases(profile)
+        for profile, share, follows in zip(profiles, shares, able, strict=True)
     ]
 
 
@@ -232,22 +311,25 @@ def _peaks(begin: FloatArray, states: FloatArray) -> FloatArray:
 def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatArray, FloatArray]:
     """Bring the phases of all joints onto common breaks (s + 1,); coefficients (4, s, n)."""
     same = _SAME_BREAK * duration
-    ends = np.concatenate([begin for begin, _ in phases])
+    courses = {id(begin): begin for begin, _ in phases}
+    ends = np.concatenate(list(courses.values()))
     inner = np.unique(ends[(ends > same) & (ends < duration - same)])
     inner = inner[np.diff(inner, prepend=0.0) > same]
     breaks = np.concatenate([[0.0], inner, [duration]])
     coefficients = np.empty((4, len(breaks) - 1, len(phases)))
     middle = (breaks[:-1] + breaks[1:]) / 2.0
-    for joint, (begin, states) in enumerate(phases):
+    for course, begin in courses.items():
+        joints = [joint for joint, (own, _) in enumerate(phases) if id(own) == course]
+        states = np.stack([phases[joint][1] for joint in joints], axis=2)
         phase = np.searchsorted(begin, middle, side="right") - 1
-        elapsed = breaks[:-1] - begin[phase]
-        position, velocity, acceleration, jerk = states[phase].T
-        coefficients[0, :, joint] = position + elapsed * (
-            velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0)
-        )
-        coefficients[1, :, joint] = velocity + elapsed * (acceleration + elapsed * jerk / 2.0)
-        coefficients[2, :, joint] = (acceleration + elapsed * jerk) / 2.0
-        coefficients[3, :, joint] = jerk / 6.0
+        elapsed = (breaks[:-1] - begin[phase])[:, None]
+        position, velocity, acceleration, jerk = states[phase].transpose(1, 0, 2)
+        coefficients[0, :, joints] = (
+            position + elapsed * (velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0))
+        ).T
+        coefficients[1, :, joints] = (velocity + elapsed * (acceleration + elapsed * jerk / 2.0)).T
+        coefficients[2, :, joints] = (acceleration + elapsed * jerk).T / 2.0
+        coefficients[3, :, joints] = jerk.T / 6.0
     return breaks, coefficients
 
 

@@ -63,7 +63,7 @@ class SampledPlan:
 def sampled_motion(
     planner: Planner,
     start: npt.ArrayLike,
-    limits: Limits,
+    limits: JointLimits | Any,
     *,
     period: float,
     max_points: int,
@@ -80,8 +80,8 @@ def sampled_motion(
         Plans a motion from `start` to rest within the limits it is given.
     start : array_like, shape (n,)
         Joint values, rad or m.
-    limits : Limits
-        Of n joints.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes, of n joints.
     period : float
         Largest time between two samples in s.
     max_points : int
@@ -99,20 +99,21 @@ def sampled_motion(
     RobomechError
         As the planner, `discretise` and `verify` do.
     """
-    factors = np.ones((3, len(limits.joint_names)))
+    known = Limits.of(limits)
+    factors = np.ones((3, len(known.joint_names)))
     if free:
         factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
-    jerk_error = min(float(limits.jerk.min(initial=np.inf)), _JERK_ERROR)
+    jerk_error = min(float(known.jerk.min(initial=np.inf)), _JERK_ERROR)
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
-            trajectory = planner(_tightened(limits, factors))
+            trajectory = planner(_tightened(known, factors))
         except DurationTooShortError:
             if plan is None or not plan.verification.ok:
                 raise
             return plan  # over the limits by rounding only, and there is no time to spare
         waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
-        plan = SampledPlan(trajectory, waypoints, verify(waypoints, limits, start=start))
+        plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
         ratios = _ratios(plan.verification)
         if (ratios <= 1.0).all():
             break

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robomech_ros.trajectory.double_s_laws import unit_double_s, unit_double_s_samples
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.laws import (
-    CUBIC_SPLINE,
+    CUBIC,
     CYCLOIDAL,
     POLY345,
     POLY4567,
@@ -23,7 +24,6 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.thinning import thinned
 from robomech_ros.trajectory.time_optimal_motions import with_ramps
 from robomech_ros.trajectory.time_scaling import fitted, stretch_needed
-from robomech_ros.trajectory.velocity_profiles import unit_double_s, unit_double_s_samples
 
 __all__ = ["SECTION_TIMINGS", "Section", "SectionTiming"]
 
@@ -236,7 +236,7 @@ SECTION_TIMINGS: dict[str, SectionTiming] = {
     "poly345": _by_law(POLY345),
     "poly4567": _by_law(POLY4567),
     "cycloidal": _by_law(CYCLOIDAL),
-    "cubic_spline": _by_law(CUBIC_SPLINE),
+    "cubic_spline": _by_law(CUBIC),
     "ruckig": SectionTiming(_jerk_limited, RATES),
     "time_optimal": SectionTiming(_time_optimal, needs_smooth=True),
 }

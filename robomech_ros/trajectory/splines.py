@@ -1,7 +1,7 @@
 """Splines through points in joint space."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -9,15 +9,17 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
+from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
-from robomech_ros.trajectory.limits import JointLimits, Limits, Rate
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions, settled
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.many_samples import sample_many
+from robomech_ros.trajectory.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 
-__all__ = ["CubicSplineMotion", "Spline", "spline_through"]
+__all__ = ["Spline", "spline_through"]
 
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
 
@@ -66,47 +68,8 @@ class Spline:
         NonFiniteError
             If an instant is NaN or infinite.
         """
-        sample = self.pieces.sample(t)
+        sample = sample_many(self.pieces, t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
-
-
-class CubicSplineMotion(MotionToRest):
-    """From rest to rest by the cubic spline through both points: four segments."""
-
-    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
-    STARTS_MOVING: ClassVar[bool] = False
-    ACCELERATION_STEPS: ClassVar[bool] = False
-
-    @classmethod
-    def plan(
-        cls,
-        start: FloatArray,
-        goal: FloatArray,
-        limits: Limits,
-        duration: float | None = None,
-        start_velocity: FloatArray | None = None,
-        start_acceleration: FloatArray | None = None,
-    ) -> "CubicSplineMotion":
-        """Plan as `spline_through` does for two points.
-
-        Parameters
-        ----------
-        start, goal : ndarray, shape (n,)
-            Joint values in rad or m.
-        limits : Limits
-            Velocity and acceleration limits count, and those jerk limits that are finite.
-        duration : float, optional
-            Wanted duration in s; None for the shortest.
-        start_velocity, start_acceleration : None
-            The motion starts from rest.
-
-        Raises
-        ------
-        DurationTooShortError
-            If the wanted duration would break a limit.
-        """
-        spline = spline_through(np.stack([start, goal]), limits=limits, duration=duration)
-        return cls(goal, spline.pieces)
 
 
 def spline_through(
@@ -172,7 +135,7 @@ def spline_through(
     ----------
     Angeles, 4th ed., section 6.6.
     """
-    places = _points(points)
+    places = joint_points(points)
     _check_options(places, ends, degree, spacing)
     rates = _slopes(slopes, ends, places.shape[1], times is not None)
     if times is not None:
@@ -200,17 +163,6 @@ def spline_through(
     pieces = fitted(shape.pieces, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
     return Spline(places, shape.knots * (pieces.duration / shape.duration), ends, pieces)
-
-
-def _points(points: npt.ArrayLike) -> FloatArray:
-    places = real_array("points", points).copy()
-    if places.ndim != 2 or len(places) < 2 or not places.shape[1]:
-        raise WrongSizeError("points", places.shape, "(m, n) with at least two points")
-    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
-    if len(bad):
-        raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
-    places.setflags(write=False)
-    return places
 
 
 def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.jerk_limited_through import jerk_limited_through
+from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.profiles import point_to_point, profile_named, scaled_limits
 from robomech_ros.trajectory.sample import FloatArray
@@ -118,7 +118,7 @@ def through_points(
     method = profile_named(profile)
     known = Limits.of(limits)
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
-    places = _points(points, len(allowed.joint_names))
+    places = joint_points(points, len(allowed.joint_names))
     if len(places) == 2 and at is None:
         return point_to_point(*places, limits=allowed, profile=profile, duration=duration)
     through = VIA_PROFILES.get(profile.lower())
@@ -164,7 +164,7 @@ def sampled_through_points(
     scales = (velocity_scale, acceleration_scale, jerk_scale)
     check_can_be_sampled(profile)
     allowed = scaled_limits(Limits.of(limits), profile_named(profile), *scales)
-    places = _points(points, len(allowed.joint_names))
+    places = joint_points(points, len(allowed.joint_names))
     seconds = checked_duration(duration)
 
     def planner(tightened: Limits) -> PiecewiseTrajectory:
@@ -173,10 +173,3 @@ def sampled_through_points(
     return sampled_motion(
         planner, places[0], allowed, period=period, max_points=max_points, free=seconds is None
     )
-
-
-def _points(points: npt.ArrayLike, joints: int) -> FloatArray:
-    places = real_array("points", points)
-    if places.ndim != 2 or len(places) < 2 or places.shape[1] != joints:
-        raise WrongSizeError("points", places.shape, f"(m, {joints}) with at least two points")
-    return np.ascontiguousarray(places)

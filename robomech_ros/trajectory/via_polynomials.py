@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, real_array
+from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.knots import knots_at, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
@@ -91,7 +91,7 @@ def via_polynomial(
     """
     resting = _RESTING[as_choice("profile", profile, tuple(_RESTING))]
     allowed = Limits.of(limits)
-    places = _points(points, len(allowed.joint_names))
+    places = joint_points(points, len(allowed.joint_names), MOST_VIAS + 2)
     allowed.require("velocity", "acceleration")
     allowed.check_start(places[0])
     if at is None:
@@ -102,17 +102,6 @@ def via_polynomial(
     pieces = fitted(unit, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
     return ViaPolynomial(places[-1], pieces, knots * pieces.duration)
-
-
-def _points(points: npt.ArrayLike, joints: int) -> FloatArray:
-    places = real_array("points", points)
-    most = MOST_VIAS + 2
-    if places.ndim != 2 or places.shape[1] != joints or not 2 <= len(places) <= most:
-        raise WrongSizeError("points", places.shape, f"(m, {joints}) with m from 2 to {most}")
-    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
-    if len(bad):
-        raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
-    return places
 
 
 def _through(places: FloatArray, knots: FloatArray, resting: int) -> PiecewisePolynomial:

@@ -80,12 +80,16 @@ def discretise(
     Raises
     ------
     BadValueError
-        If the period is no positive number or asks for more than `max_points` samples.
+        If the trajectory has no pieces, or the period is no positive number or asks for more than
+        `max_points` samples.
     """
     period = real_number("sample_period", period, "a number of seconds above 0")
     if not period > 0.0:
         raise BadValueError("sample_period", period, "a number of seconds above 0")
-    breaks = _distinct_breaks(trajectory.pieces, jerk_error)
+    pieces = getattr(trajectory, "pieces", None)
+    if not isinstance(pieces, PiecewisePolynomial):
+        raise BadValueError("trajectory", trajectory, "one with pieces")
+    breaks = _distinct_breaks(pieces, jerk_error)
     lengths = np.diff(breaks)
     counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)
     if counts.sum() + 1 > max_points:
@@ -97,11 +101,11 @@ def discretise(
             f"at least {least:g} s: the trajectory lasts {trajectory.duration:.6g} s and may have "
             f"{max_points} points",
         )
-    pieces = [
+    instants = [
         start + length * np.arange(count) / count
         for start, length, count in zip(breaks[:-1], lengths, counts, strict=True)
     ]
-    times = np.concatenate([*pieces, breaks[-1:]])
+    times = np.concatenate([*instants, breaks[-1:]])
     times = np.round(times * _NANOSECONDS) / _NANOSECONDS
     times[-1] = math.ceil(trajectory.duration * _NANOSECONDS - 1e-3) / _NANOSECONDS
     sample = trajectory.sample(np.append(times[:-1], trajectory.duration))

@@ -1,4 +1,5 @@
-"""Trajectories: time-optimal parameterisation of splines through waypoints, against toppra."""
+"""Trajectories: plans from point to point against Ruckig, splines against scipy, time-optimal
+parameterisation of splines through waypoints against toppra."""
 
 from __future__ import annotations
 
@@ -11,7 +12,15 @@ from scipy.interpolate import CubicSpline
 from table import Row
 from timing import Work, interleave
 
-from robomech_ros.trajectory import Limits, PiecewisePolynomial, TimeOptimal, time_optimal
+from robomech_ros.robots import load_robot
+from robomech_ros.trajectory import (
+    Limits,
+    PiecewisePolynomial,
+    TimeOptimal,
+    point_to_point,
+    spline_through,
+    time_optimal,
+)
 
 JOINTS, WAYPOINTS, PATHS = 7, 20, 5
 FINE_GRID = 1000
@@ -20,9 +29,111 @@ ROUNDS = 21
 TIME_RATIO = 0.1
 EXCESS = 1.0 + 1e-6
 LONGER = 1.001
+ROBOT, PLANS, SAMPLED = "puma560", 20, 1000
+PLAN_TIME, PLAN_RATIO, SPLINE_RATIO = 5.0, 1.3, 0.5
+SHORT_ROUNDS = 301
 
 
 def rows() -> tuple[list[Row], list[str]]:
+    """Measure all; return the rows of the table and remarks on accuracy."""
+    timed, remarks = _time_optimal_rows()
+    return [*_plan_rows(), _spline_row(), *timed], remarks
+
+
+def _plan_rows() -> list[Row]:
+    """Plans between random positions of a robot; Ruckig's own with all that it takes to ask it."""
+    import ruckig
+
+    limits = Limits.of(load_robot(ROBOT))
+    rng = np.random.default_rng(0)
+    ends = [[rng.uniform(limits.lower, limits.upper) for _ in range(2)] for _ in range(PLANS)]
+
+    def bare(start: Array, goal: Array) -> Any:
+        request = ruckig.InputParameter(len(start))
+        request.synchronization = ruckig.Synchronization.Phase
+        request.current_position, request.target_position = start.tolist(), goal.tolist()
+        request.max_velocity = limits.velocity.tolist()
+        request.max_acceleration = limits.acceleration.tolist()
+        request.max_jerk = limits.jerk.tolist()
+        motion = ruckig.Trajectory(len(start))
+        ruckig.Ruckig(len(start)).calculate(request, motion)
+        return motion
+
+    def ours(profile: str) -> Work:
+        return Work(
+            lambda: [point_to_point(*pair, limits=limits, profile=profile) for pair in ends], PLANS
+        )
+
+    def sampled() -> Any:
+        motion = point_to_point(*ends[0], limits=limits, profile="ruckig")
+        return motion.sample(np.linspace(0.0, motion.duration, SAMPLED))
+
+    def sampled_bare() -> Any:
+        motion = bare(*ends[0])
+        instants = np.linspace(0.0, motion.duration, SAMPLED).tolist()
+        return np.array([motion.at_time(instant) for instant in instants])
+
+    plans = interleave(
+        {
+            "poly345": ours("poly345"),
+            "ruckig": ours("ruckig"),
+            "bare": Work(lambda: [bare(*pair) for pair in ends], PLANS),
+        },
+        rounds=SHORT_ROUNDS,
+    )
+    both = interleave({"ours": Work(sampled, 1), "bare": Work(sampled_bare, 1)}, rounds=ROUNDS)
+    first, second = plans["poly345"], plans["ruckig"]
+    return [
+        Row("shortest 3-4-5 plan, 6 joints", first.median, spread=first.spread, limit=PLAN_TIME),
+        Row(
+            "Ruckig plan, 6 joints",
+            second.median,
+            peer=plans["bare"].median,
+            peer_name="ruckig",
+            spread=second.spread,
+            ratio_limit=PLAN_RATIO,
+        ),
+        Row(
+            f"Ruckig plan and {SAMPLED} samples",
+            both["ours"].median,
+            peer=both["bare"].median,
+            peer_name="ruckig",
+            spread=both["ours"].spread,
+            ratio_limit=PLAN_RATIO,
+        ),
+    ]
+
+
+def _spline_row() -> Row:
+    """Make a natural spline through waypoints and sample it with three derivatives."""
+    _, waypoints, _ = problem(0)
+    knots = 0.5 * np.arange(WAYPOINTS)
+    instants = np.linspace(0.0, knots[-1], SAMPLED)
+
+    def peer() -> Any:
+        spline = CubicSpline(knots, waypoints, bc_type="natural")
+        return [spline(instants, order) for order in range(4)]
+
+    timing = interleave(
+        {
+            "ours": Work(
+                lambda: spline_through(waypoints, times=knots, ends="natural").sample(instants), 1
+            ),
+            "scipy": Work(peer, 1),
+        },
+        rounds=SHORT_ROUNDS,
+    )
+    return Row(
+        f"spline, {JOINTS} joints, {WAYPOINTS} waypoints, {SAMPLED} samples",
+        timing["ours"].median,
+        peer=timing["scipy"].median,
+        peer_name="scipy",
+        spread=timing["ours"].spread,
+        ratio_limit=SPLINE_RATIO,
+    )
+
+
+def _time_optimal_rows() -> tuple[list[Row], list[str]]:
     """Measure on some random paths; return the rows of the table and remarks on accuracy."""
     if find_spec("toppra") is None:
         return [_alone()], [

@@ -1,5 +1,9 @@
 """Ruckig's motions: the same as Ruckig's own samples, within limits, errors that name joints."""
 
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 import ruckig
@@ -11,6 +15,7 @@ from robomech_ros.errors import (
     MissingLimitsError,
 )
 from robomech_ros.trajectory import Limits, point_to_point, verify
+from robomech_ros.trajectory.bounds import extremes
 
 JOINTS = ("base", "shoulder", "elbow")
 
@@ -226,3 +231,44 @@ def test_a_motion_that_ruckig_cannot_do_in_si_units():
     )
     assert motion.duration == pytest.approx(200.0)
     assert verify(motion, limits, start=start).ok
+
+
+def test_plans_can_be_copied_and_stored_before_they_are_looked_at():
+    limits = Limits(("a", "b"), velocity=1.0, acceleration=2.0, jerk=9.0)
+    plans = [
+        point_to_point([0.0, 0.1], [1.0, -0.4], limits=limits, profile="ruckig") for _ in range(3)
+    ]
+    stored = pickle.loads(pickle.dumps(plans[0]))
+    copied = copy.deepcopy(plans[1])
+    instants = np.linspace(0.0, plans[2].duration, 50)
+    wanted = plans[2].sample(instants)
+    for plan in (stored, copied):
+        assert plan.duration == plans[2].duration
+        np.testing.assert_array_equal(plan.sample(instants).position, wanted.position)
+
+
+def test_from_rest_no_joint_leaves_the_way_from_start_to_goal():
+    rng = np.random.default_rng(8)
+    for _ in range(60):
+        rates = (10.0 ** rng.uniform(low, low + 2.0, 6) for low in (-1.0, -0.5, 0.5))
+        limits = Limits(tuple("abcdef"), *rates)
+        start = rng.uniform(-3.0, 3.0, 6)
+        goal = start + rng.uniform(-1.0, 1.0, 6) * 10.0 ** rng.uniform(-3.0, 0.5, 6)
+        motion = point_to_point(start, goal, limits=limits, profile="ruckig")
+        low, high = extremes(motion.pieces, 0)
+        np.testing.assert_array_less(np.minimum(start, goal) - low, 1e-12)
+        np.testing.assert_array_less(high - np.maximum(start, goal), 1e-12)
+        ends = motion.sample([0.0, motion.duration])
+        np.testing.assert_array_equal(ends.position, [start, goal])
+
+
+def test_threads_may_plan_within_the_same_limits():
+    limits = Limits(("a", "b"), velocity=1.0, acceleration=2.0, jerk=9.0)
+    goals = np.random.default_rng(1).uniform(-2.0, 2.0, (200, 2))
+
+    def duration(goal):
+        return point_to_point([0.0, 0.0], goal, limits=limits, profile="ruckig").duration
+
+    alone = [duration(goal) for goal in goals]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(duration, goals)) == alone

@@ -24,7 +24,7 @@ from robomech_ros.trajectory import (
     track_path,
     verify,
 )
-from robomech_ros.trajectory.laws import CUBIC_SPLINE
+from robomech_ros.trajectory.laws import CUBIC
 from robomech_ros.trajectory.velocity_profiles import unit_double_s, unit_double_s_samples
 
 PUMA = load_robot("puma560")
@@ -159,12 +159,12 @@ def test_along_path_follows_and_times_at_once():
 
 
 def test_the_law_of_the_cubic_spline():
-    assert CUBIC_SPLINE.peaks == pytest.approx({"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0})
+    assert CUBIC.peaks == pytest.approx({"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0})
     tau = np.linspace(0.0, 1.0, 33)
     np.testing.assert_allclose(
-        CUBIC_SPLINE.progress(tau), 1.0 - CUBIC_SPLINE.progress(1.0 - tau), atol=1e-15
+        CUBIC.progress(tau), 1.0 - CUBIC.progress(1.0 - tau), atol=1e-15
     )
-    rates = CUBIC_SPLINE.rates(tau)
+    rates = CUBIC.rates(tau)
     np.testing.assert_array_equal([rates.velocity[[0, -1]], rates.acceleration[[0, -1]]], 0.0)
 
 

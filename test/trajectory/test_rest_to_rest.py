@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robomech_ros.errors import DurationTooShortError, MissingLimitsError
-from robomech_ros.trajectory import Limits, Sample, point_to_point, verify
+from robomech_ros.trajectory import Limits, Sample, point_to_point, spline_through, verify
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden" / "ppo_profiles.json").read_text()
@@ -17,6 +17,7 @@ GOLDEN = json.loads(
 JOINTS = ("base", "shoulder", "elbow")
 UNLIMITED = Limits(JOINTS, velocity=[1e9] * 3, acceleration=[1e9] * 3)
 LAWS = {"poly345": "345", "poly4567": "4567", "cycloidal": "cycloidal"}
+ALL = (*LAWS, "cubic_spline")
 
 
 def rates(sample):
@@ -92,7 +93,7 @@ def test_the_duration_of_a_plan_rounded_to_nanoseconds_can_be_asked_for_again():
     assert again.duration == shortest
 
 
-@pytest.mark.parametrize("profile", LAWS)
+@pytest.mark.parametrize("profile", ALL)
 def test_ends_are_exact(profile):
     start, goal = np.array([0.1, -2.3, 3.0]), np.array([1 / 3, 2.7, -2.9])
     motion = point_to_point(start, goal, limits=UNLIMITED, profile=profile, duration=1.7)
@@ -105,7 +106,7 @@ def test_ends_are_exact(profile):
             np.testing.assert_array_equal(sample.jerk, 0.0)
 
 
-@pytest.mark.parametrize("profile", LAWS)
+@pytest.mark.parametrize("profile", ALL)
 def test_pieces_are_the_same_curve(profile):
     start, goal = np.array([0.1, -2.3, 3.0]), np.array([1 / 3, 2.7, -2.9])
     motion = point_to_point(start, goal, limits=UNLIMITED, profile=profile, duration=1.7)
@@ -131,7 +132,7 @@ def test_velocity_and_acceleration_limits_are_needed_and_jerk_limits_are_not():
         point_to_point(np.zeros(3), np.ones(3), limits=free, jerk_scale=0.5)
 
 
-@pytest.mark.parametrize("profile", LAWS)
+@pytest.mark.parametrize("profile", ALL)
 @settings(max_examples=60, deadline=None)
 @given(
     rise=st.lists(st.floats(-6.0, 6.0), min_size=3, max_size=3),
@@ -148,3 +149,14 @@ def test_any_motion_is_within_its_limits_and_no_slower_than_needed(
     assert report.ok, report.violation
     peaks = (report.peak_velocity_ratio, report.peak_acceleration_ratio, report.peak_jerk_ratio)
     assert motion.duration == 1e-3 or np.max(peaks) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_law_of_cubic_spline_is_the_spline_through_both_points():
+    allowed = Limits(JOINTS, velocity=1.0, acceleration=2.0, jerk=9.0)
+    start, goal = np.array([0.1, 0.2, 0.3]), np.array([1.1, -0.4, 0.3])
+    motion = point_to_point(start, goal, limits=allowed, profile="cubic_spline")
+    spline = spline_through([start, goal], limits=allowed, ends="rest")
+    assert motion.duration == pytest.approx(spline.duration, rel=1e-13)
+    instants = (np.arange(1000) + 0.5) / 1000 * motion.duration  # the jerk steps at breaks
+    for one, other in zip(motion.sample(instants), spline.sample(instants), strict=True):
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)

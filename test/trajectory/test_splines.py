@@ -13,10 +13,11 @@ from robomech_ros.errors import (
     LimitExceededError,
     MissingLimitsError,
     NonFiniteError,
+    RobomechError,
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.trajectory import Limits, spline_through, verify
+from robomech_ros.trajectory import Limits, point_to_point, spline_like, spline_through, verify
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden" / "cubic_spline.json").read_text()
@@ -197,3 +198,64 @@ def test_bad_requests_are_refused(changes, error, text):
     request = {"points": np.array([[0.0] * 4, [1.0] * 4, [0.5] * 4]), "limits": LIMITS} | changes
     with pytest.raises(error, match=text):
         spline_through(request.pop("points"), **request)
+
+
+# Largest errors of the natural spline through even points of a law.
+NATURAL_ERRORS = {
+    "cycloidal": {5: 3.186e-3, 6: 1.427e-3, 8: 3.190e-4, 11: 7.118e-5},
+    "poly4567": {5: 8.620e-3, 8: 1.315e-3, 11: 3.921e-4},
+    "poly345": {5: 8.354e-3, 8: 9.217e-4, 11: 2.257e-4},
+}
+
+
+def law_of(profile):
+    free = Limits(("a",), velocity=1e9, acceleration=1e9)
+    return point_to_point([0.0], [1.0], limits=free, profile=profile, duration=1.0)
+
+
+@pytest.mark.parametrize("profile", NATURAL_ERRORS)
+def test_golden_errors_of_natural_splines_through_points_of_a_law(profile):
+    law, tau = law_of(profile), np.linspace(0.0, 1.0, 20_001)
+    for count, golden in NATURAL_ERRORS[profile].items():
+        knots = np.linspace(0.0, 1.0, count)
+        spline = spline_through(law.sample(knots).position, times=knots, ends="natural")
+        error = np.abs(spline.sample(tau).position - law.sample(tau).position).max()
+        assert error == pytest.approx(golden, rel=5e-4)
+
+
+@pytest.mark.parametrize("profile", NATURAL_ERRORS)
+def test_a_spline_like_a_law_is_at_rest_at_both_ends_and_nearer_than_through_its_points(profile):
+    free = Limits(("a",), velocity=1e9, acceleration=1e9, lower=-9.0, upper=9.0)
+    law, tau = law_of(profile), (np.arange(4000) + 0.5) / 4000
+    before = np.inf
+    for count in (4, 5, 9, 17):
+        like = spline_like([0.0], [1.0], limits=free, profile=profile, knots=count, duration=1.0)
+        for end in (like.sample(0.0), like.sample(like.duration)):
+            assert max(abs(end.velocity[0]), abs(end.acceleration[0])) < 1e-12
+        knots = np.linspace(0.0, 1.0, count)
+        through = spline_through(law.sample(knots).position, times=knots, ends="rest")
+        error, other = (
+            np.linalg.norm(one.sample(tau).position - law.sample(tau).position)
+            for one in (like, through)
+        )
+        assert error < other
+        if count > 9:
+            assert error < 0.25 * before
+        before = error
+    shortest = spline_like([0.0], [1.0], limits=Limits(("a",), velocity=1.0, acceleration=4.0))
+    assert verify(shortest, Limits(("a",), velocity=1.0, acceleration=4.0)).ok
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"knots": 2}, "knots is 2, expected a whole number from 3 to 1000"),
+        ({"knots": 3.5}, "knots is 3.5"),
+        ({"profile": "ruckig"}, "profile is 'ruckig', expected one of poly345, poly4567, cycloid"),
+        ({"q1": [1.0, 2.0]}, r"goal has shape \(2,\), expected \(1,\)"),
+    ],
+)
+def test_bad_requests_for_a_spline_like_a_law(changes, text):
+    request = {"q0": [0.0], "q1": [1.0], "limits": Limits(("a",), velocity=1.0, acceleration=1.0)}
+    with pytest.raises(RobomechError, match=text):
+        spline_like(**(request | changes))

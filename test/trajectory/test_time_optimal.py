@@ -408,8 +408,22 @@ def test_torques_that_allow_no_motion():
 def test_a_smoothed_straight_line_is_a_double_s(way):
     limits = named([1.0], [2.0], [10.0])
     motion = time_optimal(line(way), limits, jerk_smoothing=True)
-    assert motion.duration == pytest.approx(way + 0.5 + 0.2, rel=1e-5)
+    assert motion.duration == pytest.approx(way + 0.5 + 0.2, rel=1e-12)
     assert verify(motion, limits).ok
+
+
+@pytest.mark.parametrize("jerk", [0.1, 5.0, 1000.0])
+@pytest.mark.parametrize("way", [0.02, 1.0])
+def test_a_smoothed_straight_line_takes_as_long_as_ruckig(way, jerk):
+    limits = named([1.0, 2.0], [2.0, 3.0], [jerk, 2.0 * jerk])
+    motion = time_optimal(line(way, -0.7 * way), limits, jerk_smoothing=True)
+    goal = [way, -0.7 * way]
+    fastest = point_to_point([0.0, 0.0], goal, limits=limits, profile="ruckig")
+    assert motion.duration == pytest.approx(fastest.duration, rel=1e-9)
+    assert verify(motion, limits, start=[0.0, 0.0]).ok
+    np.testing.assert_allclose(motion.sample(motion.duration).position, goal, atol=1e-12)
+    assert motion.coordinates[-1] == pytest.approx(line(way).breaks[-1])
+    assert motion.speeds[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
 @pytest.mark.parametrize("index", [1, 104, 155, 160])

@@ -1,26 +1,24 @@
 """Polylines with blended corners."""
 
 import math
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.trajectory.paths.closed_form import arc_about, line
 from robomech_ros.trajectory.paths.curve import (
-    Curve,
-    JoinedCurve,
     PolynomialCurve,
     as_points,
     as_positive,
-    join_curves,
+    evaluated,
 )
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Blend", "blended_polyline"]
+__all__ = ["Blend", "BlendedPolyline", "blended_polyline"]
 
 Blend = Literal["circular", "parabolic", "quintic"]
 
@@ -29,13 +27,52 @@ Blend = Literal["circular", "parabolic", "quintic"]
 _SPREAD = 0.375
 
 
+@dataclass(frozen=True, eq=False)
+class BlendedPolyline:
+    """Straight legs and blends, one after another; all of them are evaluated together.
+
+    The parameter runs on from each to the next: on straight legs by their length (m), on arcs by
+    the angle (rad), on other blends by the length of their control polygon (m).
+
+    Attributes
+    ----------
+    pieces : PiecewisePolynomial
+        Of the three coordinates (m); on an arc its centre.
+    radii : ndarray, shape (2, s, 3)
+        What an arc adds times the cosine and the sine of its angle (m), 0 on other pieces.
+    """
+
+    pieces: PiecewisePolynomial
+    radii: FloatArray
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Parameters of the ends and of the ends of all legs and blends, shape (s + 1,)."""
+        return self.pieces.breaks
+
+    def derivatives(self, u: npt.ArrayLike) -> FloatArray:
+        """Position (m) and four derivatives, shape (5, 3) or (5, m, 3), as for any `Curve`."""
+        return evaluated(self.breaks, u, self._rows)
+
+    def _rows(self, u: FloatArray) -> FloatArray:
+        rows = PolynomialCurve(self.pieces).derivatives(u)
+        last = len(self.breaks) - 2
+        piece = np.minimum(np.searchsorted(self.breaks, u, side="right") - 1, last)
+        angle = (u - self.breaks[piece])[:, None]
+        cosine, sine = self.radii[:, piece]
+        out = np.cos(angle) * cosine + np.sin(angle) * sine
+        along = np.cos(angle) * sine - np.sin(angle) * cosine
+        rows += np.stack([out, along, -out, -along, out])
+        return rows
+
+
 def blended_polyline(
     points: npt.ArrayLike,
     *,
     radius: float | None = None,
     deviation: float | None = None,
     blend: Blend = "circular",
-) -> JoinedCurve:
+) -> BlendedPolyline:
     """Go straight from point to point and round the corners off.
 
     Parameters
@@ -53,7 +90,7 @@ def blended_polyline(
 
     Returns
     -------
-    JoinedCurve
+    BlendedPolyline
         A blend takes at most half of each leg at its corner; there it is smaller than asked for.
 
     Raises
@@ -72,39 +109,70 @@ def blended_polyline(
     legs = np.diff(places, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
     directions = legs / lengths[:, None]
-    curves: list[Curve] = []
-    begin = places[0]
-    for k in range(1, len(places) - 1):
-        turn = _turn(k, directions[k - 1], directions[k])
-        if turn < COLLINEAR:
-            continue
-        cut = _cut(blend, 0.5 * turn, size, apart)
-        cut = min(cut, 0.5 * lengths[k - 1], 0.5 * lengths[k])
-        if cut <= COINCIDENT * max(lengths[k - 1], lengths[k]):
-            what = f"length (m) of the blend at points[{k}]"
-            raise BadValueError(what, float(cut), "more than a billionth of its legs")
-        enter, leave = places[k] - cut * directions[k - 1], places[k] + cut * directions[k]
-        if np.linalg.norm(enter - begin) > COLLINEAR * lengths[k - 1]:
-            curves.append(line(begin, enter))
-        curves.append(_corner(blend, enter, places[k], leave, turn))
-        begin = leave
-    if np.linalg.norm(places[-1] - begin) > COLLINEAR * lengths[-1]:
-        curves.append(line(begin, places[-1]))
-    return join_curves(curves)
+    turns = _turns(directions)
+    corners = np.flatnonzero(turns >= COLLINEAR) + 1
+    turns = turns[corners - 1]
+    cuts = _cuts(blend, 0.5 * turns, size, apart)
+    cuts = np.minimum(cuts, 0.5 * np.minimum(lengths[corners - 1], lengths[corners]))
+    short = cuts <= COINCIDENT * np.maximum(lengths[corners - 1], lengths[corners])
+    if short.any():
+        k = int(np.argmax(short))
+        what = f"length (m) of the blend at points[{corners[k]}]"
+        raise BadValueError(what, float(cuts[k]), "more than a billionth of its legs")
+    before, after = (cuts[:, None] * directions[corners - k] for k in (1, 0))
+    blends = _Blends(places[corners], before, after, turns)
+    begins = np.concatenate([places[:1], blends.corners + after])
+    ends = np.concatenate([blends.corners - before, places[-1:]])
+    ways = np.linalg.norm(ends - begins, axis=1)
+    kept = ways > COLLINEAR * lengths[np.append(corners - 1, -1)]
+    straight = _straight(begins, ends, ways)
+    bent, radii = _arcs(blends) if blend == "circular" else _polynomials(blend, blends)
+    return _alternating(straight, kept, bent, radii)
 
 
-def _turn(k: int, before: FloatArray, after: FloatArray) -> float:
-    """Angle between two legs (rad); refuse a way back."""
-    turn = math.atan2(float(np.linalg.norm(np.cross(before, after))), float(before @ after))
-    if turn > math.pi - NEARLY_HALF_TURN:
+@dataclass(frozen=True, eq=False)
+class _Blends:
+    """Blends at c corners.
+
+    Attributes
+    ----------
+    corners : ndarray, shape (c, 3)
+        In m.
+    before, after : ndarray, shape (c, 3)
+        The ways from the beginnings of the blends to the corners, and from there to their ends (m).
+    turns : ndarray, shape (c,)
+        Angles between them (rad).
+    """
+
+    corners: FloatArray
+    before: FloatArray
+    after: FloatArray
+    turns: FloatArray
+
+
+# Lengths (k,) of pieces in their parameter, and powers (d + 1, k, 3) of the parameter in them.
+_Pieces = tuple[FloatArray, FloatArray]
+
+
+def _turns(directions: FloatArray) -> FloatArray:
+    """Angles between legs (rad), shape (n - 2,); refuse a way back."""
+    before, after = directions[:-1], directions[1:]
+    sines = np.linalg.norm(np.cross(before, after), axis=1)
+    turns: FloatArray = np.arctan2(sines, np.sum(before * after, axis=1))
+    back = np.flatnonzero(turns > math.pi - NEARLY_HALF_TURN)
+    if len(back):
+        k = int(back[0])
         expected = "less than pi: a way straight back cannot be blended"
-        raise BadValueError(f"angle (rad) between the legs at points[{k}]", turn, expected)
-    return turn
+        what = f"angle (rad) between the legs at points[{k + 1}]"
+        raise BadValueError(what, float(turns[k]), expected)
+    return turns
 
 
-def _cut(blend: Blend, half: float, radius: float | None, deviation: float | None) -> float:
-    """How much of both legs (m) a blend takes at a corner that turns by 2 half (rad)."""
-    sine, cosine = math.sin(half), math.cos(half)
+def _cuts(
+    blend: Blend, half: FloatArray, radius: float | None, deviation: float | None
+) -> FloatArray:
+    """How much of both legs (m) blends take at corners that turn by 2 half (rad), shape (c,)."""
+    sine, cosine = np.sin(half), np.cos(half)
     if blend == "circular":
         reach = sine / cosine if radius is not None else sine / (1.0 - cosine)
     elif blend == "parabolic":
@@ -113,30 +181,58 @@ def _cut(blend: Blend, half: float, radius: float | None, deviation: float | Non
         reach = 38.4 * _SPREAD / (6.0 - 7.0 * _SPREAD) ** 2 * sine / cosine**2
     else:
         reach = 16.0 / (16.0 - 25.0 * _SPREAD) / sine
-    return reach * (radius if radius is not None else deviation or 0.0)
+    cuts: FloatArray = reach * (radius if radius is not None else deviation or 0.0)
+    return cuts
 
 
-def _corner(
-    blend: Blend, enter: FloatArray, corner: FloatArray, leave: FloatArray, turn: float
-) -> Curve:
-    before, after = corner - enter, leave - corner
-    if blend == "circular":
-        axis = np.cross(before, after)
-        inward = np.cross(axis, before)
-        radius = np.linalg.norm(before) / math.tan(0.5 * turn)
-        return arc_about(enter + radius * inward / np.linalg.norm(inward), axis, enter, turn)
-    if blend == "parabolic":
-        return _bezier(np.stack([enter, corner, leave]))
-    parts = np.array([0.0, _SPREAD, 2.0 * _SPREAD])[:, None]
-    return _bezier(np.concatenate([enter + parts * before, leave - parts[::-1] * after]))
+def _straight(begins: FloatArray, ends: FloatArray, ways: FloatArray) -> _Pieces:
+    """Legs between points (k, 3), over their lengths (k,)."""
+    rates = (ends - begins) / np.where(ways > 0.0, ways, 1.0)[:, None]
+    return ways, np.stack([begins, rates])
 
 
-def _bezier(control: FloatArray) -> PolynomialCurve:
-    """Polynomial with control points (d + 1, 3), on a range as long as their polygon."""
+def _arcs(blends: _Blends) -> tuple[_Pieces, FloatArray]:
+    """Centres of arcs, over their angles, and their radii (2, c, 3): to the beginning, along."""
+    axes = np.cross(blends.before, blends.after)
+    inward = np.cross(axes, blends.before)
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+    cuts = np.linalg.norm(blends.before, axis=1)
+    sizes = (cuts / np.tan(0.5 * blends.turns))[:, None]
+    centres = blends.corners - blends.before + sizes * inward
+    along = sizes * blends.before / cuts[:, None]
+    return (blends.turns, centres[None]), np.stack([-sizes * inward, along])
+
+
+def _polynomials(blend: Blend, blends: _Blends) -> tuple[_Pieces, FloatArray]:
+    """Parabolas or quintics over the lengths of their control polygons; no radii (2, c, 3)."""
+    parts = [0.0, 1.0] if blend == "parabolic" else [0.0, _SPREAD, 2.0 * _SPREAD]
+    enter, leave = blends.corners - blends.before, blends.corners + blends.after
+    front = [enter + part * blends.before for part in parts]
+    back = [leave - part * blends.after for part in reversed(parts)]
+    control = np.stack([*front, *(back[1:] if blend == "parabolic" else back)])
     degree = len(control) - 1
-    span = float(np.linalg.norm(np.diff(control, axis=0), axis=1).sum())
-    powers, differences = np.empty((degree + 1, 1, 3)), control
+    spans = np.linalg.norm(np.diff(control, axis=0), axis=2).sum(axis=0)
+    powers, differences = np.empty_like(control), control
     for i in range(degree + 1):
-        powers[i, 0] = math.comb(degree, i) * differences[0] / span**i
+        powers[i] = math.comb(degree, i) * differences[0] / spans[:, None] ** i
         differences = np.diff(differences, axis=0)
-    return PolynomialCurve(PiecewisePolynomial(np.array([0.0, span]), powers))
+    return (spans, powers), np.zeros((2, len(spans), 3))
+
+
+def _alternating(
+    straight: _Pieces, kept: npt.NDArray[np.bool_], bent: _Pieces, radii: FloatArray
+) -> BlendedPolyline:
+    """Put the first leg, the first blend, the second leg and so on; legs that are not kept not."""
+    legs, blends = len(straight[0]), len(bent[0])
+    size = max(len(straight[1]), len(bent[1]))
+    spans = np.empty(legs + blends)
+    coefficients, turning = np.zeros((size, legs + blends, 3)), np.zeros((2, legs + blends, 3))
+    for first, (lengths, powers) in ((0, straight), (1, bent)):
+        spans[first::2] = lengths
+        coefficients[: len(powers), first::2] = powers
+    turning[:, 1::2] = radii
+    there = np.ones(legs + blends, bool)
+    there[::2] = kept
+    breaks = np.concatenate([[0.0], np.cumsum(spans[there])])
+    pieces = PiecewisePolynomial(breaks, np.ascontiguousarray(coefficients[:, there]))
+    return BlendedPolyline(pieces, turning[:, there])

@@ -12,6 +12,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import listed, real_array, real_number
 from robomech_ros.spatial.poses import as_pose
+from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.paths.tolerances import COINCIDENT, PARAMETER_SLACK
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -137,7 +138,7 @@ class PolynomialCurve:
 
     def _rows(self, u: FloatArray) -> FloatArray:
         rate = PiecewisePolynomial(self.pieces.breaks, self.pieces.derivative(1))
-        return np.stack([*self.pieces.sample(u), rate.sample(u).jerk])
+        return np.stack([*sample_many(self.pieces, u), sample_many(rate, u).jerk])
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +172,10 @@ class JoinedCurve:
         last = len(self.curves) - 1
         owner = np.minimum(np.searchsorted(self.starts, u, side="right") - 1, last)
         rows = np.empty((ORDERS, len(u), 3))
-        for k in np.unique(owner):
-            curve, mine = self.curves[k], owner == k
+        order = np.argsort(owner, kind="stable")
+        asked, begins = np.unique(owner[order], return_index=True)
+        for k, mine in zip(asked, np.split(order, begins[1:]), strict=True):
+            curve = self.curves[k]
             local = np.minimum(u[mine] - self.starts[k] + curve.breaks[0], curve.breaks[-1])
             rows[:, mine] = curve.derivatives(local)
         return rows

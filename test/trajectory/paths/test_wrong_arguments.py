@@ -10,7 +10,10 @@ from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.spatial import matrix_from_rotation_vector, pose_from_matrix
 from robomech_ros.trajectory import (
     FunctionCurve,
+    Limits,
     SerialArm,
+    along_joint_path,
+    along_path,
     arc_about,
     arc_length,
     arc_path,
@@ -148,6 +151,15 @@ def calls():
     found |= with_options(spline_path, poses=poses)
     found |= with_options(arc_path, start=poses[0], pairs=[poses[1:3]])
     found |= with_options(track_path, path=path, arm=arm, near=q)
+    limits = Limits(["a", "b"], velocity=1.0, acceleration=2.0, jerk=9.0)
+    given = {"path": path, "ik": arm, "start": q, "limits": limits}
+    for name in ("path", "ik", "start", "condition_limit"):
+        found[f"along_path.{name}"] = lambda value, name=name: along_path(**(given | {name: value}))
+    tracking = track_path(path, arm, q)
+    for name in ("limits", "profile", "duration"):
+        found[f"along_joint_path.{name}"] = lambda value, name=name: along_joint_path(
+            path, tracking, **({"limits": limits} | {name: value})
+        )
     found |= with_options(joint_spline, path=path, arm=arm, joints=joints, poses=5)
     found |= with_options(tracking_error, path=path, arm=arm, joints=joints, s=0.1)
     found |= {"sample": path.sample, "derivatives": joints.derivatives, "along": joints.along}

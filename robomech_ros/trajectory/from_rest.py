@@ -1,0 +1,77 @@
+"""What the motions have in common that go from rest to rest on a straight line in joint space."""
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, TypeVar
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import DurationTooShortError
+from robomech_ros.trajectory.limits import Limits, Rate
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["FromRest"]
+
+_M = TypeVar("_M", bound="FromRest")
+
+
+class FromRest(ABC):
+    """A motion of all joints together, whose shortest duration within limits is known."""
+
+    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
+    STARTS_MOVING: ClassVar[bool] = False
+    ACCELERATION_STEPS: ClassVar[bool] = False
+
+    @classmethod
+    def plan(
+        cls: type[_M],
+        start: FloatArray,
+        goal: FloatArray,
+        limits: Limits,
+        duration: float | None = None,
+        start_velocity: FloatArray | None = None,
+        start_acceleration: FloatArray | None = None,
+    ) -> _M:
+        """Plan the fastest motion within the limits, or the one that takes a wanted time.
+
+        Parameters
+        ----------
+        start, goal : ndarray, shape (n,)
+            Joint values in rad or m.
+        limits : Limits
+            Those of ``REQUIRED`` count; except where accelerations step, jerk limits that are
+            finite do as well.
+        duration : float, optional
+            Wanted duration in s; None for the shortest.
+        start_velocity, start_acceleration : None
+            The motion starts from rest.
+
+        Raises
+        ------
+        DurationTooShortError
+            If the wanted duration would break a limit.
+        """
+        least, shape = cls._fastest(start, goal, limits)
+        lasting = max(least, tolerances.SHORTEST_TRAJECTORY)
+        if duration is not None:
+            slack = tolerances.DURATION_ROUNDING * (1.0 + lasting)
+            if duration < lasting - slack and least > duration:
+                rate, joint = cls._binding(start, goal, limits)
+                raise DurationTooShortError(duration, lasting, limits.joint_names[joint], rate)
+            lasting = max(lasting, duration)
+        return cls._lasting(start, goal, lasting, shape)
+
+    @classmethod
+    @abstractmethod
+    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, Any]:
+        """Give the shortest duration (s), 0 for no way at all, and what `_lasting` needs."""
+
+    @classmethod
+    @abstractmethod
+    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+        """Find which limit of which joint makes the motion last as long as it does."""
+
+    @classmethod
+    @abstractmethod
+    def _lasting(
+        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: Any
+    ) -> _M:
+        """Make the motion of a duration (s) that is possible."""
