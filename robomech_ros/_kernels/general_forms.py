@@ -233,9 +233,7 @@ def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial,
 
 
 @inline
-def _enter_zeros(
-    data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state
-):
+def _enter_zeros(data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state):
     """Enter the postures of all zeros; tell whether each has led to all that belong to it."""
     clean = True
     rows = 0

@@ -33,7 +33,13 @@ from robomech_ros._kernels._jit import (
     part,
 )
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
+from robomech_ros._kernels.branch_bits import (
+    ARM_SHIFT,
+    BOUNDARY,
+    DOUBT,
+    POSTURE_NUMBERED,
+    SELF_MOTION,
+)
 from robomech_ros._kernels.general_equations import demanded
 from robomech_ros._kernels.general_forms import (
     COUNT,
@@ -60,10 +66,7 @@ from robomech_ros._kernels.tolerances import (
     NUDGED_AWAY,
 )
 
-__all__ = ["DOUBT", "MAX_SOLUTIONS", "solve_general", "try_forms"]
-
-# Added to the number of solutions where the list may lack one.
-DOUBT = 1 << 8
+__all__ = ["MAX_SOLUTIONS", "solve_general", "try_forms"]
 
 # Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
 # x^7 = x + 1.

@@ -149,9 +149,11 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
         error = largest_error(e)
-        if settled and error <= NEAREST_ERROR:
+        # Nothing is nearer than the seed itself, even where it is singular.
+        there = iteration == 0 and distance_from(q, seed, metric) == 0.0
+        if (settled or there) and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):
-                return distance_from(q, seed, metric), nearest
+                return distance_from(q, seed, metric), nearest or there
             settled = False
         if not error < 1.0:
             return math.inf, False

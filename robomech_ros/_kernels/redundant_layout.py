@@ -14,11 +14,12 @@ JOINTS = 1  # n
 FIRST = 2  # first joint of the six
 BACKWARDS = 3  # 1.0 where their inverse motion is solved
 SIX = 4  # family of the six
-POLISH = 5  # 1.0 where their constants are idealised, so that solutions need to be polished
+GENERAL = 5  # where their constants as a general arm stand, asked where their own family is in
+# doubt; 0.0 where it never is
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
-PARTS = 8  # from here the packed chain, n + 1 rows of 13; then the packed chain of the six, 7 rows
-# of 13; then, for LOCKED, the constants of the six as their family reads them, for ARM_ANGLE:
+PARTS = 8  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
+# six as their family reads them, for ARM_ANGLE:
 SHOULDER = 0  # constants of the shoulder where decoupled_layout has those of a wrist, ANGLES first
 WRIST = 10  # the same of the wrist
 CENTRE_0 = 20  # centre of the shoulder in the base (m)

@@ -162,9 +162,7 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
     return form
 
 
-def _tried(
-    chain: SerialChain, head: Array, forms: Iterable[Array]
-) -> list[tuple[int, int, Array]]:
+def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tuple[int, int, Array]]:
     """Try forms on some poses; give those that work for many, with how many and what effort."""
     target = np.empty((4, 4))
     alone = head.copy()
