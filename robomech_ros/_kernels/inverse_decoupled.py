@@ -282,6 +282,8 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
             if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < max(_FOLD, slack):
                 starts = 5
                 sure = False
+            if not sure and data[at.BACKED] == 1.0:
+                return count, False
         start += 1
     return count, sure
 
@@ -292,7 +294,7 @@ def solve_decoupled(data, T, seed, q, branch):
 
     Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
     ``seed`` (6,), or the nearest that leads to a solution.  Returns how many, plus DOUBT where the
-    wrist axes only nearly meet and the list may lack one.
+    wrist axes only nearly meet and the list may lack one; of a BACKED arm it then lacks some.
     """
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)
@@ -301,6 +303,7 @@ def solve_decoupled(data, T, seed, q, branch):
     exact = data[at.EXACT] == 1.0
     slack = 0.5 * ACCEPTED if exact else data[at.SLACK]
     bound = NEAR_SINGULAR if exact else max(NEAR_SINGULAR, math.sqrt(slack))
+    backed = data[at.BACKED] == 1.0
     doubt = ZERO
     free_angle = seed[3] + data[at.ANGLES]
     count = ZERO
@@ -309,6 +312,8 @@ def solve_decoupled(data, T, seed, q, branch):
         found = arm_postures(data, c, seed, shift, arms, bits)
         any_free = False
         for i in range(found):
+            if backed and (doubt > 0 or arms[i, DETERMINANT] <= bound):
+                return bit.DOUBT
             any_free = any_free or arms[i, FREE] > 0.0
             before = count
             rounding = ARM_ROUNDING / arms[i, DETERMINANT]
@@ -317,6 +322,7 @@ def solve_decoupled(data, T, seed, q, branch):
             if parallel > PARALLEL_AXES and flags & WRIST_FREE:
                 count = _add_singular(data, T, arms[i], angles, q, count)
                 if count > before:
+                    doubt = doubt if exact else bit.DOUBT
                     angle5 = q[before, 4] + data[at.ANGLES + 1]
                     branch[before] = _name(data, bits[i], flags, angle5)
                     continue

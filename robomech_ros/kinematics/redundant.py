@@ -81,14 +81,16 @@ def _locked(
     chain: SerialChain, first: int, arm: SixJointArm, six: tuple[Array, list[int]]
 ) -> Array:
     """Lay out an arm of which six joints from ``first`` on are solved and the others locked."""
-    parts = [arm.data]
-    if arm.family == DECOUPLED and arm.data[wrist_at.EXACT] == 0.0:
-        whole = general.match(chain_of(*six))
-        parts += [] if whole is None else [whole]
-    data = _laid_out(chain, at.LOCKED, *parts)
+    inexact = arm.family == DECOUPLED and arm.data[wrist_at.EXACT] == 0.0
+    whole = general.match(chain_of(*six)) if inexact else None
+    if whole is None:
+        data = _laid_out(chain, at.LOCKED, arm.data)
+    else:
+        backed = arm.data.copy()
+        backed[wrist_at.BACKED] = 1.0
+        data = _laid_out(chain, at.LOCKED, backed, whole)
+        data[at.GENERAL] = len(data) - len(whole)
     data[at.FIRST], data[at.BACKWARDS], data[at.SIX] = first, arm.backwards, arm.family
-    if len(parts) > 1:
-        data[at.GENERAL] = len(data) - len(parts[1])
     return data
 
 
@@ -141,7 +143,7 @@ def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:
         data[wrist_at.EXACT] = 0.0
         slack = SPHERICAL_SLACK * centre[2] / data[wrist_at.SIZE]
         data[wrist_at.SLACK] = max(float(data[wrist_at.SLACK]), slack)
-        data[wrist_at.PACKED :] = chain_of(links, kinds).packed.ravel()
+        data[wrist_at.PACKED : wrist_at.BACKED] = chain_of(links, kinds).packed.ravel()
         return SixJointArm(DECOUPLED, backwards, data)
     return None
 
