@@ -16,6 +16,7 @@ from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
     AT_LIMIT,
+    NEAREST_DAMPING,
     NEAREST_ERROR,
     NEAREST_ITERATIONS,
     NEAREST_STEP,
@@ -163,6 +164,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                 for k in range(n):
                     value += J[i, k] * J[j, k]
                 A[i, j] = value
+            A[i, i] += NEAREST_DAMPING * error * error
         if not cholesky_solve(A, e, 6):
             return math.inf, False
         if not settled:

@@ -413,6 +413,9 @@ APPROACHED_WITHIN = 0.8
 APPROACHED_AGAIN = 0.03
 # Error of the pose (rad, m) at which it is good.
 NEAREST_ERROR = 1e-12
+# Damping over the squared error, which keeps steps beside a singular posture short and hinders no
+# other.
+NEAREST_DAMPING = 1e-2
 # and steps at most, half of them along the self-motion: those that go well need four to seven.
 NEAREST_ITERATIONS = 20
 
