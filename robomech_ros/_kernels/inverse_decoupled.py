@@ -65,6 +65,7 @@ _TRIES = 24
 _FOLD = 5e-3
 # Typed, since numba compiles a function anew for each literal that it is called with.
 _STEPS = np.int64(30)
+_DOUBT = np.int64(bit.DOUBT)
 
 
 @lean
@@ -313,7 +314,7 @@ def solve_decoupled(data, T, seed, q, branch):
         any_free = False
         for i in range(found):
             if backed and (doubt > 0 or arms[i, DETERMINANT] <= bound):
-                return bit.DOUBT
+                return _DOUBT
             any_free = any_free or arms[i, FREE] > 0.0
             before = count
             rounding = ARM_ROUNDING / arms[i, DETERMINANT]
@@ -322,7 +323,7 @@ def solve_decoupled(data, T, seed, q, branch):
             if parallel > PARALLEL_AXES and flags & WRIST_FREE:
                 count = _add_singular(data, T, arms[i], angles, q, count)
                 if count > before:
-                    doubt = doubt if exact else bit.DOUBT
+                    doubt = ZERO if exact else _DOUBT
                     angle5 = q[before, 4] + data[at.ANGLES + 1]
                     branch[before] = _name(data, bits[i], flags, angle5)
                     continue
@@ -338,7 +339,7 @@ def solve_decoupled(data, T, seed, q, branch):
                     data, T, arms[i], Q, free_angle, beyond, angles, fold, q, count
                 )
                 if not (exact or sure):
-                    doubt = bit.DOUBT
+                    doubt = _DOUBT
             for k in range(before, count):
                 branch[k] = _name(data, bits[i], flags, q[k, 4] + data[at.ANGLES + 1])
         if count > 0 or not any_free:
