@@ -67,8 +67,8 @@ MAX_SOLUTIONS = 16
 MOST_LOOSE = 16
 
 # Entries of ``state``: solutions; those entered as parts of a continuum; loose postures, -1 where
-# none are wanted; 1 where zeros crowded together; samplings of a determinant and settlings, which
-# take about as long and nearly all of the time.
+# none are wanted; 1 where zeros crowded together; samplings of a determinant, left sides made and
+# settlings, which take about as long and nearly all of the time.
 COUNT = 0
 CONTINUA = 1
 LOOSE = 2
@@ -300,7 +300,7 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
     complete_form(data, start, pose, back, form)
     regular = _demand(form, X, E)
     largest, noise = sample(E, shape, A, B, S)
-    state[EFFORT] += 1
+    state[EFFORT] += 1 if form[at.TARGET] == 0.0 or form[at.TARGET] == 5.0 else 2
     if not largest > GENERAL_VOID * noise:
         joint = int(form[at.JOINTS + at.HIDDEN])
         zeros = _free_values(form[at.SENSE] * seed[joint], roots)
