@@ -220,11 +220,13 @@ def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial,
     found, first, end, proven = _cluster_vectors(width, S, vectors, order)
     # With a slide some of the zeros may be at infinity, of which the matrix tells nothing.
     proven = proven and closure[0][at.SLIDE] < 0.0
+    regular = False
     for i in range(found):
         _posture(closure, hidden, vectors[i], trial)
         row = admit(data, T, trial, True, q, marks, state)
         proven = proven and (row >= 0 or not first <= i < end)
-    if found > 1 or width > CLUSTER_WIDTH:
+        regular = regular or (row >= 0 and marks[row] == 0)
+    if found > 1 or regular or width > CLUSTER_WIDTH:
         # Postures that have nearly merged, or share nearly the same hidden angle.
         for end_of_cluster in (low, high):
             _only_posture(closure, matrices, end_of_cluster, vectors, order, trial)
