@@ -188,6 +188,78 @@ def _seek_missing(
 
 
 @lean
+def _solve_pose(
+    family,
+    data,
+    T,
+    start,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    others,
+    other_marks,
+    placed,
+    missing,
+    away,
+    ranked,
+    names,
+    distances,
+    state,
+):
+    """Solve one pose and rank its solutions; return how many bare ones there are."""
+    total = _bare(family, data, T, start, lower, upper, seed, bounded, q, branch)
+    found = total % DOUBT
+    state[UNPROVEN] = total // DOUBT
+    state[MISSING] = 0
+    state[SINGULAR] = _count_continua(branch, found)
+    state[RANKED] = rank_body(
+        turns,
+        lower,
+        upper,
+        seed,
+        metric,
+        bounded,
+        q,
+        branch,
+        found,
+        others,
+        other_marks,
+        away,
+        ranked,
+        names,
+        distances,
+    )
+    if bounded and state[SINGULAR] > 0:
+        state[MISSING] = _excluded(turns, lower, upper, seed, q, branch, found, placed, missing)
+    if state[MISSING] > 0:
+        _seek_missing(
+            family,
+            data,
+            T,
+            start,
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            others,
+            other_marks,
+            placed,
+            missing,
+            ranked,
+            names,
+            distances,
+            state,
+        )
+    return found
+
+
+@lean
 def _number(branch):
     """Give numbers to postures that were solved backwards, whose names belong to other joints."""
     for k in range(branch.shape[0]):
@@ -248,12 +320,11 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     for i in range(STATE):
         state[i] = 0
     for m in range(T.shape[0]):
-        total = _bare(family, data, T[m], start, lower, upper, seed, bounded, q, branch)
-        found = total % DOUBT
-        state[UNPROVEN] = total // DOUBT
-        state[MISSING] = 0
-        state[SINGULAR] = _count_continua(branch, found)
-        state[RANKED] = rank_body(
+        found = _solve_pose(
+            family,
+            data,
+            T[m],
+            start,
             turns,
             lower,
             upper,
@@ -262,36 +333,16 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
             bounded,
             q,
             branch,
-            found,
             others,
             other_marks,
+            placed,
+            missing,
             away,
             ranked[m],
             names,
             distances,
+            state,
         )
-        if bounded and state[SINGULAR] > 0:
-            state[MISSING] = _excluded(turns, lower, upper, seed, q, branch, found, placed, missing)
-        if state[MISSING] > 0:
-            _seek_missing(
-                family,
-                data,
-                T[m],
-                start,
-                turns,
-                lower,
-                upper,
-                seed,
-                metric,
-                others,
-                other_marks,
-                placed,
-                missing,
-                ranked[m],
-                names,
-                distances,
-                state,
-            )
         if family >= BACKWARDS:
             _number(branch[:found])
             _number(names[: state[RANKED]])
