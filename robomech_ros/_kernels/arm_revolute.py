@@ -127,8 +127,9 @@ def across(data, split, e, eta, room, scale):
     """
     if split:
         if room <= DOUBLE_ROOT * scale:
-            out = room < -data[at.SLACK] * scale - ON_AXIS * ON_AXIS
-            return (0 if out else 1), 0.0
+            # Farther along g than the circle is wide, by up to the slack.
+            beyond = data[at.SLACK] * (2.0 * math.sqrt(scale) + data[at.SLACK])
+            return (0 if room < -beyond - ON_AXIS * ON_AXIS else 1), 0.0
         return 2, math.sqrt(room)
     direct = e / eta
     if room <= eta * eta:

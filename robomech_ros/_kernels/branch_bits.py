@@ -23,3 +23,6 @@ POSTURE_NUMBERED = 1 << 15
 BOUNDARY = 1 << 11
 # Axes 4 and 6 of a singular spherical wrist point in opposite directions.
 WRIST_OPPOSED = 1 << 12
+
+# Added to a number of solutions where the list may lack one.
+DOUBT = 1 << 8

@@ -294,6 +294,8 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
         settled = good and candidate[FREE] > 0.0
         if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
             break
+        if data[at.BACKED] == 1.0:
+            break
     return count
 
 

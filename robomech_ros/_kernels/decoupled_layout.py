@@ -45,4 +45,6 @@ NEAREST = 120  # least and greatest angle between axes 4 and 6
 FARTHEST = 121
 UNFLIPPED = 122  # sign of sin(q_5 + angle) of the postures called wrist-noflip
 PACKED = 123  # the packed chain, 7 rows of 13
-LENGTH = PACKED + 7 * 13
+# 1.0 where another solver is asked for every pose in doubt, which is given up at once then.
+BACKED = PACKED + 7 * 13
+LENGTH = BACKED + 1

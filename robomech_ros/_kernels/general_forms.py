@@ -52,6 +52,7 @@ __all__ = [
     "CONTINUA",
     "COUNT",
     "CROWDED",
+    "EFFORT",
     "LOOSE",
     "MAX_SOLUTIONS",
     "MOST_LOOSE",
@@ -66,12 +67,14 @@ MAX_SOLUTIONS = 16
 MOST_LOOSE = 16
 
 # Entries of ``state``: solutions; those entered as parts of a continuum; loose postures, -1 where
-# none are wanted; 1 where zeros crowded together.
+# none are wanted; 1 where zeros crowded together; samplings of a determinant, left sides made and
+# settlings, which take about as long and nearly all of the time.
 COUNT = 0
 CONTINUA = 1
 LOOSE = 2
 CROWDED = 3
-STATE = 4
+EFFORT = 4
+STATE = 5
 
 
 @inline
@@ -96,6 +99,7 @@ def admit(data, T, trial, singular, q, marks, state):
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     if singular:
+        state[EFFORT] += 1
         error = settle(data, T, trial, False)
     else:
         error = call_polish(packed, T, trial, GENERAL_STEPS)
@@ -155,10 +159,46 @@ def _cluster_vectors(width, S, vectors, order):
 
 
 @inline
-def _posture(form, size, X, hidden, vector, left, trial):
-    """Write the joints that belong to a value of the hidden one and a null vector to trial (6,)."""
+def _demand(form, X, E):
+    """Write both sides' equations of a complete form to X (14, 3) and E (6, 27).
+
+    Returns whether the unknowns that are eliminated are independent.
+    """
+    slide = int(form[at.SLIDE])
+    V = np.empty((3, 14))
+    before, behind = form[at.BEFORE : at.BEFORE + 12], form[at.BEHIND : at.BEHIND + 12]
+    right_side(before, behind, slide == at.FIRST, X, V)
+    K = form[at.EQUATIONS :].reshape(at.N_EQUATIONS, at.N_COLUMNS)
+    return free_equations(K, X, slide, E) > GENERAL_MARGIN
+
+
+@inline
+def _matrix(matrices, hidden):
+    """Write the matrix at a value of the hidden joint, and return it.
+
+    ``matrices`` are the equations, working space for their two halves, and the matrix.
+    """
+    E, A, B, S = matrices
+    core(E, math.cos(hidden), math.sin(hidden), A, B, S)
+    return S
+
+
+@inline
+def _posture(closure, hidden, vector, trial):
+    """Write the joints that belong to a value of the hidden one and a null vector to trial (6,).
+
+    ``closure`` is the complete form, the arm's size, the right side and working space.
+    """
+    form, size, X, left = closure
     third, fourth = half_angles(vector, int(form[at.SLIDE]))
     remaining_joints(form, size, X, hidden, third, fourth, left, trial)
+
+
+@inline
+def _only_posture(closure, matrices, hidden, vectors, order, trial):
+    """Write the posture at a value of the hidden joint that has one to trial (6,)."""
+    null_space(_matrix(matrices, hidden), vectors[0], vectors[1], vectors[2], order)
+    _posture(closure, hidden, vectors[0], trial)
 
 
 @inline
@@ -171,6 +211,78 @@ def _free_values(start, roots):
     return GENERAL_FREE_VALUES
 
 
+@inline
+def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial, q, marks, state):
+    """Enter the postures of zeros that crowd together; tell whether these are surely all."""
+    width = high - low
+    hidden = low + 0.5 * width
+    S = _matrix(matrices, hidden)
+    found, first, end, proven = _cluster_vectors(width, S, vectors, order)
+    # With a slide some of the zeros may be at infinity, of which the matrix tells nothing.
+    proven = proven and closure[0][at.SLIDE] < 0.0
+    regular = False
+    for i in range(found):
+        _posture(closure, hidden, vectors[i], trial)
+        row = admit(data, T, trial, True, q, marks, state)
+        proven = proven and (row >= 0 or not first <= i < end)
+        regular = regular or (row >= 0 and marks[row] == 0)
+    if found > 1 or regular or width > CLUSTER_WIDTH:
+        # Postures that have nearly merged, or share nearly the same hidden angle.
+        for end_of_cluster in (low, high):
+            _only_posture(closure, matrices, end_of_cluster, vectors, order, trial)
+            admit(data, T, trial, True, q, marks, state)
+    return proven
+
+
+@inline
+def _enter_zeros(data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state):
+    """Enter the postures of all zeros; tell whether each has led to all that belong to it."""
+    clean = True
+    rows = 0
+    for k in range(zeros):
+        if roots[k, 1] > roots[k, 0]:
+            state[CROWDED] = 1
+            low, high = roots[k, 0], roots[k, 1]
+            proven = _enter_cluster(
+                data, T, closure, matrices, low, high, vectors, order, trial, q, marks, state
+            )
+            clean = clean and proven
+            continue
+        _only_posture(closure, matrices, roots[k, 0], vectors, order, trial)
+        row = admit(data, T, trial, False, q, marks, state)
+        if row < 0:
+            row = admit(data, T, trial, True, q, marks, state)
+        clean = clean and row >= 0 and not rows >> row & 1
+        if row >= 0:
+            rows |= 1 << row
+    return clean
+
+
+@inline
+def _enter_free(data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state):
+    """Enter postures at values of a hidden joint that may be free, until there is a continuum."""
+    for k in range(zeros):
+        S = _matrix(matrices, roots[k, 0])
+        found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
+        for i in range(found):
+            _posture(closure, roots[k, 0], vectors[i], trial)
+            admit(data, T, trial, True, q, marks, state)
+        if state[CONTINUA] > 0:
+            break
+
+
+@inline
+def _collect_loose(closure, matrices, places, zeros, vectors, order, state, loose):
+    """Write postures at which the determinant only comes near zero to ``loose``."""
+    for k in range(zeros):
+        S = _matrix(matrices, places[k])
+        found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
+        for i in range(found):
+            if state[LOOSE] < MOST_LOOSE:
+                _posture(closure, places[k], vectors[i], loose[state[LOOSE]])
+                state[LOOSE] += 1
+
+
 @part(types.UniTuple(b1, 2)(IN1, i8, IN2, OUT1, OUT1, IN1, OUT2, IOUT1, IOUT1, OUT2))
 def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
     """Enter the solutions that the form at ``start`` finds for T (4, 4); is it clean, and void.
@@ -180,85 +292,33 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
     seed's value, and others, until there is a continuum.  Postures at which the
     determinant only comes near zero go to ``loose`` (MOST_LOOSE, 6) where that is wanted.
     """
-    form = np.empty(at.FORM)
-    complete_form(data, start, pose, back, form)
-    slide, size = int(form[at.SLIDE]), data[at.SIZE]
-    X = np.empty((14, 3))
-    V = np.empty((3, 14))
-    before, behind = form[at.BEFORE : at.BEFORE + 12], form[at.BEHIND : at.BEHIND + 12]
-    right_side(before, behind, slide == at.FIRST, X, V)
-    E = np.empty((6, at.N_COLUMNS))
-    K = form[at.EQUATIONS :].reshape(at.N_EQUATIONS, at.N_COLUMNS)
-    clean = free_equations(K, X, slide, E) > GENERAL_MARGIN
-    A = np.empty((6, 9))
-    B = np.empty((6, 9))
-    S = np.empty((6, 6))
-    shape = np.empty((2, 9))
-    largest, noise = sample(E, shape, A, B, S)
+    form, X = np.empty(at.FORM), np.empty((14, 3))
+    E, A, B = np.empty((6, at.N_COLUMNS)), np.empty((6, 9)), np.empty((6, 9))
+    S, shape = np.empty((6, 6)), np.empty((2, 9))
     roots = np.empty((MAX_ROOTS, 2))
-    void = not largest > GENERAL_VOID * noise
-    if void:
-        clean = False
+    vectors, order = np.empty((1 + MOST_VECTORS, 6)), np.empty(6, np.int64)
+    trial = np.empty(6)
+    closure, matrices = (form, data[at.SIZE], X, np.empty(14)), (E, A, B, S)
+    complete_form(data, start, pose, back, form)
+    regular = _demand(form, X, E)
+    largest, noise = sample(E, shape, A, B, S)
+    state[EFFORT] += 1 if form[at.TARGET] == 0.0 or form[at.TARGET] == 5.0 else 2
+    if not largest > GENERAL_VOID * noise:
         joint = int(form[at.JOINTS + at.HIDDEN])
         zeros = _free_values(form[at.SENSE] * seed[joint], roots)
-    else:
-        zeros, whole = isolate(E, shape, noise, GENERAL_SAMPLINGS, A, B, S, roots)
-        clean = clean and whole
-    vectors = np.empty((1 + MOST_VECTORS, 6))
-    order = np.empty(6, np.int64)
-    left = np.empty(14)
-    trial = np.empty(6)
-    rows = 0
-    for k in range(zeros):
-        width = roots[k, 1] - roots[k, 0]
-        hidden = roots[k, 0] + 0.5 * width
-        core(E, math.cos(hidden), math.sin(hidden), A, B, S)
-        if width > 0.0:
-            state[CROWDED] = 1
-            found, first, end, proven = _cluster_vectors(width, S, vectors, order)
-            # With a slide some of the zeros may be at infinity, of which the matrix tells nothing.
-            proven = proven and slide < 0
-            for i in range(found):
-                _posture(form, size, X, hidden, vectors[i], left, trial)
-                row = admit(data, T, trial, True, q, marks, state)
-                proven = proven and (row >= 0 or not first <= i < end)
-            clean = clean and proven
-            for i in range(2 if found > 1 or width > CLUSTER_WIDTH else 0):
-                # Postures that have nearly merged, or share nearly the same hidden angle.
-                hidden = roots[k, i]
-                core(E, math.cos(hidden), math.sin(hidden), A, B, S)
-                null_space(S, vectors[0], vectors[1], vectors[2], order)
-                _posture(form, size, X, hidden, vectors[0], left, trial)
-                admit(data, T, trial, True, q, marks, state)
-            continue
-        if void:
-            found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
-            for i in range(found):
-                _posture(form, size, X, hidden, vectors[i], left, trial)
-                admit(data, T, trial, True, q, marks, state)
-            if state[CONTINUA] > 0:
-                break
-            continue
-        null_space(S, vectors[0], vectors[1], vectors[2], order)
-        _posture(form, size, X, hidden, vectors[0], left, trial)
-        row = admit(data, T, trial, False, q, marks, state)
-        if row < 0:
-            row = admit(data, T, trial, True, q, marks, state)
-        clean = clean and row >= 0 and not rows >> row & 1
-        if row >= 0:
-            rows |= 1 << row
-    if state[LOOSE] >= 0 and not void:
+        _enter_free(
+            data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state
+        )
+        return False, True
+    zeros, whole, samplings = isolate(E, shape, noise, GENERAL_SAMPLINGS, A, B, S, roots)
+    state[EFFORT] += samplings
+    clean = _enter_zeros(
+        data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state
+    )
+    if state[LOOSE] >= 0:
         zeros = near_zeros(shape, roots[:, 0])
-        for k in range(zeros):
-            hidden = roots[k, 0]
-            core(E, math.cos(hidden), math.sin(hidden), A, B, S)
-            found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
-            for i in range(found):
-                if state[LOOSE] < MOST_LOOSE:
-                    place = loose[state[LOOSE]]
-                    _posture(form, size, X, hidden, vectors[i], left, place)
-                    state[LOOSE] += 1
-    return clean, void
+        _collect_loose(closure, matrices, roots[:, 0], zeros, vectors, order, state, loose)
+    return regular and whole and clean, False
 
 
 @part(types.UniTuple(b1, 2)(IN1, i8, IN2, OUT1, IN1, OUT2, IOUT1, IOUT1))

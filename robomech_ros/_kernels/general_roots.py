@@ -235,11 +235,12 @@ def _angle(arc, t):
     return CENTRES[arc] + 2.0 * math.atan(ARC_TANGENT * t)
 
 
-@part(types.Tuple((i8, b1))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
+@part(types.Tuple((i8, b1, i8))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
 def isolate(E, form, noise, most, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
 
     At ``most`` so many times the determinant of E is sampled anew; with 0 it is not looked at.
+    How often it was is returned last.
 
     A row holds both ends of an interval: equal ones for a zero that is alone and simple.  Not all
     are found where the work allowed did not suffice; the intervals left over are listed, too.
@@ -302,7 +303,7 @@ def isolate(E, form, noise, most, A, B, K, roots):
             _halve(stack, spans, top)
             halvings += 1
             top += 1
-    return count, whole and count < MAX_ROOTS
+    return count, whole and count < MAX_ROOTS, samplings
 
 
 @inline

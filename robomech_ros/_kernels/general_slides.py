@@ -171,7 +171,7 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
             roots[k, 1] = roots[k, 0]
         return GENERAL_FREE_VALUES, False, True
     unused = np.empty((0, 0))
-    count, whole = isolate(unused, shape, noise, 0, unused, unused, unused, roots)
+    count, whole, _ = isolate(unused, shape, noise, 0, unused, unused, unused, roots)
     for k in range(count):
         roots[k, 0] += _OFFSET
         roots[k, 1] += _OFFSET

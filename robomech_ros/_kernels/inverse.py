@@ -20,8 +20,8 @@ from robomech_ros._kernels._jit import (
     scratch,
     scratch_integers,
 )
+from robomech_ros._kernels.branch_bits import DOUBT
 from robomech_ros._kernels.continuum import free_value, settle_wrist
-from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.inverse_short import solve_short
 from robomech_ros._kernels.ranking import distance_from, insert, place, rank_body
 from robomech_ros._kernels.six_joints import (
@@ -129,6 +129,137 @@ def _add_missing(
 
 
 @lean
+def _bare(family, data, T, start, lower, upper, seed, bounded, q, branch):
+    """Write the bare solutions of any family; return how many there are, plus DOUBT."""
+    if family == SHORT:
+        total = solve_short(data, T, start, q, branch)
+    else:
+        total = call_six_joints(family % BACKWARDS, family >= BACKWARDS, data, T, start, q, branch)
+    if bounded:
+        _settle(family, lower, upper, seed, q, branch, total % DOUBT)
+    return total
+
+
+@lean
+def _seek_missing(
+    family,
+    data,
+    T,
+    start,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    q,
+    branch,
+    placed,
+    missing,
+    ranked,
+    names,
+    distances,
+    state,
+):
+    """Try other values of the free joints until no branch of a continuum is missing."""
+    for k in range(1, _FREE_VALUES + 1):
+        for i in range(seed.shape[0]):
+            start[i] = free_value(lower[i], upper[i], seed[i], k, _FREE_VALUES)
+        total = _bare(family, data, T, start, lower, upper, seed, _BOUNDED, q, branch)
+        state[BARE] = total % DOUBT
+        _add_missing(
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            q,
+            branch,
+            placed,
+            missing,
+            ranked,
+            names,
+            distances,
+            state,
+        )
+        if state[MISSING] == 0:
+            break
+    for i in range(seed.shape[0]):
+        start[i] = seed[i]
+
+
+@lean
+def _solve_pose(
+    family,
+    data,
+    T,
+    start,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    others,
+    other_marks,
+    placed,
+    missing,
+    away,
+    ranked,
+    names,
+    distances,
+    state,
+):
+    """Solve one pose and rank its solutions; return how many bare ones there are."""
+    total = _bare(family, data, T, start, lower, upper, seed, bounded, q, branch)
+    found = total % DOUBT
+    state[UNPROVEN] = total // DOUBT
+    state[MISSING] = 0
+    state[SINGULAR] = _count_continua(branch, found)
+    state[RANKED] = rank_body(
+        turns,
+        lower,
+        upper,
+        seed,
+        metric,
+        bounded,
+        q,
+        branch,
+        found,
+        others,
+        other_marks,
+        away,
+        ranked,
+        names,
+        distances,
+    )
+    if bounded and state[SINGULAR] > 0:
+        state[MISSING] = _excluded(turns, lower, upper, seed, q, branch, found, placed, missing)
+    if state[MISSING] > 0:
+        _seek_missing(
+            family,
+            data,
+            T,
+            start,
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            others,
+            other_marks,
+            placed,
+            missing,
+            ranked,
+            names,
+            distances,
+            state,
+        )
+    return found
+
+
+@lean
 def _number(branch):
     """Give numbers to postures that were solved backwards, whose names belong to other joints."""
     for k in range(branch.shape[0]):
@@ -189,68 +320,29 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     for i in range(STATE):
         state[i] = 0
     for m in range(T.shape[0]):
-        found = 0
-        for k in range(_FREE_VALUES + 1):
-            p, b = (q, branch) if k == 0 else (others, other_marks)
-            if family == SHORT:
-                total = solve_short(data, T[m], start, p, b)
-            else:
-                total = call_six_joints(
-                    family % BACKWARDS, family >= BACKWARDS, data, T[m], start, p, b
-                )
-            unproven = total & DOUBT
-            total -= unproven
-            if bounded:
-                _settle(family, lower, upper, seed, p, b, total)
-            state[BARE] = total
-            if k == 0:
-                found = total
-                state[UNPROVEN] = unproven // DOUBT
-                state[MISSING] = 0
-                state[SINGULAR] = _count_continua(branch, total)
-                state[RANKED] = rank_body(
-                    turns,
-                    lower,
-                    upper,
-                    seed,
-                    metric,
-                    bounded,
-                    q,
-                    branch,
-                    total,
-                    others,
-                    other_marks,
-                    away,
-                    ranked[m],
-                    names,
-                    distances,
-                )
-                if bounded and state[SINGULAR] > 0:
-                    state[MISSING] = _excluded(
-                        turns, lower, upper, seed, q, branch, total, placed, missing
-                    )
-            else:
-                _add_missing(
-                    turns,
-                    lower,
-                    upper,
-                    seed,
-                    metric,
-                    p,
-                    b,
-                    placed,
-                    missing,
-                    ranked[m],
-                    names,
-                    distances,
-                    state,
-                )
-            if state[MISSING] == 0:
-                break
-            for i in range(n):
-                start[i] = free_value(lower[i], upper[i], seed[i], k + 1, _FREE_VALUES)
-        for i in range(n):
-            start[i] = seed[i]
+        found = _solve_pose(
+            family,
+            data,
+            T[m],
+            start,
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            q,
+            branch,
+            others,
+            other_marks,
+            placed,
+            missing,
+            away,
+            ranked[m],
+            names,
+            distances,
+            state,
+        )
         if family >= BACKWARDS:
             _number(branch[:found])
             _number(names[: state[RANKED]])

@@ -1,6 +1,10 @@
 """All solutions of an arm whose last three revolute axes meet in one point.
 
 The wrist centre gives the first three joints, the rotation left over the last three.
+
+Axes that only nearly meet are solved as if they did, and every solution is taken to the true chain.
+Near a singular posture two of the true solutions may belong to one, or none, of the idealised arm:
+then the list is in doubt.
 """
 
 import math
@@ -61,6 +65,7 @@ _TRIES = 24
 _FOLD = 5e-3
 # Typed, since numba compiles a function anew for each literal that it is called with.
 _STEPS = np.int64(30)
+_DOUBT = np.int64(bit.DOUBT)
 
 
 @lean
@@ -249,8 +254,10 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
 
     Either the wrist axes only nearly meet, so that the true chain has its folds elsewhere, or the
     arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
-    are sought from both its sides.
+    are sought from both its sides.  Returns how many solutions there are, and whether all of the
+    idealised ones lead to one of their own, far from folds.
     """
+    sure = not near_fold
     J = scratch(3, 3)
     e = scratch(3)
     trial = scratch(WIDTH)
@@ -265,16 +272,21 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
         n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
         for k in range(n):
             if count == q.shape[0]:
-                return count
+                return count, False
             if start > 2:
                 angles[k, 1] += side
             _enter(data, trial, angles[k], q[count])
             if _polished(data, T, q[count], q[:count], ACCEPTED if start == 0 else SHARP):
                 count += 1
-            if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < _FOLD:
+            elif start == 0:
+                sure = False
+            if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < max(_FOLD, slack):
                 starts = 5
+                sure = False
+            if not sure and data[at.BACKED] == 1.0:
+                return count, False
         start += 1
-    return count
+    return count, sure
 
 
 @lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
@@ -282,13 +294,18 @@ def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 
     Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
-    ``seed`` (6,), or the nearest that leads to a solution.  Returns how many.
+    ``seed`` (6,), or the nearest that leads to a solution.  Returns how many, plus DOUBT where the
+    wrist axes only nearly meet and the list may lack one; of a BACKED arm it then lacks some.
     """
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)
     bits = scratch_integers(MOST_ARMS)
     angles = scratch(2, 3)
-    slack = 0.5 * ACCEPTED if data[at.EXACT] == 1.0 else data[at.SLACK]
+    exact = data[at.EXACT] == 1.0
+    slack = 0.5 * ACCEPTED if exact else data[at.SLACK]
+    bound = NEAR_SINGULAR if exact else max(NEAR_SINGULAR, math.sqrt(slack))
+    backed = data[at.BACKED] == 1.0
+    doubt = ZERO
     free_angle = seed[3] + data[at.ANGLES]
     count = ZERO
     for attempt in range(_TRIES):
@@ -296,6 +313,8 @@ def solve_decoupled(data, T, seed, q, branch):
         found = arm_postures(data, c, seed, shift, arms, bits)
         any_free = False
         for i in range(found):
+            if backed and (doubt > 0 or arms[i, DETERMINANT] <= bound):
+                return _DOUBT
             any_free = any_free or arms[i, FREE] > 0.0
             before = count
             rounding = ARM_ROUNDING / arms[i, DETERMINANT]
@@ -304,21 +323,25 @@ def solve_decoupled(data, T, seed, q, branch):
             if parallel > PARALLEL_AXES and flags & WRIST_FREE:
                 count = _add_singular(data, T, arms[i], angles, q, count)
                 if count > before:
+                    doubt = ZERO if exact else _DOUBT
                     angle5 = q[before, 4] + data[at.ANGLES + 1]
                     branch[before] = _name(data, bits[i], flags, angle5)
                     continue
                 n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, PARALLEL_AXES, angles)
-            fold = arms[i, DETERMINANT] <= NEAR_SINGULAR
-            if data[at.EXACT] == 1.0 and (n > 0 or not fold):
+            fold = arms[i, DETERMINANT] <= bound
+            if exact and (n > 0 or not fold):
                 for k in range(n):
                     _enter(data, arms[i], angles[k], q[count])
                     count += 1
             else:
-                count = _add_near_fold(
-                    data, T, arms[i], Q, free_angle, IDEALISED_SLACK, angles, fold, q, count
+                beyond = max(slack, IDEALISED_SLACK)
+                count, sure = _add_near_fold(
+                    data, T, arms[i], Q, free_angle, beyond, angles, fold, q, count
                 )
+                if not (exact or sure):
+                    doubt = _DOUBT
             for k in range(before, count):
                 branch[k] = _name(data, bits[i], flags, q[k, 4] + data[at.ANGLES + 1])
         if count > 0 or not any_free:
             break
-    return count
+    return count | doubt

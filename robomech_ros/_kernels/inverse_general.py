@@ -33,11 +33,18 @@ from robomech_ros._kernels._jit import (
     part,
 )
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
+from robomech_ros._kernels.branch_bits import (
+    ARM_SHIFT,
+    BOUNDARY,
+    DOUBT,
+    POSTURE_NUMBERED,
+    SELF_MOTION,
+)
 from robomech_ros._kernels.general_equations import demanded
 from robomech_ros._kernels.general_forms import (
     COUNT,
     CROWDED,
+    EFFORT,
     LOOSE,
     MAX_SOLUTIONS,
     MOST_LOOSE,
@@ -59,10 +66,7 @@ from robomech_ros._kernels.tolerances import (
     NUDGED_AWAY,
 )
 
-__all__ = ["DOUBT", "MAX_SOLUTIONS", "solve_general"]
-
-# Added to the number of solutions where the list may lack one.
-DOUBT = 1 << 8
+__all__ = ["MAX_SOLUTIONS", "solve_general", "try_forms"]
 
 # Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
 # x^7 = x + 1.
@@ -200,15 +204,36 @@ def _search(data, T, seed, q, marks, state):
             break
 
 
+@inline
+def _cleared(state):
+    """Make ``state`` that of a pose to begin with, without loose postures; return it."""
+    for k in range(STATE):
+        state[k] = 0
+    state[LOOSE] = -1
+    return state
+
+
+@kernel(types.Tuple((b1, i8))(IN1, IN2, IN1))
+def try_forms(data, T, seed):
+    """Solve for the pose T (4, 4) without neighbours; is a form clean, and what was the effort.
+
+    The effort is counted as ``general_forms.EFFORT`` is, so that it is the same on every machine.
+    """
+    state = _cleared(np.empty(STATE, np.int64))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    q = np.empty((MAX_SOLUTIONS, 6))
+    clean, _ = _solve_at(data, T, seed, q, marks, state, q)
+    return clean, state[EFFORT]
+
+
 @kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_general(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
 
     Returns how many, plus DOUBT where the list may lack one.
     """
-    state = np.zeros(STATE, np.int64)
+    state = _cleared(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
-    state[LOOSE] = -1
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)

@@ -9,9 +9,11 @@ from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels._jit import (
     IIN1,
     IN1,
+    IN2,
     IN3,
     IOUT1,
     OUT1,
+    OUT2,
     OUT3,
     ZERO,
     b1,
@@ -27,23 +29,21 @@ from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.arm_angle import call_arm_angle, call_arm_angle_postures
 from robomech_ros._kernels.continuum import free_value
 from robomech_ros._kernels.nearest import approach
-from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.ranking import distance_from, insert, place
 from robomech_ros._kernels.serial import forward_body
-from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
     APPROACHED,
     APPROACHED_AGAIN,
     APPROACHED_WITHIN,
     FINER_SAMPLES,
-    SAME_POSTURE,
 )
 
-__all__ = ["NONE_EXISTS", "solve_redundant"]
+__all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
 
 NONE_EXISTS = -1
-_STEPS = np.int64(20)
+# Typed, since numba compiles a function anew for a literal.
+_FORWARDS = np.bool_(False)
 
 
 @lean
@@ -63,21 +63,6 @@ def _between(front, T, back, out):
 
 
 @lean
-def _repeats(packed, q, count):
-    """Tell whether the last posture is there already."""
-    for k in range(count):
-        apart = 0.0
-        for i in range(q.shape[1]):
-            difference = q[k, i] - q[count, i]
-            if packed[i, 0] == 0.0:
-                difference = wrapped(difference)
-            apart = max(apart, abs(difference))
-        if apart < SAME_POSTURE:
-            return True
-    return False
-
-
-@lean
 def _is_near(q, others, count):
     """Tell whether a posture is near one of others from which its self-motion goes no nearer."""
     for k in range(count):
@@ -90,7 +75,7 @@ def _is_near(q, others, count):
 
 
 @lean
-def _locked_postures(data, T, seed, locked, q, branch):
+def _locked_body(data, T, seed, locked, q, branch):
     """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
 
     ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
@@ -98,40 +83,38 @@ def _locked_postures(data, T, seed, locked, q, branch):
     """
     n = int(data[at.JOINTS])
     first = int(data[at.FIRST])
-    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     own = at.PARTS + 13 * (n + 1)
-    six = data[own : own + 91].reshape((7, 13))
+    packed = data[at.PARTS : own].reshape((n + 1, 13))
     front, back, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
     found = scratch(MAX_SOLUTIONS, 6)
     forward_body(packed[: first + 1], locked[:first], front)
     forward_body(packed[first + 6 :], locked[first + 6 :], back)
     _between(front, T, back, target)
+    start = seed[first : first + 6]
+    six = int(data[at.SIX])
     total = call_six_joints(
-        int(data[at.SIX]),
-        data[at.BACKWARDS] != 0.0,
-        data[own + 91 :],
-        target,
-        seed[first : first + 6],
-        found,
-        branch,
+        six, data[at.BACKWARDS] != 0.0, data[own:], target, start, found, branch
     )
-    count = ZERO
-    # Of a continuum no list is complete, so that a doubt about this one changes nothing.
-    for k in range(total % DOUBT):
-        if data[at.POLISH] != 0.0:
-            if not call_polish(six, target, found[k], _STEPS) <= ACCEPTED:
-                continue
+    exact = int(data[at.GENERAL])
+    if total >= DOUBT and exact > 0:
+        total = call_six_joints(GENERAL, _FORWARDS, data[exact:], target, start, found, branch)
+    # Of a continuum no list is complete, so that a doubt that is left changes nothing.
+    count = total % DOUBT
+    for k in range(count):
         for i in range(n):
             if i < first or i >= first + 6:
-                q[count, i] = locked[i]
+                q[k, i] = locked[i]
             else:
                 value = found[k, i - first]
-                q[count, i] = wrapped(value) if packed[i, 0] == 0.0 else value
-        branch[count] = bit.SELF_MOTION | bit.UNNAMED
-        if data[at.POLISH] != 0.0 and _repeats(packed, q, count):
-            continue
-        count += 1
+                q[k, i] = wrapped(value) if packed[i, 0] == 0.0 else value
+        branch[k] = bit.SELF_MOTION | bit.UNNAMED
     return count
+
+
+@kernel(i8(IN1, IN2, IN1, IN1, OUT2, IOUT1))
+def locked_postures(data, T, seed, locked, q, branch):
+    """Do for Python what :func:`_locked_body` does: postures with some joints locked."""
+    return _locked_body(data, T, seed, locked, q, branch)
 
 
 @lean
@@ -175,7 +158,7 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
         away = 2.0 * math.pi * ((k + 1) // 2) / steps
         angle += away if k % 2 == 1 else -away
         return call_arm_angle_postures(data, T, seed, angle, q, branch)
-    return _locked_postures(data, T, seed, locked, q, branch)
+    return _locked_body(data, T, seed, locked, q, branch)
 
 
 @inline

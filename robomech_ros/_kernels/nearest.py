@@ -16,6 +16,7 @@ from robomech_ros._kernels.ranking import LINF, distance_from
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.tolerances import (
     AT_LIMIT,
+    NEAREST_DAMPING,
     NEAREST_ERROR,
     NEAREST_ITERATIONS,
     NEAREST_STEP,
@@ -149,9 +150,11 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
         error = largest_error(e)
-        if settled and error <= NEAREST_ERROR:
+        # Nothing is nearer than the seed itself, even where it is singular.
+        there = iteration == 0 and distance_from(q, seed, metric) == 0.0
+        if (settled or there) and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):
-                return distance_from(q, seed, metric), nearest
+                return distance_from(q, seed, metric), nearest or there
             settled = False
         if not error < 1.0:
             return math.inf, False
@@ -161,6 +164,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
                 for k in range(n):
                     value += J[i, k] * J[j, k]
                 A[i, j] = value
+            A[i, i] += NEAREST_DAMPING * error * error
         if not cholesky_solve(A, e, 6):
             return math.inf, False
         if not settled:

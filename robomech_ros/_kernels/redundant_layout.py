@@ -14,18 +14,21 @@ JOINTS = 1  # n
 FIRST = 2  # first joint of the six
 BACKWARDS = 3  # 1.0 where their inverse motion is solved
 SIX = 4  # family of the six
-POLISH = 5  # 1.0 where their constants are idealised, so that solutions need to be polished
+GENERAL = 5  # where their constants as a general arm stand, asked where their own family is in
+# doubt; 0.0 where it never is
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
-PARTS = 8  # from here the packed chain, n + 1 rows of 13; then the packed chain of the six, 7 rows
-# of 13; then, for LOCKED, the constants of the six as their family reads them, for ARM_ANGLE:
-SHOULDER = 0  # constants of the shoulder where decoupled_layout has those of a wrist, ANGLES first
-WRIST = 10  # the same of the wrist
-CENTRE_0 = 20  # centre of the shoulder in the base (m)
-CENTRE_3 = 23  # and in the frame that moves with joint 3
-CENTRE_4 = 26  # centre of the wrist in the frame that moves with joint 4
-CENTRE_7 = 29  # and in the tip frame
-ELBOW = 32  # point of axis 4 nearest to the shoulder, in the frame that moves with joint 3
-REFERENCE = 35  # direction in the base that arm angles are measured from
-OTHER = 38  # the one that takes its place where the wrist centre is in that direction
+PARTS = 8  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
+# six as their family reads them, for ARM_ANGLE:
+CENTRE_0 = 0  # centre of the shoulder in the base (m)
+CENTRE_3 = 3  # and in the frame that moves with joint 3
+CENTRE_4 = 6  # centre of the wrist in the frame that moves with joint 4
+CENTRE_7 = 9  # and in the tip frame
+ELBOW = 12  # point of axis 4 nearest to the shoulder, in the frame that moves with joint 3
+REFERENCE = 15  # direction in the base that arm angles are measured from
+OTHER = 18  # the one that takes its place where the wrist centre is in that direction
+# Constants of the shoulder where decoupled_layout has those of a wrist, ANGLES first: so far from
+# the beginning that an array of that layout, of which nothing else is read, begins inside this one.
+SHOULDER = 21
+WRIST = 31  # the same of the wrist
 LENGTH = 41

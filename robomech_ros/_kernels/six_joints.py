@@ -12,8 +12,9 @@ from robomech_ros._kernels._jit import (
     linked,
     scratch,
 )
+from robomech_ros._kernels.branch_bits import DOUBT
 from robomech_ros._kernels.inverse_decoupled import solve_decoupled
-from robomech_ros._kernels.inverse_general import DOUBT, call_general
+from robomech_ros._kernels.inverse_general import call_general
 from robomech_ros._kernels.inverse_iterative import solve_iterative
 from robomech_ros._kernels.inverse_parallel import solve_parallel
 

@@ -3,9 +3,10 @@
 A form of elimination (see ``_kernels.general_layout``) needs nothing of the target in its left
 side where the target is one of the two links next to joint FIRST.  Four of the twelve forms are
 so, with joints 3, 4, 2 and 5 hidden; each fails for other arms with special geometry, such as
-parallel or meeting neighbouring axes.  Which of them are good for an arm is found by trying; the
-other eight are tried where too few are.  A slide has to be joint FIRST, THIRD or FOURTH, as it is
-in six of the twelve.
+parallel or meeting neighbouring axes, and all are of very different worth: where the solutions of
+an arm have nearly the same hidden angle, the determinant is near rounding between them and has to
+be sampled again and again.  Which forms are good for an arm is found by trying all of them.  A
+slide has to be joint FIRST, THIRD or FOURTH, as it is in six of the twelve.
 
 With two or three slides there are as many forms as revolute joints to begin the loop at.
 """
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels import general_layout as at
 from robomech_ros._kernels.general_equations import left_side
-from robomech_ros._kernels.inverse_general import DOUBT, MAX_SOLUTIONS, solve_general
+from robomech_ros._kernels.inverse_general import try_forms
 from robomech_ros._kernels.serial import forward_one
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
@@ -29,14 +30,13 @@ __all__ = ["match"]
 Array = NDArray[np.float64]
 Walks = tuple[tuple[int, int], ...]
 
-# Start of the walk round the loop, and its sense; with the target next to joint FIRST, and others.
+# Start of the walk round the loop, and its sense; with the target next to joint FIRST, and others,
+# of which the left side is made for every pose: a fifth of the time.
 _WALKS = ((0, 1), (0, -1), (5, 1), (5, -1))
 _OTHER_WALKS = tuple((start, sense) for start in range(1, 5) for sense in (1, -1))
-# So many good forms among the former are enough.
-_ENOUGH = 2
 # Added to the angles of joints THIRD and FOURTH: irrational parts of a turn.
 _OFFSETS = {at.THIRD: 1.0, at.FOURTH: 0.7}
-_TRIALS = 12
+_TRIALS = 24
 # A form that solves none of so many is given up.
 _HOPELESS = 3
 
@@ -64,15 +64,13 @@ def match(chain: SerialChain) -> Array | None:
     if chain.types.sum() > 1:
         good = _tried(chain, head, _slide_forms(chain, loop))
     else:
-        good = _tried(chain, head, _forms(chain, loop, _WALKS))
-        if len(good) < _ENOUGH:
-            good += _tried(chain, head, _forms(chain, loop, _OTHER_WALKS))
+        good = _tried(chain, head, _forms(chain, loop, _WALKS + _OTHER_WALKS))
     if not good:
         return None
-    good.sort(key=lambda one: -one[0])
+    good.sort(key=lambda one: (-one[0], one[1]))
     good = good[: at.MOST_FORMS]
     head[at.FORMS], head[at.CLEAN] = len(good), good[0][0] / _TRIALS
-    data = np.concatenate((head, *(form for _, form in good)))
+    data = np.concatenate((head, *(form for _, _, form in good)))
     data.setflags(write=False)
     return data
 
@@ -158,9 +156,8 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
     return form
 
 
-def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tuple[int, Array]]:
-    """Try forms on some poses; give those that work for most of them, with how many."""
-    q, branch = np.empty((MAX_SOLUTIONS, 6)), np.empty(MAX_SOLUTIONS, np.int64)
+def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tuple[int, int, Array]]:
+    """Try forms on some poses; give those that work for many, with how many and what effort."""
     target = np.empty((4, 4))
     alone = head.copy()
     alone[at.FORMS] = 1.0
@@ -169,13 +166,14 @@ def _tried(chain: SerialChain, head: Array, forms: Iterable[Array]) -> list[tupl
     good = []
     for form in forms:
         data = np.concatenate((alone, form))
-        count = 0
+        count = effort = 0
         for number, posture in enumerate(postures):
             if count == 0 and number == _HOPELESS:
-                # What is in doubt takes ten times as long as what is not.
                 break
             forward_one(chain.packed, posture, target)
-            count += solve_general(data, target, posture, q, branch) < DOUBT
-        if count >= _TRIALS // 2:
-            good.append((count, form))
+            clean, spent = try_forms(data, target, posture)
+            count += clean
+            effort += spent
+        if count >= _TRIALS // 4:
+            good.append((count, effort, form))
     return good

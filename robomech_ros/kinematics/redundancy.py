@@ -9,11 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import redundant_layout as at
 from robomech_ros._kernels.arm_angle import arm_angle, arm_angle_postures
-from robomech_ros._kernels.polishing import polish
-from robomech_ros._kernels.serial import forward_one
-from robomech_ros._kernels.six_joints import DOUBT, MAX_SOLUTIONS, six_joint_postures
+from robomech_ros._kernels.inverse_redundant import locked_postures
+from robomech_ros._kernels.six_joints import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
     SELF_MOTION_APART,
     SELF_MOTION_LEAST,
     SELF_MOTION_NEAR,
@@ -30,9 +28,6 @@ from robomech_ros.robots.chain import PRISMATIC, SerialChain
 __all__ = ["SelfMotion", "SelfMotionBranch", "margins", "self_motion"]
 
 Array = NDArray[np.float64]
-
-# Steps of a polish at most.
-_STEPS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,44 +94,17 @@ class Tracer:
         self.data = data
         self._seed = chain.midrange()
         self._turns = chain.types != PRISMATIC
-        own = at.PARTS + 13 * 8
-        packed, six = self.data[at.PARTS : own].reshape(8, 13), self.data[own : own + 91]
-        self._parts = packed, six.reshape(7, 13), self.data[own + 91 :]
 
     def at(self, value: float) -> Array:
         """Give all postures (k, 7) at a value of the parameter."""
-        branch = np.empty(MAX_SOLUTIONS, np.int64)
+        q, branch = np.empty((MAX_SOLUTIONS, 7)), np.empty(MAX_SOLUTIONS, np.int64)
         if self.data[at.KIND] == at.ARM_ANGLE:
-            q = np.empty((MAX_SOLUTIONS, 7))
             count = arm_angle_postures(self.data, self.T, self._seed, value, q, branch)
             return q[:count]
-        return self._with_joint_at(value, branch)
-
-    def _with_joint_at(self, value: float, branch: NDArray[np.int64]) -> Array:
-        """Give all postures (k, 7) with the locked joint at a value."""
-        packed, six, rest = self._parts
-        first = int(self.data[at.FIRST])
         locked = self._seed.copy()
-        locked[0 if first else 6] = value
-        front, back = np.empty((4, 4)), np.empty((4, 4))
-        forward_one(packed[: first + 1], locked[:first], front)
-        forward_one(packed[first + 6 :], locked[first + 6 :], back)
-        target = np.linalg.solve(front, self.T) @ np.linalg.inv(back)
-        found = np.empty((MAX_SOLUTIONS, 6))
-        seed = self._seed[first : first + 6].copy()
-        backwards = self.data[at.BACKWARDS] != 0.0
-        family = int(self.data[at.SIX])
-        count = six_joint_postures(family, backwards, rest, target, seed, found, branch) % DOUBT
-        q = np.tile(locked, (count, 1))
-        q[:, first : first + 6] = found[:count]
-        if self.data[at.POLISH] != 0.0:
-            q = q[[polish(six, target, row[first : first + 6], _STEPS) <= ACCEPTED for row in q]]
-            q[:, self._turns] = np.angle(np.exp(1j * q[:, self._turns]))
-        kept: list[Array] = []
-        for row in q:
-            if not kept or np.abs(self.difference(np.array(kept), row)).max(axis=1).min() > 1e-6:
-                kept.append(row)
-        return np.array(kept).reshape(-1, 7)
+        locked[0 if self.data[at.FIRST] else 6] = value
+        count = locked_postures(self.data, self.T, self._seed, locked, q, branch)
+        return q[:count]
 
     def parameter(self, q: Array) -> float:
         """Give the parameter of a posture (7,)."""

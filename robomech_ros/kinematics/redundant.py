@@ -13,14 +13,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels import decoupled_layout as wrist_at
 from robomech_ros._kernels import redundant_layout as at
-from robomech_ros._kernels.six_joints import ITERATIVE
+from robomech_ros._kernels.six_joints import DECOUPLED, ITERATIVE
 from robomech_ros._kernels.tolerances import (
     ANGLE_SAMPLES,
     CONCURRENT_EXACT,
     LOCKED_SAMPLES,
     NEARLY_SPHERICAL,
+    SPHERICAL_SLACK,
 )
+from robomech_ros.kinematics import decoupled, general
 from robomech_ros.kinematics.decoupled import common_point, wrist_constants
 from robomech_ros.kinematics.iterative import iterative_data
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
@@ -60,15 +63,13 @@ def match(chain: SerialChain) -> Array | None:
     C = unpack_chain(chain.packed)
     parts = _arm_angle_parts(chain, C)
     if parts is not None:
-        return _laid_out(chain, at.ARM_ANGLE, np.zeros(91), parts)
+        return _laid_out(chain, at.ARM_ANGLE, parts)
     sixes = [_six(chain, C, first) for first in range(chain.n - 5)]
     for find in (match_six, _idealised):
         for first, (six, types) in enumerate(sixes):
             arm = find(six, types)
             if arm is not None:
-                data = _locked(chain, first, arm, (six, types))
-                data[at.POLISH] = find is _idealised
-                return data
+                return _locked(chain, first, arm, (six, types))
     best = match_general(sixes[:_ELIMINATIONS])
     return None if best is None else _locked(chain, *best, sixes[best[0]])
 
@@ -84,12 +85,15 @@ def _locked(
     chain: SerialChain, first: int, arm: SixJointArm, six: tuple[Array, list[int]]
 ) -> Array:
     """Lay out an arm of which six joints from ``first`` on are solved and the others locked."""
-    rows = np.zeros((7, 13))
-    rows[:6, 0] = six[1]
-    rows[:, 1:10] = six[0][:, :3, :3].reshape(7, 9)
-    rows[:, 10:] = six[0][:, :3, 3]
-    rows[6, 0] = -1.0
-    data = _laid_out(chain, at.LOCKED, rows.ravel(), arm.data)
+    inexact = arm.family == DECOUPLED and arm.data[wrist_at.EXACT] == 0.0
+    whole = general.match(chain_of(*six)) if inexact else None
+    if whole is None:
+        data = _laid_out(chain, at.LOCKED, arm.data)
+    else:
+        backed = arm.data.copy()
+        backed[wrist_at.BACKED] = 1.0
+        data = _laid_out(chain, at.LOCKED, backed, whole)
+        data[at.GENERAL] = len(data) - len(whole)
     data[at.FIRST], data[at.BACKWARDS], data[at.SIX] = first, arm.backwards, arm.family
     return data
 
@@ -112,39 +116,51 @@ def locked_anyway(chain: SerialChain) -> Array | None:
         part = chain_of(*_six(chain, C, first))
         if moves_in_all_directions(part, arm_size(part)):
             rest = iterative_data(part, respect_limits=False)
-            data = _laid_out(chain, at.LOCKED, np.zeros(91), rest)
+            data = _laid_out(chain, at.LOCKED, rest)
             data[at.FIRST], data[at.SIX] = first, ITERATIVE
             return data
     return None
 
 
-def _laid_out(chain: SerialChain, kind: int, six: Array, rest: Array) -> Array:
+def _laid_out(chain: SerialChain, kind: int, *parts: Array) -> Array:
     head = np.zeros(at.PARTS)
     head[at.KIND], head[at.JOINTS] = kind, chain.n
     head[at.SAMPLES] = ANGLE_SAMPLES if kind == at.ARM_ANGLE else LOCKED_SAMPLES
     head[at.SIZE] = max(float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum()), 1e-3)
-    return np.concatenate((head, chain.packed.ravel(), six, rest))
+    return np.concatenate((head, chain.packed.ravel(), *parts))
 
 
 def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:
     """Find the closed form of six joints whose last or first three axes nearly meet."""
     for backwards in (False, True):
-        links = reversed_transforms(C) if backwards else C.copy()
-        if any((types[::-1] if backwards else types)[3:]):
+        links, kinds = (reversed_transforms(C), types[::-1]) if backwards else (C, types)
+        if any(kinds[3:]):
             continue
         centre = common_point(links[4], links[5])
         size = max(float(np.linalg.norm(C[:, :3, 3], axis=1).sum()), 1e-3)
         if centre is None or centre[2] > NEARLY_SPHERICAL * size:
             continue
-        height4, height6, _ = centre
-        # The centre of the true wrist's axes 4 and 5, and the same place on axes 5 and 6.
-        height5 = float((np.linalg.inv(links[4]) @ (0.0, 0.0, height4, 1.0))[2])
-        links[4, :3, 3] = (0.0, 0.0, height4) - links[4, :3, 2] * height5
-        links[5, :3, 3] = (0.0, 0.0, height5) - links[5, :3, 2] * height6
-        arm = match_six(reversed_transforms(links) if backwards else links, types)
-        if arm is not None:
-            return arm
+        found = decoupled.match(chain_of(_with_common_point(links, centre), kinds))
+        if found is None:
+            continue
+        data = found.copy()
+        data[wrist_at.EXACT] = 0.0
+        slack = SPHERICAL_SLACK * centre[2] / data[wrist_at.SIZE]
+        data[wrist_at.SLACK] = max(float(data[wrist_at.SLACK]), slack)
+        data[wrist_at.PACKED : wrist_at.BACKED] = chain_of(links, kinds).packed.ravel()
+        return SixJointArm(DECOUPLED, backwards, data)
     return None
+
+
+def _with_common_point(C: Array, centre: tuple[float, float, float]) -> Array:
+    """Move the last two of three axes through the ``centre`` of :func:`common_point`."""
+    links = C.copy()
+    height4, height6, _ = centre
+    # The centre of the true wrist's axes 4 and 5, and the same place on axes 5 and 6.
+    height5 = float((np.linalg.inv(links[4]) @ (0.0, 0.0, height4, 1.0))[2])
+    links[4, :3, 3] = (0.0, 0.0, height4) - links[4, :3, 2] * height5
+    links[5, :3, 3] = (0.0, 0.0, height5) - links[5, :3, 2] * height6
+    return links
 
 
 def _arm_angle_parts(chain: SerialChain, C: Array) -> Array | None:

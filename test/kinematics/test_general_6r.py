@@ -10,12 +10,14 @@ from general_arms import (
     random_postures,
 )
 
+from robomech_ros._kernels.inverse_general import try_forms
 from robomech_ros.kinematics import (
     Status,
     forward_kinematics,
     inverse_kinematics,
     inverse_kinematics_batch,
 )
+from robomech_ros.kinematics.general import match
 from robomech_ros.robots import chain_from_dh
 
 ARMS = (*ROBOTS, *TABLES)
@@ -197,3 +199,16 @@ def test_an_arm_that_hardly_moves_in_all_directions_claims_nothing():
     for q in rng.uniform(-3.0, 3.0, (20, 6)):
         result = inverse_kinematics(chain, forward_kinematics(chain, q))
         assert not result.complete
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, "random-0"])
+def test_hardly_a_pose_needs_a_second_sampling(name):
+    """What keeps the slowest poses fast: the first form is the one with the least effort."""
+    chain = general_arm(name)
+    data = match(chain)
+    spent = []
+    for q in random_postures(200, 21):
+        clean, effort = try_forms(data, forward_kinematics(chain, q), np.zeros(6))
+        assert clean
+        spent.append(effort)
+    assert np.mean(spent) < 3.0 and np.quantile(spent, 0.98) < 20

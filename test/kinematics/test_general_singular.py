@@ -31,6 +31,21 @@ SLOW = tuple(
 )
 
 
+def moves_on(chain, T, q, step=0.05):
+    """Tell whether a posture with one rank lost can go on by a step while the tip stays."""
+    direction = np.linalg.svd(jacobian(chain, q))[2][-1]
+    x = q + step * direction
+    for _ in range(15):
+        pose = forward_kinematics(chain, x)
+        turn = T[:3, :3] @ pose[:3, :3].T
+        axial = 0.5 * (turn - turn.T)
+        along = step - (x - q) @ direction
+        error = (axial[2, 1], axial[0, 2], axial[1, 0], *(T[:3, 3] - pose[:3, 3]), along)
+        J = np.vstack((jacobian(chain, x), direction))
+        x = x + np.clip(np.linalg.lstsq(J, error, rcond=1e-10)[0], -0.1, 0.1)
+    return np.abs(forward_kinematics(chain, x) - T).max() < 1e-12
+
+
 def each(names, *marks):
     return [pytest.param(name, marks=marks) for name in names]
 
@@ -110,6 +125,24 @@ def test_a_fold_is_one_solution_and_no_continuum(apart):
         assert "at-boundary" in result.branches[nearest]
         distance = apart(chain, result.q[:, None], result.q[None]) + 9.0 * np.eye(len(result))
         assert distance.min() > 1e-5
+
+
+@pytest.mark.parametrize("name", ["crx10ia", *each(("jaco2", "slanted-wrist"), pytest.mark.slow)])
+def test_no_posture_at_a_boundary_can_move_on(apart, name):
+    chain = general_arm(name)
+    postures = np.random.default_rng(7).integers(-3, 5, (POSES, 6)) * (0.5 * HALF)
+    values = np.linalg.svd(jacobian(chain, postures), compute_uv=False)
+    postures = postures[(values[:, 5] < 1e-9) & (values[:, 4] > 1e-3)]
+    boundaries = 0
+    for q in postures:
+        T = forward_kinematics(chain, q)
+        result = inverse_kinematics(chain, T, respect_limits=False)
+        away = apart(chain, result.q, q)
+        nearest = int(away.argmin())
+        if away[nearest] < AT_MULTIPLE and "at-boundary" in result.branches[nearest]:
+            boundaries += 1
+            assert not moves_on(chain, T, q), q
+    assert boundaries > 5
 
 
 def test_a_continuum_is_told():

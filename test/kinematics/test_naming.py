@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.decoupled import transforms
 from robomech_ros.kinematics.naming import distinct
 from robomech_ros.kinematics.six_joints import chain_of
 from robomech_ros.robots import load_robot
+from robomech_ros.robots.chain import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
 
 # How far (m) the origins of a URDF's links are from the feet of the common normals, along the
@@ -31,7 +31,7 @@ def rounded(name, digits, tilt=0.0):
     """
     arm = load_robot(name)
     frames = [np.eye(4)] + [along_and_about(*one) for one in zip(SHIFTS, TURNS, strict=True)]
-    C = transforms(arm)
+    C = unpack_chain(arm.packed)
     C[0] = C[0] @ frames[1]
     for i in range(1, 7):
         following = frames[i + 1] if i < 6 else np.eye(4)

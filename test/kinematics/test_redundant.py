@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from robomech_ros._kernels import decoupled_layout as wrist_at
 from robomech_ros._kernels import redundant_layout as at
+from robomech_ros._kernels.six_joints import DECOUPLED, DOUBT, GENERAL, six_joint_postures
 from robomech_ros.kinematics import (
     Status,
     forward_kinematics,
@@ -49,6 +51,13 @@ def make(name):
         half = np.where([kind == "P" for kind in types], 0.6, 3.0)
         return chain_from_dh(a, b, alpha, types=types, limits=np.column_stack((-half, half)))
     return load_robot(name)
+
+
+def constant_transforms(packed):
+    C = np.tile(np.eye(4), (len(packed), 1, 1))
+    C[:, :3, :3] = packed[:, 1:10].reshape(-1, 3, 3)
+    C[:, :3, 3] = packed[:, 10:]
+    return C
 
 
 def random_postures(chain, count, seed):
@@ -113,19 +122,69 @@ def test_every_pose_in_reach_is_answered_from_any_seed(name, pose_errors):
         assert np.isnan(q[k, count[k] :]).all()
 
 
-def test_postures_at_special_angles(pose_errors):
+SEVEN = ("panda", "iiwa14", "gen3", "xarm7", "skew", "general7r")
+
+
+@pytest.mark.parametrize("name", SEVEN)
+def test_postures_at_right_angles(name, pose_errors):
     """Joints at multiples of 90 degrees: shoulder, elbow and wrist singular, alone and together."""
-    for name in ("panda", "iiwa14", "skew"):
-        chain = make(name)
-        rng = np.random.default_rng(3)
-        for _ in range(200):
-            q = rng.integers(-1, 2, 7) * HALF
-            q = np.clip(q, chain.lower, chain.upper)
-            T = forward_kinematics(chain, q)
-            result = inverse_kinematics(chain, T, seed=q)
-            assert result.status is Status.SUCCESS
-            assert result.seed_distance[0] < 1e-6
+    chain = make(name)
+    for q in np.random.default_rng(3).integers(-1, 3, (200, 7)) * HALF:
+        T = forward_kinematics(chain, q)
+        for seed in (q, None):
+            result = inverse_kinematics(chain, T, seed=seed, respect_limits=False)
+            assert result.status is Status.SUCCESS, q
+            assert result.continuum and not result.complete
             assert pose_errors(chain, T, result.q).max() < 2e-9
+            if seed is not None:
+                assert result.seed_distance[0] < 1e-6, q
+
+
+@pytest.mark.parametrize("name", SEVEN)
+def test_postures_at_right_angles_inside_the_limits(name, pose_errors):
+    chain = make(name)
+    for q in np.random.default_rng(4).integers(-1, 2, (200, 7)) * HALF:
+        q = np.clip(q, chain.lower, chain.upper)
+        T = forward_kinematics(chain, q)
+        result = inverse_kinematics(chain, T, seed=q)
+        assert result.status is Status.SUCCESS, q
+        assert result.seed_distance[0] < 1e-6, q
+        assert pose_errors(chain, T, result.q).max() < 2e-9
+
+
+@pytest.mark.parametrize("name", ["gen3", "general7r"])
+def test_a_square_posture_is_among_those_at_its_parameter(name, apart):
+    """Nothing but the value of the parameter is told, and nothing is lost where postures merge."""
+    chain = make(name)
+    for q in np.random.default_rng(11).integers(-1, 3, (200, 7)) * HALF:
+        tracer = Tracer(chain, forward_kinematics(chain, q))
+        found = tracer.at(tracer.parameter(q))
+        assert len(found) and apart(chain, found, q).min() < 2e-2, q
+
+
+def test_where_the_idealised_wrist_is_not_in_doubt_it_has_what_the_true_one_has():
+    """The closed form of three axes that nearly meet against the general equations of the six."""
+    data = family_of(make("gen3")).data
+    own, whole = at.PARTS + 13 * 8, int(data[at.GENERAL])
+    packed = data[own + wrist_at.PACKED : own + wrist_at.BACKED].reshape(7, 13)
+    six = chain_of(constant_transforms(packed), [0] * 6)
+    q, other, branch = np.empty((16, 6)), np.empty((16, 6)), np.empty(16, np.int64)
+    sure = 0
+    rng = np.random.default_rng(12)
+    for posture in rng.uniform(-np.pi, np.pi, (300, 6)):
+        T = forward_kinematics(six, posture)
+        ideal = data[own:whole].copy()
+        count = six_joint_postures(DECOUPLED, False, ideal, T, np.zeros(6), q, branch)
+        if count >= DOUBT:
+            continue
+        sure += 1
+        true = six_joint_postures(
+            GENERAL, False, data[whole:].copy(), T, np.zeros(6), other, branch
+        )
+        assert true == count
+        gaps = np.abs((q[:count, None] - other[None, :count] + np.pi) % (2 * np.pi) - np.pi)
+        assert gaps.max(axis=2).min(axis=1).max() < 1e-7
+    assert sure > 150
 
 
 @pytest.mark.parametrize(("name", "least"), [("panda", 24), ("iiwa14", 48)])
@@ -159,9 +218,7 @@ def test_the_nearest_is_as_near_as_its_self_motion_goes(name, metric):
 def test_postures_with_the_joint_locked_are_all_there_are(search_everywhere, apart, name):
     """The last joint held: what an independent search finds, no more and no fewer."""
     chain = load_robot(name)
-    C = np.tile(np.eye(4), (8, 1, 1))
-    C[:, :3, :3] = chain.packed[:, 1:10].reshape(8, 3, 3)
-    C[:, :3, 3] = chain.packed[:, 10:]
+    C = constant_transforms(chain.packed)
     for k, posture in enumerate(random_postures(chain, 15, 7)):
         c, s = np.cos(posture[6]), np.sin(posture[6])
         turn = np.eye(4)

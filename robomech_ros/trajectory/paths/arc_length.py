@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError
-from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters, evaluated
-from robomech_ros.trajectory.paths.tolerances import (
+from robomech_ros._kernels.tolerances import (
     ARC_LENGTH,
     ARC_LENGTH_HALVINGS,
     INVERSE_STEPS,
     VANISHING_SPEED,
 )
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters, evaluated
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ArcLength", "ByArcLength", "arc_length", "by_unit_speed", "dot", "measured"]

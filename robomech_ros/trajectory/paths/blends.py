@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.curve import (
     PolynomialCurve,
@@ -14,7 +15,6 @@ from robomech_ros.trajectory.paths.curve import (
     as_positive,
     evaluated,
 )
-from robomech_ros.trajectory.paths.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 

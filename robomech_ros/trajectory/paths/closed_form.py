@@ -5,6 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.paths.curve import (
@@ -14,7 +15,6 @@ from robomech_ros.trajectory.paths.curve import (
     as_positive,
     as_vector,
 )
-from robomech_ros.trajectory.paths.tolerances import COINCIDENT, COLLINEAR
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [

@@ -8,12 +8,11 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH, PARAMETER_SLACK
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import listed, real_array, real_number
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.trajectory.many_samples import sample_many
-from robomech_ros.trajectory.paths.tolerances import COINCIDENT, PARAMETER_SLACK
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import STRAIGHT
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
 from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters
-from robomech_ros.trajectory.paths.tolerances import STRAIGHT
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["FrenetSerret", "frenet_serret"]

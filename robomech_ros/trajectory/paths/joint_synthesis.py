@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import CLOSED
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.spatial.poses import pose_error
@@ -14,7 +15,6 @@ from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
 from robomech_ros.trajectory.paths.splines import as_ends
-from robomech_ros.trajectory.paths.tolerances import CLOSED
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.quintic_spline import Ends
 from robomech_ros.trajectory.sample import FloatArray

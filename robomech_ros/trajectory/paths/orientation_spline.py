@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import COINCIDENT, SPLINE_STEPS
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
@@ -17,7 +18,6 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
     turning_acceleration,
 )
 from robomech_ros.trajectory.paths.splines import as_ends
-from robomech_ros.trajectory.paths.tolerances import COINCIDENT, SPLINE_STEPS
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.quintic_spline import Ends, Side, matched
 from robomech_ros.trajectory.sample import FloatArray

@@ -8,7 +8,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import TRACK_JUMP
+from robomech_ros._kernels.tolerances import (
+    AT_START,
+    LEAST_TOLERANCE,
+    MOST_STEPS,
+    SHORTEST_STEP,
+    TRACK_JUMP,
+)
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.paths.curve import as_positive
@@ -24,12 +30,6 @@ from robomech_ros.trajectory.paths.posture import (
     is_redundant,
     pose_deviation,
     posture,
-)
-from robomech_ros.trajectory.paths.tolerances import (
-    AT_START,
-    LEAST_TOLERANCE,
-    MOST_STEPS,
-    SHORTEST_STEP,
 )
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray

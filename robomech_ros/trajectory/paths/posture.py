@@ -6,11 +6,11 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import CORRECTED, CORRECTIONS, ON_PATH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import axial_vector
 from robomech_ros.trajectory.paths.pose_path import PoseSample
-from robomech_ros.trajectory.paths.tolerances import CORRECTED, CORRECTIONS, ON_PATH
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
