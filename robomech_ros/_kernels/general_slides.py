@@ -48,6 +48,7 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_FREE_VALUES,
     GENERAL_VOID,
+    SLIDES_BRANCH,
     SLIDES_DOUBLE,
     SLIDES_FARTHEST,
     SLIDES_REGULAR,
@@ -70,7 +71,8 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
     """Evaluate g at a value of joint a; return it, what rounding may have done, its last factor."""
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
-    room = c * c + s * s - k * k
+    square = c * c + s * s
+    room = square - k * k
     p, q = root(k, c, s, 1.0)
     turns_of(between, M, p, q, turns)
     round_loop(data, form, loop, turns, way, slides)
@@ -84,7 +86,9 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
         other = triple(way, slides[0], slides[1])
         length = max(length, abs(way[0]) + abs(way[1]) + abs(way[2]))
     apart = (1.0 - M[8]) * (1.0 + M[8])
-    return (first * other).real * apart, length * (abs(first) + abs(other)), apart
+    # Where axis c nearly lines up with the one before or behind it, its angle is less certain.
+    others = length * (abs(first) + abs(other)) / math.sqrt(square)
+    return (first * other).real * apart, others, apart
 
 
 @inline
@@ -183,8 +187,7 @@ def _is_complex(between, hidden, M):
     """Tell whether joint c has no real value for a value of joint a."""
     demanded_turn(between, math.cos(hidden), math.sin(hidden), M)
     k, c, s = middle(between, M)
-    square = c * c + s * s
-    return square - k * k < -SLIDES_REGULAR * square
+    return c * c + s * s - k * k < -SLIDES_REGULAR
 
 
 @inline
@@ -204,13 +207,15 @@ def _nearness(way, slides):
 
 @inline
 def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
-    """Write the better of the two postures with a value of joint a.
+    """Write the better of the two postures with a value of joint a, a simple zero or in a cluster.
 
-    Returns how many there are near the arm, -1 where that is not clear.
+    Returns how many there are near the arm, -1 where that is not clear.  At a simple zero c is
+    real; where its two values meet, the rounding of the zero makes it complex by the root of it.
     """
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
-    if not c * c + s * s >= k * k:
+    square = c * c + s * s
+    if not square - k * k > -SLIDES_BRANCH:
         return -1
     sign, least = 1.0, math.inf
     for number in range(3):
@@ -224,7 +229,11 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
     if not least < math.inf:
         return -1
     _enter(data, form, cosine, sine, turns, way, slides, trial)
-    return _nearness(way, slides)
+    near = _nearness(way, slides)
+    if near == 0 and not min(square, (1.0 - M[8]) * (1.0 + M[8])) > SLIDES_REGULAR:
+        # Axes line up; the directions of the slides are not known.
+        return -1
+    return near
 
 
 @inline
@@ -277,7 +286,8 @@ def slide_postures(data, form, back, seed, trials):
     count = 0
     for k in range(zeros):
         low, high = roots[k, 0], roots[k, 1]
-        if high - low < SLIDES_WIDTH:
+        if 0.0 < high - low < SLIDES_WIDTH:
+            # Where c is not real, g is a square but for a positive factor: no zero is simple.
             if _is_complex(between, low, M) and _is_complex(between, high, M):
                 continue
         clean = clean and low == high and count < MAX_TRIALS

@@ -258,6 +258,9 @@ GENERAL_SAMPLINGS = 16
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to
 # be asked.
 SLIDES_REGULAR = 1e-8
+# Where the discriminant of joint c (absolute) is not below this negative value, the rounding of a
+# simple zero may have made it negative.
+SLIDES_BRANCH = 1e-6
 # Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
 # leaves them where they are.
 SLIDES_DOUBLE = 1e-11
