@@ -35,6 +35,7 @@ from robomech_ros._kernels._jit import (
 from robomech_ros._kernels.angles import wrapped
 from robomech_ros._kernels.branch_bits import ARM_SHIFT, BOUNDARY, POSTURE_NUMBERED, SELF_MOTION
 from robomech_ros._kernels.general_equations import demanded
+from robomech_ros._kernels.general_folds import all_simple
 from robomech_ros._kernels.general_forms import (
     COUNT,
     CROWDED,
@@ -209,9 +210,16 @@ def solve_general(data, T, seed, q, branch):
     state = np.zeros(STATE, np.int64)
     marks = np.empty(MAX_SOLUTIONS, np.int64)
     state[LOOSE] = -1
+    slides = data[at.SLIDES] > 0.0
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
+    if slides and clean:
+        # A zero that is simple has a posture that is.
+        clean = all_simple(data, q, state[COUNT], GENERAL_SINGULAR)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
+        if slides and clean:
+            # Slides may have moved far along a continuum, where it is not told as one.
+            clean = all_simple(data, q, state[COUNT], GENERAL_REGULAR)
         if state[COUNT] == 0:
             clean = False
             _search(data, T, seed, q, marks, state)
