@@ -8,23 +8,22 @@ as it is where three solutions or more have become one.
 
 import numpy as np
 
-from robomech_ros._kernels import general_layout as at
-from robomech_ros._kernels._jit import IN1, IN2, b1, f8, i8, inline, part
+from robomech_ros._kernels._jit import IIN1, IN2, b1, f8, i8, inline, part
 from robomech_ros._kernels.general_determinant import null_space
 from robomech_ros._kernels.serial import jacobian_body
-from robomech_ros._kernels.tolerances import FOLD_SHARP, FOLD_STEP, GENERAL_CORANK
+from robomech_ros._kernels.tolerances import FOLD_STEP, GENERAL_CORANK
 
 __all__ = ["all_simple"]
 
 
 @inline
-def _jacobian(data, packed, q, J, pose):
+def _jacobian(packed, size, q, J, pose):
     """Write the Jacobian with lengths over the size, those that slides move too."""
     jacobian_body(packed, q, J, pose)
     for j in range(6):
         for i in range(3, 6):
             if packed[j, 0] == 0.0:
-                J[i, j] /= data[at.SIZE]
+                J[i, j] /= size
 
 
 @inline
@@ -38,34 +37,37 @@ def _normalised(x):
 
 
 @inline
-def _slope(data, packed, q, u, v, J, pose):
+def _slope(packed, size, q, u, v, J, pose):
     """Give the slope of u . J v along v by central difference."""
     trial = np.empty(6)
     slope = 0.0
     for sign in (-1.0, 1.0):
         for j in range(6):
-            unit = 1.0 if packed[j, 0] == 0.0 else data[at.SIZE]
+            unit = 1.0 if packed[j, 0] == 0.0 else size
             trial[j] = q[j] + sign * FOLD_STEP * v[j] * unit
-        _jacobian(data, packed, trial, J, pose)
+        _jacobian(packed, size, trial, J, pose)
         for i in range(6):
             for j in range(6):
                 slope += sign * u[i] * J[i, j] * v[j]
     return 0.5 * slope / FOLD_STEP
 
 
-@part(b1(IN1, IN2, i8, f8))
-def all_simple(data, q, count, least):
-    """Tell whether each of the first solutions q (16, 6) is regular, or a fold.
+@part(b1(IN2, f8, IN2, IIN1, i8, i8, f8, f8))
+def all_simple(packed, size, q, marks, asked, count, least, sharp):
+    """Tell whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
 
-    Regular are those whose Jacobian's last pivot is above ``least`` (of the first).
+    Regular are those whose Jacobian's last pivot is above ``least`` (of the first), with lengths
+    over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit of
+    ``asked`` in ``marks`` (16,) are looked at; all where that is 0.
     """
-    packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     J, K = np.empty((6, 6)), np.empty((6, 6))
     pose = np.empty((4, 4))
     order = np.empty(6, np.int64)
     u, v, w, x = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
     for k in range(count):
-        _jacobian(data, packed, q[k], J, pose)
+        if asked != 0 and marks[k] & asked == 0:
+            continue
+        _jacobian(packed, size, q[k], J, pose)
         for i in range(6):
             for j in range(6):
                 K[j, i] = J[i, j]
@@ -77,6 +79,6 @@ def all_simple(data, q, count, least):
         null_space(K, u, w, x, order)
         _normalised(u)
         _normalised(v)
-        if not abs(_slope(data, packed, q[k], u, v, J, pose)) > FOLD_SHARP:
+        if not abs(_slope(packed, size, q[k], u, v, J, pose)) > sharp:
             return False
     return True

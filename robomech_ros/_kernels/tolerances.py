@@ -300,9 +300,11 @@ GENERAL_REGULAR = 2e-2
 GENERAL_CORANK = 1e-4
 # Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
 # away, in the direction that it lacks, by this (per half a square of the step) where two solutions
-# have become one and no more; and the step (rad) over which that is seen.
+# have become one and no more: above what rounding leaves of zero, and where solutions have settled,
+# for no third one to be near; and the step (rad) over which that is seen.
+FOLD_LEAST = 1e-7
 FOLD_SHARP = 1e-2
-FOLD_STEP = 1e-3
+FOLD_STEP = 1e-4
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
 # Singular postures nearer to each other than this (rad) are one: the square root of the pose's
