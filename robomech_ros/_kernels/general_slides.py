@@ -48,6 +48,8 @@ from robomech_ros._kernels.tolerances import (
     DETERMINANT_NOISE,
     GENERAL_FREE_VALUES,
     GENERAL_VOID,
+    SLIDES_BRANCH,
+    SLIDES_DAMPING,
     SLIDES_DOUBLE,
     SLIDES_FARTHEST,
     SLIDES_REGULAR,
@@ -70,7 +72,8 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
     """Evaluate g at a value of joint a; return it, what rounding may have done, its last factor."""
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
-    room = c * c + s * s - k * k
+    square = c * c + s * s
+    room = square - k * k
     p, q = root(k, c, s, 1.0)
     turns_of(between, M, p, q, turns)
     round_loop(data, form, loop, turns, way, slides)
@@ -84,36 +87,49 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
         other = triple(way, slides[0], slides[1])
         length = max(length, abs(way[0]) + abs(way[1]) + abs(way[2]))
     apart = (1.0 - M[8]) * (1.0 + M[8])
-    return (first * other).real * apart, length * (abs(first) + abs(other)), apart
+    # Where axis c nearly lines up with the one before or behind it, its angle is less certain.
+    others = length * (abs(first) + abs(other)) / math.sqrt(square)
+    return (first * other).real * apart, others, apart
+
+
+@inline
+def _shortest(slides, way, used, values):
+    """Write how far to move the slides (3,) to close the loop, as little as does it.
+
+    Least squares with a little damping: slides that can move against each other share the way.
+    """
+    N = np.zeros((3, 4))
+    for i in range(3):
+        N[i, i] = SLIDES_DAMPING
+    for i in range(used):
+        for m in range(3):
+            for j in range(used):
+                N[i, j] += slides[i, m].real * slides[j, m].real
+            N[i, 3] -= slides[i, m].real * way[m].real
+    for k in range(3):
+        for i in range(k + 1, 3):
+            factor = N[i, k] / N[k, k]
+            for j in range(k + 1, 4):
+                N[i, j] -= factor * N[k, j]
+    for i in range(2, -1, -1):
+        value = N[i, 3]
+        for j in range(i + 1, 3):
+            value -= N[i, j] * values[j]
+        values[i] = value / N[i, i]
 
 
 @inline
 def _enter(data, form, cosine, sine, turns, way, slides, trial):
     """Write the joint values of a posture to trial (6,), real parts of what there is."""
     two = data[at.SLIDES] == 2.0
-    u, v, x, w = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    for i in range(3):
-        u[i], v[i], x[i] = slides[0, i].real, slides[1, i].real, slides[2, i].real
-        w[i] = way[i].real
-    if two:
-        # Across both slides nothing is to be done.
-        x[0], x[1], x[2] = (
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        )
-    inverse = -data[at.SIZE] / triple(u, v, x)
-    values = (
-        triple(w, v, x) * inverse,
-        triple(u, w, x) * inverse,
-        triple(u, v, w) * inverse,
-    )
+    values = np.empty(3)
+    _shortest(slides, way, 2 if two else 3, values)
     slide = 0
     r = -1 if two else 0
     for k in range(6):
         joint = int(data[form + at.JOINTS + k])
         if data[form + at.KINDS + k] != 0.0:
-            trial[joint] = values[slide]
+            trial[joint] = values[slide] * data[at.SIZE]
             slide += 1
         else:
             if r < 0:
@@ -183,8 +199,7 @@ def _is_complex(between, hidden, M):
     """Tell whether joint c has no real value for a value of joint a."""
     demanded_turn(between, math.cos(hidden), math.sin(hidden), M)
     k, c, s = middle(between, M)
-    square = c * c + s * s
-    return square - k * k < -SLIDES_REGULAR * square
+    return c * c + s * s - k * k < -SLIDES_REGULAR
 
 
 @inline
@@ -204,14 +219,16 @@ def _nearness(way, slides):
 
 @inline
 def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
-    """Write the better of the two postures with a value of joint a.
+    """Write the better of the two postures with a value of joint a, a simple zero or in a cluster.
 
-    Returns how many there are near the arm, -1 where that is not clear.
+    Returns how many there are near the arm, and whether that is clear.  At a simple zero c is real;
+    where its two values meet, the rounding of the zero makes it complex by the root of it.
     """
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
-    if not c * c + s * s >= k * k:
-        return -1
+    square = c * c + s * s
+    if not square - k * k > -SLIDES_BRANCH:
+        return 0, False
     sign, least = 1.0, math.inf
     for number in range(3):
         # The better one is the last that is looked at.
@@ -222,9 +239,13 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
         if off < least and number < 2:
             least, sign = off, 1.0 - 2.0 * number
     if not least < math.inf:
-        return -1
+        return 0, False
+    near = _nearness(way, slides)
+    if near == 0:
+        # Unless axes line up, the directions of the slides are known.
+        return 0, min(square, (1.0 - M[8]) * (1.0 + M[8])) > SLIDES_REGULAR
     _enter(data, form, cosine, sine, turns, way, slides, trial)
-    return _nearness(way, slides)
+    return 1, near > 0
 
 
 @inline
@@ -245,9 +266,8 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
         p, q = root(k, c, s, sign)
         turns_of(between, M, p, q, turns)
         round_loop(data, form, loop, turns, way, slides)
-        if not abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR:
-            # In one plane they may move while the tip stays.
-            return number, False
+        # In one plane they may move while the tip stays.
+        simple = simple and abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR
         _enter(data, form, 1.0, 0.0, turns, way, slides, trials[number])
     return 2, simple
 
@@ -277,7 +297,8 @@ def slide_postures(data, form, back, seed, trials):
     count = 0
     for k in range(zeros):
         low, high = roots[k, 0], roots[k, 1]
-        if high - low < SLIDES_WIDTH:
+        if 0.0 < high - low < SLIDES_WIDTH:
+            # Where c is not real, g is a square but for a positive factor: no zero is simple.
             if _is_complex(between, low, M) and _is_complex(between, high, M):
                 continue
         clean = clean and low == high and count < MAX_TRIALS
@@ -285,7 +306,7 @@ def slide_postures(data, form, back, seed, trials):
             break
         hidden = 0.5 * (low + high)
         c, s = math.cos(hidden), math.sin(hidden)
-        near = _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count])
-        clean = clean and near >= 0
-        count += max(near, 0)
+        near, clear = _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count])
+        clean = clean and clear
+        count += near
     return count, clean, void

@@ -41,6 +41,7 @@ from robomech_ros._kernels.branch_bits import (
     SELF_MOTION,
 )
 from robomech_ros._kernels.general_equations import demanded
+from robomech_ros._kernels.general_folds import all_simple
 from robomech_ros._kernels.general_forms import (
     COUNT,
     CROWDED,
@@ -58,6 +59,8 @@ from robomech_ros._kernels.general_settling import distance, is_in_continuum, re
 from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
+    FOLD_LEAST,
+    FOLD_SHARP,
     GENERAL_REGULAR,
     GENERAL_SINGULAR,
     GENERAL_STARTS,
@@ -234,9 +237,18 @@ def solve_general(data, T, seed, q, branch):
     """
     state = _cleared(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
+    packed = data[at.PACKED : at.HEAD].reshape(7, 13)
+    size = data[at.SIZE]
+    slides = data[at.SLIDES] > 0.0
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
+    if slides and clean:
+        # A zero that is simple has a posture that is.
+        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_SINGULAR, FOLD_LEAST)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
+        if slides and clean:
+            # Slides may have moved far along a continuum, where it is not told as one.
+            clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP)
         if state[COUNT] == 0:
             clean = False
             _search(data, T, seed, q, marks, state)

@@ -3,7 +3,9 @@
 from robomech_ros._kernels import parallel_layout as at
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, lean, lean_part, scratch
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.branch_bits import SHOULDER_SINGULAR
+from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_SINGULAR
+from robomech_ros._kernels.general_folds import all_simple
+from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
 from robomech_ros._kernels.parallel_continuum import free_pairs
 from robomech_ros._kernels.parallel_pairs import (
@@ -15,7 +17,13 @@ from robomech_ros._kernels.parallel_pairs import (
 )
 from robomech_ros._kernels.parallel_slides import sliding_pairs
 from robomech_ros._kernels.polishing import call_polish
-from robomech_ros._kernels.tolerances import ACCEPTED, POLISH_ABOVE, SAME_POSTURE
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    FOLD_LEAST,
+    GENERAL_REGULAR,
+    POLISH_ABOVE,
+    SAME_POSTURE,
+)
 
 
 @lean
@@ -119,9 +127,26 @@ def _without_repetitions(data, q, branch, count):
     return kept
 
 
+@lean
+def _are_simple(data, q, branch, count):
+    """Tell whether at every boundary two solutions become one and no more."""
+    boundary = 0
+    for k in range(count):
+        boundary |= branch[k] & BOUNDARY
+    if boundary == 0:
+        return True
+    packed = data[at.PACKED : at.LENGTH].reshape(7, 13)
+    size = data[at.SIZE]
+    return all_simple(packed, size, q, branch, BOUNDARY, count, GENERAL_REGULAR, FOLD_LEAST)
+
+
 @lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_parallel(data, T, seed, q, branch):
-    """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,); return how many."""
+    """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
+
+    Returns how many, plus DOUBT where the list may lack one: where more than two solutions are or
+    nearly are one at a boundary, as all along a continuum.
+    """
     G = _demanded(data, T)
     pairs = scratch(MAX_PAIRS, PAIR_WIDTH)
     errors = scratch(MAX_SOLUTIONS)
@@ -140,4 +165,4 @@ def solve_parallel(data, T, seed, q, branch):
     count, doubtful = _refined(data, T, q, branch, errors, count)
     if doubtful:
         count = _without_repetitions(data, q, branch, count)
-    return count
+    return count if _are_simple(data, q, branch, count) else count | DOUBT

@@ -328,11 +328,16 @@ GENERAL_SAMPLINGS = 16
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to
 # be asked.
 SLIDES_REGULAR = 1e-8
+# Where the discriminant of joint c (absolute) is not below this negative value, the rounding of a
+# simple zero may have made it negative.
+SLIDES_BRANCH = 1e-6
 # Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
 # leaves them where they are.
 SLIDES_DOUBLE = 1e-11
 # Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
 SLIDES_WIDTH = 1e-4
+# Damping (of squares of sines) of slides that can move against each other: above the rounding.
+SLIDES_DAMPING = 1e-13
 # Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
 SLIDES_FARTHEST = 1e6
 
@@ -363,6 +368,13 @@ GENERAL_SINGULAR = 1e-6
 GENERAL_REGULAR = 2e-2
 # The same ratio of the last pivot but one below which it has lost two ranks.
 GENERAL_CORANK = 1e-4
+# Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
+# away, in the direction that it lacks, by this (per half a square of the step) where two solutions
+# have become one and no more: above what rounding leaves of zero, and where solutions have settled,
+# for no third one to be near; and the step (rad) over which that is seen.
+FOLD_LEAST = 1e-7
+FOLD_SHARP = 1e-2
+FOLD_STEP = 1e-4
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
 # Singular postures nearer to each other than this (rad) are one: the square root of the pose's
