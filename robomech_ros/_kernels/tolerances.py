@@ -296,6 +296,9 @@ GENERAL_ERROR = 1e-11
 # and above which as far from singular.
 GENERAL_SINGULAR = 1e-6
 GENERAL_REGULAR = 2e-2
+# The same ratio of the last pivot below which rounding moves a posture by SAME_POSTURE or more;
+# with slides hundreds of sizes out it is some 1e-8.
+GENERAL_LOST = 1e-10
 # The same ratio of the last pivot but one below which it has lost two ranks.
 GENERAL_CORANK = 1e-4
 # Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
