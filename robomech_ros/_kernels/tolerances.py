@@ -308,6 +308,8 @@ GENERAL_CORANK = 1e-4
 FOLD_LEAST = 1e-7
 FOLD_SHARP = 1e-2
 FOLD_STEP = 1e-4
+# There the last pivot but one must be this much of what the last one must be elsewhere.
+FOLD_RANK = 0.1
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
 # Singular postures nearer to each other than this (rad) are one: the square root of the pose's
