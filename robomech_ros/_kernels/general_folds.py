@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros._kernels._jit import IIN1, IN2, b1, f8, i8, inline, part
 from robomech_ros._kernels.general_determinant import null_space
 from robomech_ros._kernels.serial import jacobian_body
-from robomech_ros._kernels.tolerances import FOLD_STEP, GENERAL_CORANK
+from robomech_ros._kernels.tolerances import FOLD_RANK, FOLD_STEP, GENERAL_CORANK
 
 __all__ = ["all_simple"]
 
@@ -74,7 +74,7 @@ def all_simple(packed, size, q, marks, asked, count, least, sharp):
         _, fifth, last = null_space(J, v, w, x, order)
         if last > least:
             continue
-        if not fifth > GENERAL_CORANK:
+        if not fifth > max(GENERAL_CORANK, FOLD_RANK * least):
             return False
         null_space(K, u, w, x, order)
         _normalised(u)

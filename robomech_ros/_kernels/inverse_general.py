@@ -61,6 +61,7 @@ from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     FOLD_LEAST,
     FOLD_SHARP,
+    GENERAL_LOST,
     GENERAL_REGULAR,
     GENERAL_SINGULAR,
     GENERAL_STARTS,
@@ -243,7 +244,7 @@ def solve_general(data, T, seed, q, branch):
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if slides and clean:
         # A zero that is simple has a posture that is.
-        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_SINGULAR, FOLD_LEAST)
+        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_LOST, FOLD_LEAST)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
         if slides and clean:

@@ -20,7 +20,7 @@ from robomech_ros._kernels.polishing import call_polish
 from robomech_ros._kernels.tolerances import (
     ACCEPTED,
     FOLD_LEAST,
-    GENERAL_REGULAR,
+    GENERAL_SINGULAR,
     POLISH_ABOVE,
     SAME_POSTURE,
 )
@@ -137,7 +137,7 @@ def _are_simple(data, q, branch, count):
         return True
     packed = data[at.PACKED : at.LENGTH].reshape(7, 13)
     size = data[at.SIZE]
-    return all_simple(packed, size, q, branch, BOUNDARY, count, GENERAL_REGULAR, FOLD_LEAST)
+    return all_simple(packed, size, q, branch, BOUNDARY, count, GENERAL_SINGULAR, FOLD_LEAST)
 
 
 @lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))

@@ -366,6 +366,9 @@ GENERAL_ERROR = 1e-11
 # and above which as far from singular.
 GENERAL_SINGULAR = 1e-6
 GENERAL_REGULAR = 2e-2
+# The same ratio of the last pivot below which rounding moves a posture by SAME_POSTURE or more;
+# with slides hundreds of sizes out it is some 1e-8.
+GENERAL_LOST = 1e-10
 # The same ratio of the last pivot but one below which it has lost two ranks.
 GENERAL_CORANK = 1e-4
 # Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
@@ -375,6 +378,8 @@ GENERAL_CORANK = 1e-4
 FOLD_LEAST = 1e-7
 FOLD_SHARP = 1e-2
 FOLD_STEP = 1e-4
+# There the last pivot but one must be this much of what the last one must be elsewhere.
+FOLD_RANK = 0.1
 # Values of a hidden joint that are tried where its determinant vanishes all round.
 GENERAL_FREE_VALUES = 16
 # Singular postures nearer to each other than this (rad) are one: the square root of the pose's
