@@ -3,9 +3,8 @@
 from robomech_ros._kernels import parallel_layout as at
 from robomech_ros._kernels._jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, lean, lean_part, scratch
 from robomech_ros._kernels.angles import wrapped
-from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_SINGULAR
+from robomech_ros._kernels.branch_bits import BOUNDARY, DOUBT, SHOULDER_SINGULAR
 from robomech_ros._kernels.general_folds import all_simple
-from robomech_ros._kernels.inverse_general import DOUBT
 from robomech_ros._kernels.parallel_arm import MAX_SOLUTIONS, finish_pair
 from robomech_ros._kernels.parallel_continuum import free_pairs
 from robomech_ros._kernels.parallel_pairs import (
