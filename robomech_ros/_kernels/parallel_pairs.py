@@ -17,13 +17,14 @@ import math
 
 from robomech_ros._kernels import parallel_layout as at
 from robomech_ros._kernels._jit import F12, IN1, OUT2, ZERO, i8, lean, lean_part, scratch
-from robomech_ros._kernels.angles import angle_of
+from robomech_ros._kernels.angles import angle_of, wrapped
 from robomech_ros._kernels.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.polynomials import order_one_roots, order_two_roots
 from robomech_ros._kernels.tolerances import (
     FOLD_LEAST_START,
     FOLD_START,
     FOURFOLD_APART,
+    FOURFOLD_ERROR,
     NEAR_DOUBLE,
     NEARLY_SEPARATE,
     PAIR_ERROR,
@@ -195,6 +196,42 @@ def separate_pairs(data, G, pairs):
 
 
 @lean
+def _misfit(data, d, x, y):
+    """Give cosines and sines of (q_a, q_5), v_1, v_2, and by how much the two equations are off."""
+    k1, c1, s1, k2, c2, s2 = d
+    c = math.cos(x)
+    s = math.sin(x)
+    cy = math.cos(y)
+    sy = math.sin(y)
+    g1 = data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s
+    g2 = data[at.SECOND] + data[at.SECOND + 1] * c + data[at.SECOND + 2] * s
+    v1 = g1 * cy + g2 * sy
+    v2 = g2 * cy - g1 * sy
+    f1 = k1 + c1 * c + s1 * s - data[at.SIN_56] * v1
+    f2 = k2 + c2 * c + s2 * s - data[at.NORMAL_56] / data[at.SIZE] * v2
+    return c, s, cy, sy, v1, v2, f1, f2
+
+
+@lean
+def _error(data, d, x, y):
+    """Give the error of the two equations."""
+    _, _, _, _, _, _, f1, f2 = _misfit(data, d, x, y)
+    return abs(f1) + abs(f2)
+
+
+@lean
+def _are_merged(data, d, x, y, pair):
+    """Tell whether a pair is the same double root as another: halfway between them is one, too."""
+    other_x = angle_of(pair[1], pair[0])
+    v1, v2, g1, g2 = pair[3], pair[4], pair[5], pair[6]
+    other_y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+    halfway_x = x + 0.5 * wrapped(other_x - x)
+    halfway_y = y + 0.5 * wrapped(other_y - y)
+    ends = _error(data, d, x, y) + _error(data, d, other_x, other_y)
+    return _error(data, d, halfway_x, halfway_y) < FOURFOLD_ERROR + ends
+
+
+@lean
 def _polish_pair(data, d, x, y):
     """Improve (q_a, q_5) by Newton steps, shortened where they do not help.
 
@@ -202,7 +239,7 @@ def _polish_pair(data, d, x, y):
     factor is small, the first hides its equation, and the second is full of rounding.  Returns
     the angles, the error of the equations and the determinant of their derivatives.
     """
-    k1, c1, s1, k2, c2, s2 = d
+    _, c1, s1, _, c2, s2 = d
     factor1 = data[at.SIN_56]
     factor2 = data[at.NORMAL_56] / data[at.SIZE]
     least = math.inf
@@ -214,16 +251,7 @@ def _polish_pair(data, d, x, y):
     best_y = kept_y = y
     dx = dy = 0.0
     for _ in range(60):
-        c = math.cos(x)
-        s = math.sin(x)
-        cy = math.cos(y)
-        sy = math.sin(y)
-        g1 = data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s
-        g2 = data[at.SECOND] + data[at.SECOND + 1] * c + data[at.SECOND + 2] * s
-        v1 = g1 * cy + g2 * sy
-        v2 = g2 * cy - g1 * sy
-        f1 = k1 + c1 * c + s1 * s - factor1 * v1
-        f2 = k2 + c2 * c + s2 * s - factor2 * v2
+        c, s, cy, sy, v1, v2, f1, f2 = _misfit(data, d, x, y)
         found = abs(f1) + abs(f2)
         merit = abs(f1 / factor1) + abs(f2 / factor2)
         if found < error or merit < least:
@@ -262,7 +290,7 @@ def _polish_pair(data, d, x, y):
 
 
 @lean
-def _keep_pair(data, x, y, determinant, pairs, count):
+def _keep_pair(data, d, x, y, determinant, pairs, count):
     """Enter a pair unless it is there already; return the number of pairs."""
     c = math.cos(x)
     s = math.sin(x)
@@ -276,7 +304,9 @@ def _keep_pair(data, x, y, determinant, pairs, count):
         apart = abs(pairs[k, 0] - c) + abs(pairs[k, 1] - s)
         apart += abs(pairs[k, 3] - v1) + abs(pairs[k, 4] - v2)
         folds = bits == BOUNDARY and pairs[k, 7] == BOUNDARY
-        if apart < (FOURFOLD_APART if folds else SAME_POSTURE):
+        if apart < SAME_POSTURE:
+            return count
+        if folds and apart < FOURFOLD_APART and _are_merged(data, d, x, y, pairs[k]):
             return count
     pairs[count, 0] = c
     pairs[count, 1] = s
@@ -298,7 +328,7 @@ def _improve_pair(data, d, c, s, v1, v2, pairs, count):
     x, y, error, determinant = _polish_pair(data, d, x, y)
     allowed = PAIR_ERROR if data[at.EXACT] == 1.0 else data[at.SLACK]
     if error < allowed and count < MAX_PAIRS:
-        return _keep_pair(data, x, y, determinant, pairs, count)
+        return _keep_pair(data, d, x, y, determinant, pairs, count)
     return count
 
 

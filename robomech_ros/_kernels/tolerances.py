@@ -156,6 +156,9 @@ NEAR_DOUBLE = 1e-6
 # Where double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
 # fourth root of the rounding tells them apart, with room (sum over the components of a pair).
 FOURFOLD_APART = 5e-3
+# Error of the equations halfway between two that are one, with room for rounding: between two that
+# are not it is the square of the distance.
+FOURFOLD_ERROR = 1e-13
 # How far (sine) from a double root its two solutions are sought, at first and at last.
 FOLD_START = 3e-4
 FOLD_LEAST_START = 1e-8
