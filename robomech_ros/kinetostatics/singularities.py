@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinetostatics.points import point_jacobian
 from robomech_ros.kinetostatics.singularity_factors import singularity_factors
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 from robomech_ros.spatial.arrays import real_number
@@ -45,10 +46,10 @@ class SingularityReport:
     normalised_condition_number : float
         Largest over least of ``singular_values``; infinite where singular.
     lost_directions : ndarray, shape (r, 6)
-        Twists at the tip in base axes that no joint rates give, as an orthonormal basis after
+        Twists at the point in base axes that no joint rates give, as an orthonormal basis after
         division of their linear part by the length, angular first (rad/s and m/s).
     idle_wrenches : ndarray, shape (r, 6)
-        Wrenches at the tip in base axes that load no joint, a basis, moment first (N m and N),
+        Wrenches at the point in base axes that load no joint, a basis, moment first (N m and N),
         orthonormal after division of the moment by the length.
     self_motions : ndarray, shape (s, n)
         Joint rates of norm 1 that do not move the tip, an orthonormal basis, prismatic ones divided
@@ -129,7 +130,11 @@ def _motions(chain: SerialChain) -> _Motions:
 
 
 def singularity_report(
-    chain: SerialChain, q: ArrayLike, *, length: float | None = None
+    chain: SerialChain,
+    q: ArrayLike,
+    *,
+    point: ArrayLike = (0.0, 0.0, 0.0),
+    length: float | None = None,
 ) -> SingularityReport:
     """Say what the tip can do in a posture, and what not.
 
@@ -139,6 +144,8 @@ def singularity_report(
         Of one joint or more.
     q : array_like, shape (n,)
         Joint values (rad or m).
+    point : array_like, shape (3,), optional
+        Of the tip link, in its frame (m), whose motion is judged; default the tip's origin.
     length : float, optional
         What makes linear and angular motions comparable (m); default the characteristic length,
         which takes a second or so to find and is kept.
@@ -150,16 +157,14 @@ def singularity_report(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        q is not an array of n finite real numbers, the length is not positive, or the chain has no
-        joint, or is singular in every posture and no length is given.
+        q or the point is not an array of n, or three, finite real numbers, the length is not
+        positive, or the chain has no joint, or is singular in every posture and no length is given.
 
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.4 and 5.8.
     """
-    J = jacobian(chain, q)
-    if J.ndim != 2:
-        raise WrongSizeError("q", np.shape(q), (chain.n,))
+    J = point_jacobian(chain, q, point)
     metres = report_length(chain, length)
     scale = np.repeat((1.0, 1.0 / metres), 3)[:, None]
     left, values, right = np.linalg.svd(scale * J)

@@ -1,4 +1,4 @@
-"""The node that answers kinematic questions: poses, joint positions, Jacobians."""
+"""The node that answers kinematic questions: poses, joint positions, Jacobians, singularities."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,10 +10,16 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
+from robomech_interfaces.srv import (
+    AnalyzeSingularity,
+    GetJacobian,
+    SolveFK,
+    SolveIK,
+    SolveIKBatch,
+)
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinetostatics import point_jacobian
+from robomech_ros.kinetostatics import point_jacobian, singularity_report
 from robomech_ros.nodes.conversions import (
     floats,
     linear_rows_first,
@@ -34,10 +40,11 @@ from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.parameters import NodeParameters, parameter
-from robomech_ros.nodes.pauses import Turns
+from robomech_ros.nodes.pauses import Turns, beside
 from robomech_ros.nodes.reference_axes import reference_axes
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
+from robomech_ros.nodes.singularity_messages import encode_report
 from robomech_ros.robots import SerialChain
 
 
@@ -65,7 +72,7 @@ class KinematicsSettings(StateSettings):
 
 
 class KinematicsNode(Node):
-    """Forward and inverse kinematics and the Jacobian of one robot, as services."""
+    """Forward and inverse kinematics, Jacobian and singularities of one robot, as services."""
 
     SETTINGS = KinematicsSettings
 
@@ -74,6 +81,7 @@ class KinematicsNode(Node):
         self._table = NodeParameters(self, KinematicsSettings)
         self._monitor = JointStateMonitor(self)
         self._points = SolutionPoints()
+        self._measured: set[SerialChain] = set()
         when_robot_known(self, self._table.settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
@@ -88,6 +96,7 @@ class KinematicsNode(Node):
             (SolveFK, "~/solve_fk", self._solve_fk),
             (SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch),
             (GetJacobian, "~/get_jacobian", self._get_jacobian),
+            (AnalyzeSingularity, "~/analyze_singularity", self._analyze_singularity),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_moveit_services(
@@ -161,6 +170,21 @@ class KinematicsNode(Node):
         axes = reference_axes(self._model, request.reference_frame, chain, q)
         response.jacobian = floats(linear_rows_first(point_jacobian(chain, q, point, axes)))
         response.joint_names = list(chain.joint_names)
+        return answer(response)
+
+    @guarded
+    async def _analyze_singularity(self, request: Any, response: Any) -> Any:
+        chain = self._moving_chain(request.tip_link)
+        patience = self._table.settings.state_timeout
+        q = await self._joints.given_or_present(chain, request.state, "state", patience)
+        point = point_vector(request.tool_point, "tool_point")
+        axes = reference_axes(self._model, request.reference_frame, chain, q)
+        if chain not in self._measured:
+            # The first report finds the characteristic length, which takes a second or two.
+            await beside(self, lambda: singularity_report(chain, q))
+            self._measured.add(chain)
+        report = singularity_report(chain, q, point=point)
+        encode_report(report, axes, request.reference_frame or chain.base, response)
         return answer(response)
 
     def _moving_chain(self, link: str) -> SerialChain:

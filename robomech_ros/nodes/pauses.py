@@ -1,15 +1,19 @@
 """Pauses of a coroutine in which its node goes on serving others."""
 
+import threading
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
+from contextlib import suppress
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["Turns", "pause"]
+__all__ = ["Turns", "beside", "pause"]
 
 _STEADY = ClockType.STEADY_TIME
+# How often it is looked whether work done beside is over, s.
+_LOOK = 0.02
 # Others are served after so long at the most, s, and one step of the work.
 _TURN = 0.005
 
@@ -24,6 +28,19 @@ async def pause(node: Node, seconds: float) -> None:
     )
     await over
     node.destroy_timer(timer)
+
+
+async def beside(node: Node, work: Callable[[], object]) -> None:
+    """Do work in a thread of its own while others are served; what it raises is lost."""
+    thread = threading.Thread(target=_quietly, args=(work,), daemon=True)
+    thread.start()
+    while thread.is_alive():
+        await pause(node, _LOOK)
+
+
+def _quietly(work: Callable[[], object]) -> None:
+    with suppress(Exception):  # who needs the result asks again and gets the error
+        work()
 
 
 class _NextTurn:

@@ -10,9 +10,15 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
+from robomech_interfaces.srv import (
+    AnalyzeSingularity,
+    GetJacobian,
+    SolveFK,
+    SolveIK,
+    SolveIKBatch,
+)
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinetostatics import jacobian
+from robomech_ros.kinetostatics import characteristic_length, jacobian, singularity_report
 from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
 from robomech_ros.nodes.kinematics_node import KinematicsNode
 from robomech_ros.robots import load_description, load_robot
@@ -332,6 +338,63 @@ def test_states_without_names_mean_the_same_in_every_service(puma, given):
         assert answer.error_code == ErrorCode.WRONG_SIZE
         assert "position has size 4, expected 6 for waist" in answer.error_msg
         assert "or 3 for the joints up to link 'link_3'" in answer.error_msg
+
+
+def analyze(graph, **fields):
+    return graph.call(
+        AnalyzeSingularity, "kinematics/analyze_singularity", AnalyzeSingularity.Request(**fields)
+    )
+
+
+def test_a_singular_posture_is_analysed(puma):
+    q = np.array([0.3, -0.4, 0.2, 0.5, 0.0, -0.7])
+    response = analyze(puma, state=joint_state((), q), reference_frame="tool0")
+    assert (response.error_code, response.error_msg) == (0, "")
+    assert response.singularity_types == ["wrist"] and response.rank == 5
+    assert response.summary == "singular (wrist): rank 5, 1 direction of motion lost"
+    assert response.characteristic_length == characteristic_length(PUMA)
+    assert np.isinf([response.condition_number, response.normalised_condition_number]).all()
+    (lost,) = response.lost_directions
+    assert lost.header.frame_id == "tool0"
+    rows = get_jacobian(puma, state=joint_state((), q), reference_frame="tool0")
+    scale = 1.0 / response.characteristic_length
+    twist = lost.twist
+    normal = np.array([getattr(twist.linear, axis) * scale for axis in "xyz"] +
+                      [getattr(twist.angular, axis) for axis in "xyz"])  # fmt: skip
+    assert np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-12)
+    J = matrix(rows) * np.repeat((scale, 1.0), 3)[:, None]
+    np.testing.assert_allclose(normal @ J, 0.0, atol=1e-9)
+
+
+def test_a_regular_posture_is_analysed_at_a_point(puma):
+    point = Point(x=0.1, y=-0.2, z=0.3)
+    response = analyze(puma, state=joint_state((), Q), tool_point=point)
+    assert (response.error_code, response.error_msg) == (0, "")
+    report = singularity_report(PUMA, Q, point=[0.1, -0.2, 0.3])
+    np.testing.assert_allclose(response.singular_values, report.singular_values, rtol=1e-12)
+    assert response.manipulability == pytest.approx(report.manipulability, rel=1e-9)
+    assert response.condition_number == pytest.approx(report.condition_number, rel=1e-9)
+    assert response.singularity_types == [] and response.lost_directions == []
+    assert response.summary.startswith("regular: rank 6, least singular value ")
+
+
+@pytest.mark.parametrize(
+    ("fields", "code", "text"),
+    [
+        ({"state": joint_state((), Q[:5])}, ErrorCode.WRONG_SIZE, "position has size 5"),
+        ({"tip_link": "no"}, ErrorCode.UNKNOWN_LINK, "'no'"),
+        ({"state": joint_state((), Q), "reference_frame": "no"}, ErrorCode.FRAME_UNAVAILABLE, "no"),
+        (
+            {"state": joint_state((), Q), "tool_point": Point(x=np.nan)},
+            ErrorCode.NON_FINITE,
+            "tool",
+        ),
+        ({"state": joint_state((), Q * np.inf)}, ErrorCode.NON_FINITE, "waist"),
+    ],
+)
+def test_analyze_singularity_refuses(puma, fields, code, text):
+    response = analyze(puma, **({"state": joint_state((), Q)} | fields))
+    assert response.error_code == code and text in response.error_msg
 
 
 def test_the_present_state_is_waited_for_while_others_are_served(graph):
