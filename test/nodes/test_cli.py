@@ -227,6 +227,13 @@ def test_nodes_import_no_heavy_library(node):
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize("node", ["trajectory_publisher_node", "joint_state_simulator_node"])
+def test_nodes_that_plan_nothing_load_no_compiled_code(node):
+    code = f"import sys, robomech_ros.nodes.{node}; print('numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 TRAJECTORY = """
 header: {frame_id: ''}
 joint_names: [waist, shoulder]

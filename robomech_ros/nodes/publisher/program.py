@@ -21,7 +21,6 @@ from typing import Any
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
-from robomech_ros.trajectory import PROFILES
 
 __all__ = ["Program", "Step", "read_program"]
 
@@ -143,6 +142,8 @@ def _step(given: object, where: str, postures: Mapping[str, tuple[float, ...]]) 
     if name not in postures:
         why = f"no posture '{name[:80]}'; there are {', '.join(postures)}"
         raise RobotDescriptionError(where, why)
+    from robomech_ros.trajectory import PROFILES  # compiled code, which takes long to load
+
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
     if options["profile"] not in PROFILES:
         why = f"profile is {options['profile']!r}, expected one of {', '.join(PROFILES)}"

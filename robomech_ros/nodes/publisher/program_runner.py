@@ -11,7 +11,6 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.delivery import Delivery, Report, Transport
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.conversions import joint_trajectory
-from robomech_ros.nodes.planning import plan_that_fits
 from robomech_ros.nodes.publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.sample import FloatArray
@@ -127,6 +126,9 @@ class ProgramRunner:
             self._next()
 
     def _plan(self, step: Step, start: FloatArray) -> Delivery:
+        # Compiled code, 100 MB and seconds, that a publisher without programs does without.
+        from robomech_ros.nodes.planning import plan_that_fits
+
         plan = plan_that_fits(
             self._chain,
             np.stack([start, step.positions]),
