@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse import MAX_SOLUTIONS
 from robomech_ros._kernels.ranking import rank
 from robomech_ros.kinematics.closed_form import rank_windings
+from robomech_ros.kinematics.completed import search_by_completion
 from robomech_ros.kinematics.families import Family, iterative_family
 from robomech_ros.kinematics.iterative import IterativeSearch, iterative_search, task_data
 from robomech_ros.kinematics.outcome import (
@@ -39,9 +41,12 @@ def solve_by_search(
     started = time.monotonic() if started is None else started
     data, target = _task_data(chain, T, request, request.respect_limits)
     family = iterative_family(chain, data)
+    listed = search_by_completion(chain, T, request)
+    if listed is not None:
+        return _ranked(chain, T, request, replace(family, name="short"), *listed)
     search = iterative_search(data, target, request.seed, timeout=_left(request, started))
     if len(search.q):
-        return _ranked(chain, T, request, family, search)
+        return _ranked(chain, T, request, family, search, False)
     if search.timed_out:
         reason = f"no solution within {request.timeout:g} s; {_best(search)}"
         return nothing(chain, T, family, Status.TIMED_OUT, reason)
@@ -78,9 +83,14 @@ def _task_data(
 
 
 def _ranked(
-    chain: SerialChain, T: Array, request: Request, family: Family, search: IterativeSearch
+    chain: SerialChain,
+    T: Array,
+    request: Request,
+    family: Family,
+    search: IterativeSearch,
+    complete: bool,
 ) -> InverseKinematicsResult:
-    """Order the solutions that a search has found."""
+    """Order the solutions that a search has found, perhaps all there are."""
     ranked = np.empty((MAX_SOLUTIONS, chain.n))
     names = np.zeros(MAX_SOLUTIONS, np.int64)
     distances = np.empty(MAX_SOLUTIONS)
@@ -108,7 +118,7 @@ def _ranked(
         q=ranked[kept],
         seed_distance=distances[kept],
         family=family.name,
-        complete=False,
+        complete=complete,
         status=Status.SUCCESS,
         reason=_reason(chain, request, search),
         blocking_joints=(),

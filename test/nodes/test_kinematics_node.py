@@ -474,4 +474,4 @@ def test_namespace(graph):
 def test_later_services_are_not_advertised(puma):
     names = [name for name, _ in puma.client.get_service_names_and_types()]
     assert "/kinematics/solve_ik" in names
-    assert not [n for n in names if "singularity" in n or "workspace" in n]
+    assert not [n for n in names if "workspace" in n]
