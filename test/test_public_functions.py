@@ -3,6 +3,7 @@
 import inspect
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,7 @@ VALUES = (
     np.nan,
     np.inf,
     1e300,
+    1e-300,
     10**400,
     2 + 3j,
     object(),
@@ -122,6 +124,13 @@ def calls():
     found |= {"load_description": load_description, "with_tip": PUMA.with_tip}
     found |= {"link_frame": PUMA.link_frame, "require_limits": PUMA.require_limits}
     found |= with_options(Limits, joint_names=list("abcdef"))
+    found |= {
+        f"{profile}.limits of {name}": lambda value, name=name, profile=profile: point_to_point(
+            [0] * 6, [0.5] * 6, limits=replace(LIMITS, **{name: value}), profile=profile
+        )
+        for name in ("velocity", "acceleration", "jerk")
+        for profile in PROFILES
+    }
     for profile in PROFILES:
         good = {"q0": [0] * 6, "q1": [0.5] * 6, "limits": LIMITS, "profile": profile}
         found |= {

@@ -79,7 +79,7 @@ class Dispatcher:
         self._silent_since: float | None = None
         self._result: tuple[int, str, float] | None = None
         self._progress: Progress | None = None
-        self._pacer = Pacer()
+        self._pacer = Pacer(self._settings.max_duration)
         self._cancelled = ""
 
     @property
@@ -103,7 +103,7 @@ class Dispatcher:
         Raises
         ------
         TrajectoryRefusedError
-            What is under way waits for its stamp; nothing has changed.
+            What is under way waits for its stamp, or would last too long; nothing has changed.
         """
         self._change(now, speed, self.paused)
 
@@ -231,7 +231,7 @@ class Dispatcher:
             return self._waited_for_states(delivery)
         self._silent_since = None
         self.queue.popleft()
-        off = self._off_start(delivery, positions)
+        off = self._off_start(delivery, positions) or self._pacer.too_slow(delivery)
         if off:
             self._end(delivery, Code.REJECTED, off)
             return True

@@ -73,6 +73,8 @@ class DispatcherSettings:
     standstill_timeout : float
         How long the robot may stand away from the goal while a trajectory sent by topic should
         move it, s; then it was stopped.
+    max_duration : float
+        How long a trajectory may last at the speed at which it is executed, s.
     """
 
     capacity: int = 50
@@ -81,6 +83,7 @@ class DispatcherSettings:
     controller_timeout: float = 3.0
     arrival_timeout: float = 2.0
     standstill_timeout: float = 1.0
+    max_duration: float = np.inf
 
 
 @dataclass

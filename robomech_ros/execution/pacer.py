@@ -34,6 +34,11 @@ _SAMPLES = 500
 class Pacer:
     """Keeps a delivery at a pace.
 
+    Parameters
+    ----------
+    longest : float, optional
+        How long a trajectory may last at its pace, s.
+
     Attributes
     ----------
     speed : float
@@ -42,7 +47,8 @@ class Pacer:
         Whether nothing is to move.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, longest: float = np.inf) -> None:
+        self._longest = longest
         self.speed = 1.0
         self.paused = False
         self._waypoints: Waypoints | None = None
@@ -56,6 +62,11 @@ class Pacer:
     def stops(self) -> bool:
         """Whether the delivery under way was told to stop before its end."""
         return self._schedule is not None and not self._schedule.pace
+
+    def too_slow(self, delivery: Delivery) -> str:
+        """Say that a delivery that is to be sent would last too long; empty if it would not."""
+        lasts = float(delivery.waypoints.times[-1]) / self.speed
+        return "" if lasts <= self._longest else self._too_long(self.speed, lasts)
 
     def begin(self, delivery: Delivery, position: FloatArray) -> None:
         """Take a delivery that is sent now, and slow it down if that is wanted.
@@ -99,12 +110,12 @@ class Pacer:
         Raises
         ------
         TrajectoryRefusedError
-            The delivery waits for its stamp.
+            The delivery waits for its stamp, or its rest would last too long.
         """
         assert self._schedule is not None
         self._before = self._schedule, delivery.waypoints, delivery.sent_at, delivery.delay
         self._lead, self._tries = LEAD, 1
-        return self._change(delivery, now, target, limit)
+        return self._change(delivery, now, target, limit, self._longest)
 
     def change_again(self, delivery: Delivery, now: float, limit: FloatArray | None) -> bool:
         """Make the change of pace anew that the controller did not take, since it came too late.
@@ -117,10 +128,15 @@ class Pacer:
         target = self._schedule.pace
         self._schedule, delivery.waypoints, delivery.sent_at, delivery.delay = self._before
         self._lead, self._tries = 2.0 * self._lead, self._tries + 1
-        return self._change(delivery, now, target, limit)
+        return self._change(delivery, now, target, limit, np.inf)
 
     def _change(
-        self, delivery: Delivery, now: float, target: float, limit: FloatArray | None
+        self,
+        delivery: Delivery,
+        now: float,
+        target: float,
+        limit: FloatArray | None,
+        longest: float,
     ) -> bool:
         schedule, curve, waypoints = self._schedule, self._curve, self._waypoints
         assert schedule is not None and curve is not None and waypoints is not None
@@ -135,11 +151,18 @@ class Pacer:
         if pace == target == schedule.pace or place >= curve.breaks[-1]:
             return False
         limit = _usual_limit(curve) if limit is None else limit
-        self._schedule = pace_change(curve, begin, place, pace, target, limit)
-        delivery.waypoints = paced_waypoints(curve, waypoints, self._schedule, approach)
+        changed = pace_change(curve, begin, place, pace, target, limit)
+        rest = paced_waypoints(curve, waypoints, changed, approach)
+        if rest.times[-1] > longest:
+            raise TrajectoryRefusedError(self._too_long(target, float(rest.times[-1])))
+        self._schedule, delivery.waypoints = changed, rest
         delivery.sent_at, delivery.delay = now, takes_over - now
         delivery.paced = delivery.paced_on_way = True
         return True
+
+    def _too_long(self, pace: float, lasts: float) -> str:
+        most = f"at most {self._longest:g} s may be"
+        return f"at speed {pace:g} the trajectory would last {lasts:.6g} s, {most}"
 
 
 def _usual_limit(curve: PiecewisePolynomial) -> FloatArray:

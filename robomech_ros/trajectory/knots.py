@@ -20,14 +20,16 @@ from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.time_scaling import stretch_needed
 
-__all__ = ["SPACINGS", "knots_at", "optimal_knots", "spaced_knots"]
+__all__ = ["SPACINGS", "balanced_knots", "knots_at", "optimal_knots", "spaced_knots"]
 
 # Power of the distance between two points that their distance in time is proportional to.
 _POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
-SPACINGS = (*_POWERS, "optimal")
+SPACINGS = (*_POWERS, "balanced", "optimal")
 # Shortest segment, in parts of the mean one.
 _SHORTEST = 1e-3
 _ITERATIONS = 60
+# How often the spans are balanced, by which power of what they use of the limits, and at least.
+_BALANCED, _BALANCE, _LEAST_USED = 40, 0.6, 0.05
 
 Through = Callable[[FloatArray], PiecewisePolynomial]
 
@@ -90,6 +92,45 @@ def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
     if not (np.diff(knots) > 0.0).all():
         raise BadValueError("at", parts.tolist(), "increasing numbers between 0 and 1")
     return knots
+
+
+def balanced_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+    """Shorten again and again the segments that are far from the limits, against the others.
+
+    The effort is proportional to the number of points: for those too many for `optimal_knots`,
+    whose duration it comes near to.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (m,)
+        Where to start from, strictly increasing.
+    through : callable
+        Gives the cubic curve for knots.
+    limits : Limits
+        Those that are finite count.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        The best knots that were met, never worse than those given.
+    """
+    spans, shortest, best = np.diff(knots), np.inf, knots
+    for _ in range(_BALANCED):
+        tried = np.concatenate([[0.0], np.cumsum(spans)])
+        curve = through(tried)
+        factor, _, _ = stretch_needed(curve, limits)
+        if not factor > 0.0:
+            return knots
+        if factor * tried[-1] < shortest:
+            shortest, best = factor * tried[-1], tried
+        segments = np.searchsorted(tried, 0.5 * (curve.breaks[1:] + curve.breaks[:-1])) - 1
+        used = np.full(len(spans), _LEAST_USED * factor)
+        pieces = _peaks(curve, limits).reshape(-1, len(segments)).max(axis=0)
+        np.maximum.at(used, segments, pieces)
+        spans = spans * used**_BALANCE
+        spans = np.maximum(spans, _SHORTEST * spans.mean())
+        spans /= spans.sum()
+    return best
 
 
 def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:

@@ -137,6 +137,7 @@ def _rates_cycloidal(tau: FloatArray) -> Rates:
 def _progress_cubic(tau: FloatArray) -> FloatArray:
     left = 0.5 - tau
     late = 0.5 - left * (2.0 - 16.0 / 3.0 * left**2)
+    late = np.where(tau > 0.75, 1.0 - 16.0 / 3.0 * (1.0 - tau) ** 3, late)
     return np.where(tau < 0.25, 16.0 / 3.0 * tau**3, late)
 
 

@@ -19,10 +19,12 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["RATES", "JointLimits", "Limits", "Rate"]
+__all__ = ["RATES", "SMALLEST_LIMIT", "JointLimits", "Limits", "Rate"]
 
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
+# Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.
+SMALLEST_LIMIT = 1e-12
 
 
 class JointLimits(Protocol):
@@ -79,8 +81,8 @@ class Limits:
     WrongSizeError
         If an array does not have one entry for each joint.
     BadValueError
-        If names are no list of different names, a limit is no number, zero or negative, or a
-        lower position limit lies above the upper one.
+        If names are no list of different names, a limit is no number, zero (below 1e-12) or
+        negative, or a lower position limit lies above the upper one.
     """
 
     joint_names: tuple[str, ...]
@@ -95,8 +97,10 @@ class Limits:
         for name in (*RATES, "upper"):
             object.__setattr__(self, name, self._array(name, np.inf))
         object.__setattr__(self, "lower", self._array("lower", -np.inf))
+        least = f"> 0, at least {SMALLEST_LIMIT:g}"
         for name in RATES:
-            self._refuse(f"{name} limit", ~(getattr(self, name) > 0.0), getattr(self, name), "> 0")
+            values = getattr(self, name)
+            self._refuse(f"{name} limit", ~(values >= SMALLEST_LIMIT), values, least)
         nowhere = (self.lower == np.inf) | (self.upper == -np.inf)
         expected = "a finite number, or -infinity for none (the upper one +infinity)"
         self._refuse("lower limit", nowhere, self.lower, expected)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_array, real_number
+from robomech_ros.trajectory.limits import SMALLEST_LIMIT
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["SpeedLimit", "TorqueLimits", "checked_list"]
@@ -42,9 +43,10 @@ class SpeedLimit:
     limit: float
 
     def __post_init__(self) -> None:
-        limit = real_number("speed limit", self.limit, "a number above 0")
-        if not limit > 0.0:
-            raise BadValueError("speed limit", limit, "a number above 0")
+        expected = f"a number above 0, at least {SMALLEST_LIMIT:g}"
+        limit = real_number("speed limit", self.limit, expected)
+        if not limit >= SMALLEST_LIMIT:
+            raise BadValueError("speed limit", limit, expected)
         object.__setattr__(self, "limit", limit)
         if not _is_function(self.rate):
             object.__setattr__(self, "rate", _interpolated("rate of a speed limit", self.rate, ()))

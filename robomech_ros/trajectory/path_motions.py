@@ -16,7 +16,7 @@ from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.path_sections import jump
 from robomech_ros.trajectory.paths.curve import as_positive
-from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.path_tracking import PathTracking, track_path
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.paths.posture import Arm
@@ -160,14 +160,12 @@ def along_joint_path(
     RobomechError
         As `along_path` does.
     """
-    joints = tracking.path
-    if joints is None:
-        raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
+    joints = _found(path, tracking)
     timing = SECTION_TIMINGS[as_choice("profile", profile, PATH_PROFILES)]
     allowed = Limits.of(limits)
     allowed.require(*timing.required)
     others = checked_list("speed_limits", speed_limits, SpeedLimit)
-    slow = (*_speed_limits(path, speeds or TipSpeeds()), *others)
+    slow = (*_speed_limits(path, speeds), *others)
     curve = _joined(
         [
             timing.timed(Section(joints, low, high, allowed, slow))
@@ -180,6 +178,16 @@ def along_joint_path(
         curve = curve.stretched(max(seconds / curve.duration, 1.0))
     check_positions(curve, joints.pieces.coefficients[0, 0], allowed)
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
+
+
+def _found(path: PosePath, tracking: PathTracking) -> JointPath:
+    """Give the joint path that has been found along a pose path."""
+    if not isinstance(tracking, PathTracking):
+        raise BadValueError("tracking", tracking, "a PathTracking")
+    if tracking.path is None:
+        raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
+    check_follows(path, tracking.path)
+    return tracking.path
 
 
 def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
@@ -198,8 +206,12 @@ def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
     return list(pairwise(rests.tolist()))
 
 
-def _speed_limits(path: PosePath, most: TipSpeeds) -> list[SpeedLimit]:
+def _speed_limits(path: PosePath, most: TipSpeeds | None) -> list[SpeedLimit]:
     """Express the speeds of the tool that are limited by the path coordinate's."""
+    if most is None:
+        return []
+    if not isinstance(most, TipSpeeds):
+        raise BadValueError("speeds", most, "a TipSpeeds")
 
     def rate(part: slice) -> Callable[[FloatArray], FloatArray]:
         def of(s: FloatArray) -> FloatArray:
@@ -212,7 +224,7 @@ def _speed_limits(path: PosePath, most: TipSpeeds) -> list[SpeedLimit]:
     return [
         SpeedLimit(rate(part), as_positive(f"{what} speed", speed))
         for what, speed, part in kinds
-        if speed != np.inf
+        if not (isinstance(speed, float) and speed == np.inf)
     ]
 
 

@@ -10,7 +10,13 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.joint_points import joint_points
-from robomech_ros.trajectory.knots import SPACINGS, knots_at, optimal_knots, spaced_knots
+from robomech_ros.trajectory.knots import (
+    SPACINGS,
+    balanced_knots,
+    knots_at,
+    optimal_knots,
+    spaced_knots,
+)
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.motion_to_rest import check_positions, settled
@@ -22,6 +28,8 @@ from robomech_ros.trajectory.time_scaling import checked_duration, fitted
 __all__ = ["Spline", "spline_through"]
 
 _QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
+# Spacings that look at the limits.
+_SEARCHES = {"balanced": balanced_knots, "optimal": optimal_knots}
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +110,9 @@ def spline_through(
         increasing, in place of `spacing`.
     spacing : str
         ``"uniform"``, ``"chord"`` (times proportional to distances), ``"centripetal"`` (to their
-        roots) or ``"optimal"`` (the shortest motion within the limits; cubic only).
+        roots), ``"balanced"`` (all segments as near to the limits as can be; cubic only) or
+        ``"optimal"`` (the shortest motion within the limits; cubic only, takes long for many
+        points).
     ends : str
         ``"rest"``: neither velocity nor acceleration, as a motion of a robot needs it;
         ``"clamped"``: velocities are `slopes`; ``"natural"``: no acceleration (of a quintic one
@@ -152,9 +162,9 @@ def spline_through(
     allowed.check_start(places[0])
     if at is not None:
         knots = knots_at(at, len(places))
-    elif spacing == "optimal":
+    elif spacing in _SEARCHES:
         start = spaced_knots(places, "centripetal", allowed.velocity)
-        knots = optimal_knots(
+        knots = _SEARCHES[spacing](
             start, lambda times: _spline(places, times, ends, degree, rates).pieces, allowed
         )
     else:
@@ -170,7 +180,7 @@ def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> 
         raise BadValueError("degree", degree, "3 or 5")
     as_choice("ends", ends, get_args(CubicEnds) if degree == 3 else _QUINTIC_ENDS)
     as_choice("spacing", spacing, SPACINGS)
-    if spacing == "optimal" and degree != 3:
+    if spacing in _SEARCHES and degree != 3:
         raise BadValueError("spacing", spacing, "another one for degree 5")
     least = (4 if degree == 5 else 3) if ends in ("parabolic", "periodic") else 2
     if len(places) < least:

@@ -96,7 +96,7 @@ class DoubleS(_Straight):
         if cruise <= 0.0:
             cruise = 0.0
             step, binding = acceleration / jerk, "acceleration"
-            ramp = 0.5 * step + math.sqrt(0.25 * step**2 + 1.0 / acceleration)
+            ramp = 0.5 * step + math.hypot(0.5 * step, math.sqrt(1.0 / acceleration))
             if ramp < 2.0 * step:
                 step, binding = (0.5 / jerk) ** (1.0 / 3.0), "jerk"
                 ramp = 2.0 * step

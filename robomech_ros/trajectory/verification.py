@@ -104,8 +104,9 @@ def verify(
     Parameters
     ----------
     trajectory : Waypoints, PiecewiseTrajectory or PiecewisePolynomial
-        Waypoints are interpolated as a controller does (linear, cubic or quintic); steps of
-        velocity between linear segments are not seen.
+        Waypoints are interpolated as a controller does (linear, cubic or quintic).  Positions must
+        not step, nor velocities where accelerations are limited.  Not seen are steps of velocity
+        of a curve that is linear throughout, and of acceleration.
     limits : JointLimits
         Position limits and those limits of `rates` that are finite are checked, within
         tolerances for rounding.
@@ -141,6 +142,10 @@ def verify(
     }
     found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
     found += _position_violations(curve, known)
+    found += _steps(curve, known, 0, np.full(curve.joints, tolerances.POSITION_SLACK))
+    if "acceleration" in rates and curve.coefficients[2:].any():
+        slack = tolerances.LIMIT_SLACK * np.where(np.isfinite(known.velocity), known.velocity, 1.0)
+        found += _steps(curve, known, 1, np.where(np.isfinite(known.acceleration), slack, np.inf))
     for order, rate in enumerate(RATES, 1):
         if rate in rates and (ratios[rate] > 1.0 + tolerances.LIMIT_SLACK).any():
             found += _rate_violations(curve, known, order, rate, doubts[order])
@@ -222,6 +227,22 @@ def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable
         place = first_above(sign * coefficients, sign * bound + slack)
         if place is not None:
             yield _described(curve, 0, limits.joint_names, place, sign, bound)
+
+
+def _steps(
+    curve: PiecewisePolynomial, limits: Limits, order: int, slack: FloatArray
+) -> Iterable[Violation]:
+    """Yield the first step of a derivative between segments that is over a slack (n,)."""
+    coefficients = curve.derivative(order)
+    before = coefficients[-1, :-1]
+    for row in coefficients[-2::-1, :-1]:
+        before = row + curve.spans[:-1, None] * before
+    steps = coefficients[0, 1:] - before
+    places, joints = np.nonzero(~(np.abs(steps) <= slack))
+    if len(places):
+        k, joint = int(places[0]), int(joints[0])
+        what, time = f"step of {QUANTITIES[order]}", float(curve.breaks[k + 1])
+        yield Violation(what, limits.joint_names[joint], time, float(steps[k, joint]), 0.0)
 
 
 def _rate_violations(

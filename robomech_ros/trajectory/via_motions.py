@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.jerk_limited_through import jerk_limited_through
 from robomech_ros.trajectory.joint_points import joint_points
@@ -46,8 +46,12 @@ def _polynomial(profile: str) -> Through:
 def _spline(
     points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
 ) -> PiecewiseTrajectory:
-    spacing = "optimal" if len(points) <= _OPTIMISED else "centripetal"
-    return spline_through(points, limits=limits, at=at, spacing=spacing, duration=duration)
+    spacing = "optimal" if len(points) <= _OPTIMISED else "balanced"
+    try:
+        return spline_through(points, limits=limits, at=at, spacing=spacing, duration=duration)
+    except LimitExceededError:
+        # By distances it swings out less between the points.
+        return spline_through(points, limits=limits, at=at, duration=duration)
 
 
 def _finding_instants(

@@ -8,6 +8,7 @@ from robomech_ros.execution.comparison import apart
 from robomech_ros.execution.delivery import Delivery, Stage, Transport
 from robomech_ros.execution.dispatcher import Dispatcher
 from robomech_ros.execution.dispatching import DispatcherSettings, QueueFullError
+from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
 
 NAMES = ("shoulder", "elbow", "roll")
@@ -469,6 +470,23 @@ def test_what_was_paused_goes_on_to_its_end(robot, dispatcher):
     move_along(robot, dispatcher, lambda now: rest.sample(now - 3.0).position, 3.0, 6.0)
     assert one.report.code == 0
     assert len(robot.sent) == 3
+
+
+def test_a_speed_at_which_a_trajectory_would_last_too_long_changes_nothing(robot):
+    dispatcher = Dispatcher(robot, DispatcherSettings(max_duration=100.0))
+    one, two = delivery(), delivery()
+    planned = one.waypoints.curve
+    dispatcher.offer(one, 0.0)
+    with pytest.raises(TrajectoryRefusedError, match=r"at speed 0\.001 .* last .* at most 100 s"):
+        dispatcher.set_speed(1e-3, 0.2)
+    assert (dispatcher.speed, len(robot.sent)) == (1.0, 1)
+    move_along(robot, dispatcher, lambda now: planned.sample(min(now, 1.0)).position, 0.2, 2.0)
+    assert one.report.code == 0
+    robot.at = np.zeros(3)
+    dispatcher.set_speed(1e-3, 3.0)
+    dispatcher.offer(two, 3.0)
+    assert (two.report.code, len(robot.sent)) == (221, 1)
+    assert "at speed 0.001 the trajectory would last 1000 s, at most 100 s" in two.report.text
 
 
 def test_cancel_ends_when_the_robot_stands(robot, dispatcher):

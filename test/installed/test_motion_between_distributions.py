@@ -67,7 +67,7 @@ def test_speed_of_a_robot_there(suite, other_suite):
     ):
         answer = other_suite.call("trajectory_publisher/set_speed", {"speed": 2.0})
         assert answer["error_code"] == 109
-        assert "speed is 2.0, expected above 0 up to 1" in answer["error_msg"]
+        assert "speed is 2.0, expected from 1e-06 up to 1" in answer["error_msg"]
         answer = suite.call("trajectory_publisher/set_speed", {"speed": 0.5})
         assert (answer["error_code"], answer["error_msg"]) == (0, "")
         answer = other_suite.call("trajectory_publisher/execute", request)

@@ -1,6 +1,7 @@
 """Splines: golden numbers, scipy, ends, spacings, limits, and what is refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,14 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.trajectory import Limits, point_to_point, spline_like, spline_through, verify
+from robomech_ros.trajectory import (
+    Limits,
+    point_to_point,
+    spline_like,
+    spline_through,
+    through_points,
+    verify,
+)
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "golden" / "cubic_spline.json").read_text()
@@ -116,7 +124,7 @@ def test_scipy_gives_the_same_periodic_quintic_spline():
     np.testing.assert_allclose(ours.position, theirs(instants), atol=1e-9)
 
 
-@pytest.mark.parametrize("spacing", ["uniform", "chord", "centripetal", "optimal"])
+@pytest.mark.parametrize("spacing", ["uniform", "chord", "centripetal", "balanced", "optimal"])
 @pytest.mark.parametrize("seed", range(5))
 def test_the_fastest_motion_fills_the_limits(seed, spacing):
     points, _ = random_points(seed, 6)
@@ -140,7 +148,7 @@ def test_optimal_knots_are_the_fastest():
         wide = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0)
         durations = {
             spacing: spline_through(points, limits=wide, spacing=spacing).duration
-            for spacing in ("uniform", "chord", "centripetal", "optimal")
+            for spacing in ("uniform", "chord", "centripetal", "balanced", "optimal")
         }
         assert durations["optimal"] <= durations["centripetal"]
         gains.append(durations["optimal"] / min(durations.values()))
@@ -168,7 +176,7 @@ def test_points_that_coincide_are_passed_twice():
         ({"points": [[0.0] * 4, [3.5] * 4, [0.0] * 4]}, LimitExceededError, "on the way"),
         ({"limits": None}, BadValueError, "limits"),
         ({"limits": Limits(JOINTS, velocity=1.0)}, MissingLimitsError, "acceleration"),
-        ({"spacing": "even"}, BadValueError, "uniform, centripetal, chord, optimal"),
+        ({"spacing": "even"}, BadValueError, "uniform, centripetal, chord, balanced, optimal"),
         ({"ends": "loose"}, BadValueError, "natural, clamped, parabolic, rest, periodic"),
         ({"ends": "periodic"}, BadValueError, r"points\[2\]"),
         ({"ends": "parabolic", "points": [[0.0] * 4, [1.0] * 4]}, WrongSizeError, "at least 3"),
@@ -179,6 +187,7 @@ def test_points_that_coincide_are_passed_twice():
             "clamped, rest, periodic$",
         ),
         ({"degree": 5, "spacing": "optimal"}, BadValueError, "spacing"),
+        ({"degree": 5, "spacing": "balanced"}, BadValueError, "spacing"),
         ({"duration": np.nan}, NonFiniteError, "duration"),
         ({"duration": -1.0}, BadValueError, "duration"),
         ({"times": [0.0, 1.0, 1.0]}, BadValueError, r"times\[2\]"),
@@ -259,3 +268,33 @@ def test_bad_requests_for_a_spline_like_a_law(changes, text):
     request = {"q0": [0.0], "q1": [1.0], "limits": Limits(("a",), velocity=1.0, acceleration=1.0)}
     with pytest.raises(RobomechError, match=text):
         spline_like(**(request | changes))
+
+
+def test_many_points_are_passed_in_balanced_time_also_where_one_is_there_twice():
+    limits = Limits(list("ab"), velocity=1.0, acceleration=2.0, jerk=20.0)
+    s = np.linspace(0.0, 6.0, 40)
+    points = np.column_stack([s / 6.0, 0.3 * np.sin(s)])
+    fast = through_points(points, limits=limits)
+    assert verify(fast, limits).ok
+    assert fast.duration < 0.8 * spline_through(points, limits=limits).duration
+    for twice in (0, 17):
+        again = through_points(np.insert(points, twice, points[twice], axis=0), limits=limits)
+        assert verify(again, limits).ok
+        assert again.duration < 2.0 * fast.duration
+    still = through_points(np.zeros((30, 2)), limits=limits)
+    assert still.duration == pytest.approx(1e-3)
+
+
+def test_a_spline_that_swings_out_too_far_is_spaced_by_distances():
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-1.0, 1.0, (30, 2))
+    limits = Limits(list("ab"), velocity=1.0, acceleration=2.0, jerk=20.0)
+    wide = spline_through(points, limits=limits, spacing="balanced")
+    plain = spline_through(points, limits=limits)
+    far, near = (
+        np.abs(motion.sample(np.linspace(0.0, motion.duration, 20_001)).position).max()
+        for motion in (wide, plain)
+    )
+    assert far > near
+    limits = replace(limits, lower=-0.5 * (far + near), upper=0.5 * (far + near))
+    assert through_points(points, limits=limits).duration == pytest.approx(plain.duration)

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, LimitExceededError, NonFiniteError, WrongSizeError
-from robomech_ros.trajectory import Limits, Waypoints, interpolant, point_to_point, verify
+from robomech_ros.trajectory import (
+    Limits,
+    PiecewisePolynomial,
+    Waypoints,
+    interpolant,
+    point_to_point,
+    verify,
+)
 
 JOINTS = ("base", "elbow")
 LIMITS = Limits(JOINTS, velocity=1.0, acceleration=2.0, jerk=30.0, lower=-3.0, upper=3.0)
@@ -107,6 +114,20 @@ def test_the_first_instant_must_be_zero(waypoints):
     found = verify(late, LIMITS, start=START).violation
     assert (found.what, found.value) == ("start time", 1.0)
     assert verify(late, LIMITS, start=START, from_zero=False).ok
+
+
+@pytest.mark.parametrize(("order", "what"), [(0, "step of position"), (1, "step of velocity")])
+def test_a_curve_that_steps_between_its_segments_is_none(order, what):
+    curve = PiecewisePolynomial(np.array([0.0, 1.0, 2.0]), np.zeros((4, 2, 2)))
+    assert verify(curve, LIMITS).ok
+    # After the step it comes to rest at the end: v - 2 v t + v t^2.
+    step = [1e-3] if order == 0 else [0.0, 1e-3, -1e-3, 1e-3 / 3.0]
+    curve.coefficients[: len(step), 1, 1] = step
+    found = verify(curve, LIMITS).violation
+    assert (found.what, found.joint, found.time) == (what, JOINTS[1], 1.0)
+    assert found.value == pytest.approx(1e-3)
+    free = verify(curve, LIMITS, rates=("velocity",))
+    assert free.ok is (order == 1)
 
 
 def test_only_the_wanted_rates_are_checked(waypoints):

@@ -164,4 +164,5 @@ def dispatcher_settings(settings: PublisherSettings) -> DispatcherSettings:
         controller_timeout=settings.controller_timeout,
         arrival_timeout=settings.arrival_timeout,
         standstill_timeout=settings.standstill_timeout,
+        max_duration=settings.max_duration,
     )

@@ -16,6 +16,9 @@ from robomech_ros.nodes.error_codes import answer, code_of
 
 __all__ = ["SpeedControl"]
 
+# Slowest part of the planned speed: that of the limits in a plan, too.
+_SLOWEST = 1e-6
+
 
 class SpeedControl:
     """Lets clients say how fast trajectories are executed, and whether at all.
@@ -65,7 +68,10 @@ class SpeedControl:
     def _resume(self, request: Any, response: Any) -> Any:
         if not self._dispatcher.paused:
             return _said(response, False, "nothing to resume: not paused")
-        self._dispatcher.resume(self._clock.now())
+        try:
+            self._dispatcher.resume(self._clock.now())
+        except RobomechError as error:
+            return _said(response, False, str(error))
         self._watch()
         moves = self._dispatcher.current is not None
         return _said(response, True, "the robot moves on" if moves else "nothing was waiting")
@@ -96,8 +102,8 @@ class SpeedControl:
 def _checked(speed: float) -> float:
     if not math.isfinite(speed):
         raise NonFiniteError("speed", speed)
-    if not 0.0 < speed <= 1.0:
-        hint = "above 0 up to 1, a part of the planned speed (~/pause stops)"
+    if not _SLOWEST <= speed <= 1.0:
+        hint = f"from {_SLOWEST:g} up to 1, a part of the planned speed (~/pause stops)"
         raise BadValueError("speed", speed, hint)
     return speed
 

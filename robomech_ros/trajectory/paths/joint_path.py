@@ -8,10 +8,11 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import AT_REST, PARAMETER_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.curve import as_parameters
+from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample, Trajectory, checked_times
 
-__all__ = ["JointMotion", "JointPath"]
+__all__ = ["JointMotion", "JointPath", "check_follows"]
 
 # Halvings of the duration to find when a stop is reached: to rounding.
 _HALVINGS = 60
@@ -173,3 +174,13 @@ def _speeds_at(law: Trajectory, coordinates: FloatArray) -> FloatArray:
         reached = law.sample(middle).position[:, 0] >= coordinates
         low, high = np.where(reached, low, middle), np.where(reached, middle, high)
     return law.sample(high).velocity[:, 0]
+
+
+def check_follows(path: object, joints: object) -> None:
+    """Check that a joint path, over the coordinate of a pose path, is no longer than that."""
+    if not isinstance(path, PosePath):
+        raise BadValueError("path", path, "a PosePath")
+    if not isinstance(joints, JointPath):
+        raise BadValueError("joints", joints, "a JointPath")
+    if joints.length > path.length:
+        raise BadValueError("length of the joint path", joints.length, f"at most {path.length:.9g}")

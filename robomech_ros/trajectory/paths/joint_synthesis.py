@@ -11,7 +11,7 @@ from robomech_ros.spatial.arrays import real_number
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory.cubic_spline import cubic_spline
 from robomech_ros.trajectory.paths.curve import as_parameters
-from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
 from robomech_ros.trajectory.paths.splines import as_ends
@@ -60,7 +60,7 @@ def joint_spline(
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
     """
     kind = as_ends(ends)
-    _check(path, joints)
+    check_follows(path, joints)
     as_arm(arm)
     count = _count(poses, kind, len(joints.stops))
     if kind == "periodic" and len(joints.stops):
@@ -98,7 +98,7 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
     BadValueError, WrongSizeError, NonFiniteError
         Not paths, an arm, or coordinates that are on both.
     """
-    _check(path, joints)
+    check_follows(path, joints)
     as_arm(arm)
     inside = as_parameters("s", s, 0.0, min(path.length, joints.length))
     rows = joints.derivatives(np.atleast_1d(inside))[0]
@@ -138,15 +138,6 @@ def _part(
         ]
         rates = np.stack(firsts)
     return cubic_spline(knots, values, ends, rates)
-
-
-def _check(path: PosePath, joints: JointPath) -> None:
-    if not isinstance(path, PosePath):
-        raise BadValueError("path", path, "a PosePath")
-    if not isinstance(joints, JointPath):
-        raise BadValueError("joints", joints, "a JointPath")
-    if joints.length > path.length:
-        raise BadValueError("length of the joint path", joints.length, f"at most {path.length:.9g}")
 
 
 def _count(poses: object, ends: Ends, stops: int) -> int:

@@ -127,7 +127,8 @@ def test_speed_of_what_comes(suite):
 @pytest.mark.parametrize(
     ("speed", "code", "text"),
     [
-        (0.0, ErrorCode.BAD_VALUE, "speed is 0.0, expected above 0 up to 1"),
+        (0.0, ErrorCode.BAD_VALUE, "speed is 0.0, expected from 1e-06 up to 1"),
+        (1e-300, ErrorCode.BAD_VALUE, "speed is 1e-300"),
         (1.5, ErrorCode.BAD_VALUE, "speed is 1.5"),
         (-1.0, ErrorCode.BAD_VALUE, "speed is -1.0"),
         (math.nan, ErrorCode.NON_FINITE, "speed is nan"),

@@ -2,6 +2,7 @@
 
 import inspect
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from robomech_ros.trajectory import (
     FunctionCurve,
     Limits,
     SerialArm,
+    TipSpeeds,
     along_joint_path,
     along_path,
     arc_about,
@@ -153,13 +155,17 @@ def calls():
     found |= with_options(track_path, path=path, arm=arm, near=q)
     limits = Limits(["a", "b"], velocity=1.0, acceleration=2.0, jerk=9.0)
     given = {"path": path, "ik": arm, "start": q, "limits": limits}
-    for name in ("path", "ik", "start", "condition_limit"):
+    for name in ("path", "ik", "start", "speeds", "condition_limit"):
         found[f"along_path.{name}"] = lambda value, name=name: along_path(**(given | {name: value}))
     tracking = track_path(path, arm, q)
-    for name in ("limits", "profile", "duration"):
-        found[f"along_joint_path.{name}"] = lambda value, name=name: along_joint_path(
-            path, tracking, **({"limits": limits} | {name: value})
+    found |= with_options(along_joint_path, path=path, tracking=tracking, limits=limits)
+    for name in ("linear", "angular"):
+        found[f"speeds.{name}"] = lambda value, name=name: along_joint_path(
+            path, tracking, limits=limits, speeds=TipSpeeds(**{name: value})
         )
+    found["tracking.path"] = lambda value: along_joint_path(
+        path, replace(tracking, path=value), limits=limits
+    )
     found |= with_options(joint_spline, path=path, arm=arm, joints=joints, poses=5)
     found |= with_options(tracking_error, path=path, arm=arm, joints=joints, s=0.1)
     found |= {"sample": path.sample, "derivatives": joints.derivatives, "along": joints.along}
