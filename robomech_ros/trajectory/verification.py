@@ -142,10 +142,11 @@ def verify(
     }
     found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
     found += _position_violations(curve, known)
-    found += _steps(curve, known, 0, np.full(curve.joints, tolerances.POSITION_SLACK))
+    found += _steps(curve, known, 0, np.full(curve.joints, tolerances.POSITION_SLACK), doubts[0])
     if "acceleration" in rates and curve.coefficients[2:].any():
         slack = tolerances.LIMIT_SLACK * np.where(np.isfinite(known.velocity), known.velocity, 1.0)
-        found += _steps(curve, known, 1, np.where(np.isfinite(known.acceleration), slack, np.inf))
+        slack[np.isinf(known.acceleration)] = np.inf
+        found += _steps(curve, known, 1, slack, doubts[1])
     for order, rate in enumerate(RATES, 1):
         if rate in rates and (ratios[rate] > 1.0 + tolerances.LIMIT_SLACK).any():
             found += _rate_violations(curve, known, order, rate, doubts[order])
@@ -230,14 +231,17 @@ def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable
 
 
 def _steps(
-    curve: PiecewisePolynomial, limits: Limits, order: int, slack: FloatArray
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    order: int,
+    slack: FloatArray,
+    doubt: FloatArray | None,
 ) -> Iterable[Violation]:
     """Yield the first step of a derivative between segments that is over a slack (n,)."""
-    coefficients = curve.derivative(order)
-    before = coefficients[-1, :-1]
-    for row in coefficients[-2::-1, :-1]:
-        before = row + curve.spans[:-1, None] * before
-    steps = coefficients[0, 1:] - before
+    coefficients = hull(curve, order)
+    steps = coefficients[0, 1:] - coefficients[-1, :-1]
+    if doubt is not None:
+        slack = slack + np.maximum(doubt[1:], doubt[:-1])
     places, joints = np.nonzero(~(np.abs(steps) <= slack))
     if len(places):
         k, joint = int(places[0]), int(joints[0])
