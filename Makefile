@@ -26,12 +26,12 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so that each core runs some of them. Those that compute run
-# apart from those of moving robots, whose time is that of the clock.
+# Tests share no files and no ROS domain, so that each core runs some of them; but not those of moving
+# robots, whose time is that of the clock, nor those of whole suites of processes.
 PARALLEL := -n auto --maxprocesses 8
 COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
-MOVING := $(PARALLEL) test/nodes
-INSTALLED := $(PARALLEL) --dist loadfile test/installed
+ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes
+MOVING := test/nodes/motion
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
@@ -68,11 +68,12 @@ demo: setup ## bring everything up, solve, plan, execute and check a pick and pl
 test: environments lint ## everything: lint, all tests, colcon, the other distribution
 	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	$(PYTEST) $(COMPUTING)
-	$(PYTEST) $(MOVING)
-	$(PYTEST) $(INSTALLED)
+	$(PYTEST) $(ANSWERING)
+	$(PYTEST) $(MOVING) test/installed
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
 	$(PYTEST) -q -m "not slow" $(COMPUTING)
+	$(PYTEST) -q -m "not slow" $(ANSWERING)
 	$(PYTEST) -q -m "not slow" $(MOVING)
 
 lint: setup ## ruff, mypy and import-linter

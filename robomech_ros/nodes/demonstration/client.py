@@ -21,7 +21,7 @@ __all__ = ["DemoClient"]
 
 Array = NDArray[np.float64]
 
-_START_SECONDS = 30.0
+_START_SECONDS = 60.0
 _CALL_SECONDS = 20.0
 _LOOK = 0.02
 
