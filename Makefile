@@ -34,7 +34,8 @@ ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes
 MOVING := test/nodes/motion
 
 # What runs once more without numba: the same sources as plain Python.
-INTERPRETED := test/kinematics/test_forward.py test/kinetostatics test/robots/test_dh_recovery.py
+INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
+    test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compat compat-other environments notice demo test test-fast lint colcon bench docs clean
