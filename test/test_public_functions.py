@@ -18,7 +18,21 @@ from robomech_ros.kinematics import (
     link_poses,
     tip_poses,
 )
-from robomech_ros.kinetostatics import jacobian, point_jacobian
+from robomech_ros.kinetostatics import (
+    bias_acceleration,
+    characteristic_length,
+    condition_number,
+    condition_number_gradient,
+    jacobian,
+    jacobian_rate,
+    least_singular_value,
+    least_singular_value_gradient,
+    manipulability,
+    manipulability_gradient,
+    nearest_singular_posture,
+    point_jacobian,
+    singularity_report,
+)
 from robomech_ros.robots import chain_from_dh, load_description, load_robot
 from robomech_ros.trajectory import (
     PROFILES,
@@ -117,6 +131,20 @@ def calls():
     found |= with_options(tip_poses, chain=PUMA, q=[q])
     found |= with_options(jacobian, chain=PUMA, q=q)
     found |= with_options(point_jacobian, chain=PUMA, q=q, point=[0, 0, 0])
+    for function in (jacobian_rate, bias_acceleration):
+        found |= with_options(function, chain=PUMA, q=q, qd=q)
+    for function in (
+        condition_number,
+        condition_number_gradient,
+        least_singular_value,
+        least_singular_value_gradient,
+        manipulability,
+        manipulability_gradient,
+    ):
+        found |= with_options(function, chain=PUMA, q=q)
+    for function in (singularity_report, nearest_singular_posture):
+        found |= with_options(function, chain=PUMA, q=q, length=0.3)
+    found |= with_options(characteristic_length, chain=PUMA)
     found |= with_options(chain_from_dh, **TABLE)
     for key in ("lower", "upper", "velocity", "effort"):
         found[f"limits.{key}"] = lambda value, key=key: chain_from_dh(**TABLE, limits={key: value})

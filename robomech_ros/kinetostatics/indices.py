@@ -13,6 +13,7 @@ from robomech_ros.spatial.arrays import as_choice, real_number
 
 __all__ = [
     "NORMS",
+    "as_length",
     "condition_number",
     "condition_number_gradient",
     "least_singular_value",
@@ -65,7 +66,7 @@ def manipulability(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         q is not an array of n finite real numbers or of rows of them, an unknown part, or a length
-        that is not positive.
+        that is not from 1e-9 to 1e9 m.
 
     References
     ----------
@@ -238,10 +239,21 @@ def _gradient(
     return out[:, :-1].reshape(q.shape)
 
 
+def as_length(length: float) -> float:
+    """Check a length (m) that linear motions are divided by.
+
+    Raises
+    ------
+    BadValueError
+    """
+    expected = "a length from 1e-9 to 1e9 m"
+    metres = real_number("length", length, expected)
+    if not 1e-9 <= metres <= 1e9:
+        raise BadValueError("length", metres, expected)
+    return metres
+
+
 def _task(part: str, length: float | None) -> _Task:
     rows = _PARTS[as_choice("part", part, tuple(_PARTS))]
-    expected = "a positive length in m"
-    metres = 1.0 if length is None else real_number("length", length, expected)
-    if not 0.0 < metres < np.inf:
-        raise BadValueError("length", metres, expected)
+    metres = 1.0 if length is None else as_length(length)
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)

@@ -12,17 +12,16 @@ from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.conditioning import characteristic_length
+from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import point_jacobian
 from robomech_ros.kinetostatics.singularity_factors import singularity_factors
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
-from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["SingularityReport", "regular_rank", "report_length", "singularity_report"]
 
 Array = NDArray[np.float64]
 
-_POSITIVE = "a positive length in m"
 _NONE = np.empty((0, 6))
 
 
@@ -98,14 +97,11 @@ def report_length(chain: SerialChain, length: float | None) -> float:
     Raises
     ------
     BadValueError
-        It is not positive; or the chain has no joint, or is singular in every posture.
+        It is not from 1e-9 to 1e9 m; or the chain has no joint, or is singular in every posture.
     """
     if not chain.n:
         raise BadValueError("chain", chain.name, "one with a joint")
-    metres = _length(chain) if length is None else real_number("length", length, _POSITIVE)
-    if not 0.0 < metres < math.inf:
-        raise BadValueError("length", metres, _POSITIVE)
-    return metres
+    return _length(chain) if length is None else as_length(length)
 
 
 def regular_rank(chain: SerialChain) -> int:
@@ -158,7 +154,8 @@ def singularity_report(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         q or the point is not an array of n, or three, finite real numbers, the length is not
-        positive, or the chain has no joint, or is singular in every posture and no length is given.
+        from 1e-9 to 1e9 m, or the chain has no joint, or is singular in every posture and no
+        length is given.
 
     References
     ----------

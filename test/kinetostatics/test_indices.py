@@ -93,9 +93,9 @@ def test_singular_postures_and_shapes():
     ("given", "message"),
     [
         ({"part": "tool"}, "part .*one of pose, orientation, position"),
-        ({"length": 0.0}, "length .*a positive length in m"),
-        ({"length": np.inf}, "length .*a positive length in m"),
-        ({"length": "long"}, "length .*a positive length in m"),
+        ({"length": 0.0}, "length .*a length from 1e-9 to 1e9 m"),
+        ({"length": np.inf}, "length .*a length from 1e-9 to 1e9 m"),
+        ({"length": "long"}, "length .*a length from 1e-9 to 1e9 m"),
         ({"norm": "3"}, "norm .*one of 2, frobenius"),
     ],
 )

@@ -154,7 +154,7 @@ def test_what_is_refused():
     for ask in (singularity_report, nearest_singular_posture):
         with pytest.raises(WrongSizeError, match="q "):
             ask(chain, np.zeros((2, 6)), length=LENGTH)
-        with pytest.raises(BadValueError, match="length .*a positive length in m"):
+        with pytest.raises(BadValueError, match="length .*a length from 1e-9 to 1e9 m"):
             ask(chain, np.zeros(6), length=-1.0)
         with pytest.raises(NonFiniteError, match="joint 'waist'"):
             ask(chain, [np.inf, 0, 0, 0, 0, 0], length=LENGTH)
