@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 
 from robomech_ros._kernels import tolerances
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.bounds import hull
+from robomech_ros.trajectory.given_pieces import checked_pieces
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -27,31 +27,15 @@ def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
     """
     if not isinstance(path, PiecewisePolynomial):
         raise BadValueError("path", path, "a PiecewisePolynomial over the path coordinate")
-    breaks = real_array("breaks of the path", path.breaks)
-    coefficients = real_array("coefficients of the path", path.coefficients)
-    if breaks.ndim != 1 or not len(breaks):
-        raise WrongSizeError("breaks of the path", breaks.shape, "(s + 1,)")
-    wanted = max(len(breaks) - 1, 1)
-    shape = coefficients.shape
-    if len(shape) != 3 or shape[1] != wanted or not shape[2] or not shape[0]:
-        raise WrongSizeError("coefficients of the path", shape, f"(order + 1, {wanted}, n)")
-    if shape[0] > _LARGEST_ORDER + 1:
-        raise BadValueError("order of the path", shape[0] - 1, f"at most {_LARGEST_ORDER}")
-    if wanted > _MOST_PIECES:
-        raise BadValueError("number of pieces of the path", wanted, f"at most {_MOST_PIECES}")
-    for what, values in (("breaks", breaks), ("coefficients", coefficients)):
-        if not np.isfinite(values).all():
-            raise NonFiniteError(f"{what} of the path", values)
-    if not (np.diff(breaks) > 0.0).all():
-        k = int(np.argmin(np.diff(breaks)))
-        expected = f"more than the one before, {float(breaks[k])!r}"
-        raise BadValueError(f"breaks of the path[{k + 1}]", float(breaks[k + 1]), expected)
-    curve = PiecewisePolynomial(breaks, coefficients)
-    _check_magnitudes(curve)
+    curve = checked_pieces(path, "path", _LARGEST_ORDER)
+    coefficients, pieces = curve.coefficients, curve.coefficients.shape[1]
+    if pieces > _MOST_PIECES:
+        raise BadValueError("number of pieces of the path", pieces, f"at most {_MOST_PIECES}")
     _check_continuity(curve)
     used = np.flatnonzero(coefficients.any(axis=(1, 2)))
     order = int(used[-1]) if len(used) else 0
-    return PiecewisePolynomial(breaks, np.ascontiguousarray(coefficients[: max(order, 1) + 1]))
+    kept = np.ascontiguousarray(coefficients[: max(order, 1) + 1])
+    return PiecewisePolynomial(curve.breaks, kept)
 
 
 def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
@@ -101,14 +85,6 @@ def _moves(curve: PiecewisePolynomial) -> np.ndarray:
     rounding: FloatArray = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
     moving: np.ndarray = (way > np.maximum(rounding, tolerances.PATH_STANDSTILL)).any(axis=1)
     return moving
-
-
-def _check_magnitudes(curve: PiecewisePolynomial) -> None:
-    with np.errstate(over="ignore", invalid="ignore"):
-        largest = float(np.abs(hull(curve, 0)).max())
-    if not largest <= tolerances.LARGEST_LENGTH:
-        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
-        raise BadValueError("largest position on the path", largest, expected)
 
 
 def _check_continuity(curve: PiecewisePolynomial) -> None:

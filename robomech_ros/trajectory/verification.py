@@ -11,6 +11,7 @@ from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.bounds import extremes, first_above, hull
+from robomech_ros.trajectory.given_pieces import checked_pieces
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -19,6 +20,8 @@ from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 __all__ = ["Verification", "Violation", "verify"]
 
 QUANTITIES = ("position", *RATES)
+# Of piecewise polynomials, as they are documented.
+_LARGEST_ORDER = 9
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,7 @@ def verify(
     Raises
     ------
     BadValueError, NonFiniteError, WrongSizeError
-        If the waypoints make no curve: times that do not increase, NaN, wrong shapes.
+        If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
     """
     known = Limits.of(limits)
     curve, rounding = _curve_of(trajectory)
@@ -161,7 +164,7 @@ def _curve_of(
     if isinstance(trajectory, Waypoints):
         return trajectory.curve, True
     if isinstance(trajectory, PiecewisePolynomial):
-        return trajectory, True
+        return checked_pieces(trajectory, "trajectory", _LARGEST_ORDER), True
     pieces = getattr(trajectory, "pieces", None)
     if not isinstance(pieces, PiecewisePolynomial):
         expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"

@@ -169,3 +169,22 @@ def test_a_hundred_thousand_points_take_well_under_a_second():
     assert report.ok
     np.testing.assert_allclose(report.peak_velocity_ratio, 1.0 / 1.1, rtol=1e-9)
     assert best < 1.0  # of processor time; measured: 0.3 s
+
+
+@pytest.mark.parametrize(
+    ("breaks", "coefficients", "error", "message"),
+    [
+        ([0, 1, 1], np.zeros((2, 2, 1)), BadValueError, r"breaks of the trajectory\[2\] is 1"),
+        ([1, 0], np.zeros((2, 1, 1)), BadValueError, r"more than the one before, 1.0"),
+        ([], np.zeros((2, 0, 1)), WrongSizeError, "breaks of the trajectory"),
+        ([0, 1], np.zeros((2, 2, 1)), WrongSizeError, "coefficients of the trajectory"),
+        ([0, 1], np.zeros((11, 1, 1)), BadValueError, "order of the trajectory is 10"),
+        ([0, 1], np.full((2, 1, 1), np.nan), NonFiniteError, "coefficients of the trajectory"),
+        ([0, np.inf], np.zeros((2, 1, 1)), NonFiniteError, "breaks of the trajectory"),
+        ([0, 1], np.full((4, 1, 1), 1e308), BadValueError, "largest position on the trajectory"),
+    ],
+)
+def test_pieces_that_make_no_curve_are_refused(breaks, coefficients, error, message):
+    limits = Limits(["joint"], velocity=1.0, acceleration=1.0, jerk=1.0)
+    with pytest.raises(error, match=message):
+        verify(PiecewisePolynomial(np.array(breaks, dtype=float), coefficients), limits)
