@@ -4,6 +4,7 @@ An engine gives the chunks in the order in which they are done; what is in them 
 who has computed them.
 """
 
+import asyncio
 import os
 import threading
 from collections.abc import Generator, Iterator
@@ -119,7 +120,7 @@ def by_dask(
     except ImportError:
         raise DaskUnavailableError from None
     with _connected(address) as client:
-        given = client.scatter((chain, request), broadcast=True, hash=False)
+        (given,) = client.scatter([(chain, request)], broadcast=True, hash=False)
         running: dict[Any, Chunk] = {}
 
         def submit(count: int) -> list[Any]:
@@ -132,7 +133,7 @@ def by_dask(
             return new
 
         threads = sum(client.nthreads().values())
-        done = as_completed(submit(threads * (1 + _WAITING)))
+        done = as_completed(submit(threads * (1 + _WAITING)), loop=client.loop)
         for future in done:
             cells = future.result()
             chunk = running.pop(future)
@@ -142,21 +143,33 @@ def by_dask(
 
 
 def _connected(address: str) -> "Client":
+    """Connect to a scheduler, once it has said that it is one: Dask waits for others for ever."""
     from distributed import Client
 
     expected = "the address of a running Dask scheduler with workers, such as tcp://10.0.0.1:8786"
     if not isinstance(address, str) or not address:
         raise BadValueError("scheduler", address, expected)
     try:
-        client = Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+        with ThreadPoolExecutor(1) as pool:  # where a loop may be running already there is another
+            identity = pool.submit(asyncio.run, _identity(address)).result()
+    except (OSError, ValueError, asyncio.TimeoutError) as error:
         raise BadValueError("scheduler", address, f"{expected} ({_first_line(error)})") from None
-    try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except TimeoutError:
-        client.close()
-        raise BadValueError("scheduler", address, f"{expected}; it has none") from None
-    return client
+    if identity.get("type") != "Scheduler":
+        raise BadValueError("scheduler", address, f"{expected} (a {identity.get('type')} answers)")
+    if not identity["workers"]:
+        raise BadValueError("scheduler", address, f"{expected} (it has no workers)")
+    return Client(address, timeout=_PATIENCE, set_as_default=False)
+
+
+async def _identity(address: str) -> dict[str, Any]:
+    """Ask who listens at an address."""
+    from distributed.core import rpc
+
+    async def ask() -> dict[str, Any]:
+        async with rpc(address, timeout=_PATIENCE) as peer:
+            return dict(await peer.identity())
+
+    return await asyncio.wait_for(ask(), _PATIENCE)
 
 
 def _first_line(error: Exception) -> str:
