@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         CharacteristicLength,
         characteristic_length,
     )
+    from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
         condition_number_gradient,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CharacteristicLength",
+    "GlobalIndex",
     "NearestSingularity",
     "ReachMap",
     "SingularityReport",
@@ -42,6 +44,7 @@ __all__ = [
     "condition_number_gradient",
     "even_rotations",
     "even_turns",
+    "global_conditioning_index",
     "jacobian",
     "jacobian_rate",
     "least_singular_value",
@@ -57,6 +60,7 @@ __all__ = [
 
 _MODULES = {
     "CharacteristicLength": "conditioning",
+    "GlobalIndex": "global_indices",
     "NearestSingularity": "singularity_distance",
     "ReachMap": "reachability",
     "SingularityReport": "singularities",
@@ -66,6 +70,7 @@ _MODULES = {
     "condition_number_gradient": "indices",
     "even_rotations": "rotation_sets",
     "even_turns": "rotation_sets",
+    "global_conditioning_index": "global_indices",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",
     "least_singular_value": "indices",

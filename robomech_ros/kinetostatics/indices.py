@@ -17,6 +17,7 @@ __all__ = [
     "as_length",
     "condition_number",
     "condition_number_gradient",
+    "evaluate",
     "least_singular_value",
     "least_singular_value_gradient",
     "manipulability",
@@ -220,12 +221,18 @@ def least_singular_value_gradient(
 def _value(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> float | Array:
-    q, task = as_joint_values(chain, q), _task(part, length)
-    rows = as_rows(q)
+    q = as_joint_values(chain, q)
+    out = evaluate(chain, q, part, length)
+    return float(out[0, index]) if q.ndim == 1 else out[:, index].reshape(q.shape[:-1])
+
+
+def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> Array:
+    """Give all indices of the postures q (..., n), one row each as the kernels lay them out."""
+    task, rows = _task(part, length), as_rows(q)
     out = np.empty((len(rows), kernels.COUNT))
     if kernels.indices(chain.packed, rows, *task, out):
         raise_not_finite(chain, q)
-    return float(out[0, index]) if q.ndim == 1 else out[:, index].reshape(q.shape[:-1])
+    return out
 
 
 def _gradient(

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", required=True, help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
-    xyz = {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z")}
+    xyz: dict[str, Any] = {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z")}
     parser.add_argument(
         "--lower", **xyz, help="corner of the box in the base, m (the cube that holds all reach)"
     )

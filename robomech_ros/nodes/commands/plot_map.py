@@ -27,8 +27,11 @@ def run(args: argparse.Namespace) -> int:
     if args.output.suffix not in (".png", ".svg", ".pdf"):
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
     reach = load_reach_map(args.file)
-    path = plot_map(
-        args.output, reach, quantity=args.quantity, axis=args.axis, at=args.at, title=args.title
-    )
+    options = {"quantity": args.quantity, "axis": args.axis, "at": args.at, "title": args.title}
+    try:
+        path = plot_map(args.output, reach, **options)
+    except OSError as error:
+        expected = f"a file that can be written ({error.strerror})"
+        raise BadValueError("--output", str(args.output), expected) from None
     print(f"{path}: {reach.finished:,} of {reach.grid.cells:,} points")
     return 0
