@@ -11,7 +11,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import MapFileError, NotEnoughMemoryError, RobomechError
+from robomech_ros.errors import BadValueError, MapFileError, NotEnoughMemoryError, RobomechError
 from robomech_ros.kinetostatics.box_grid import BoxGrid, as_grid
 from robomech_ros.kinetostatics.indices import PARTS, as_length
 from robomech_ros.kinetostatics.map_cells import CELL, UNFINISHED
@@ -20,13 +20,26 @@ from robomech_ros.kinetostatics.rotation_sets import as_orientations
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["check_writable", "load_map", "save_map"]
+__all__ = ["as_path", "check_writable", "load_map", "save_map"]
 
 _FORMAT = "robomech map 1"
 _MEMBERS = ("header", "orientations", "cells")
 _LARGEST_HEADER = 1 << 16
 # What numpy writes in front of an array, at the most.
 _PREAMBLE = 1 << 12
+
+
+def as_path(file: str | os.PathLike[str]) -> Path:
+    """Check the name of a file.
+
+    Raises
+    ------
+    BadValueError
+        Not a name.
+    """
+    if not isinstance(file, str | os.PathLike) or not str(file) or "\0" in str(file):
+        raise BadValueError("file", file, "the path of a file")
+    return Path(file)
 
 
 def check_writable(path: Path) -> None:
@@ -38,9 +51,9 @@ def check_writable(path: Path) -> None:
     """
     if path.suffix != ".npz":
         raise MapFileError(str(path), "a map is kept in a file whose name ends with .npz")
-    if path.exists() and not path.is_file():
-        raise MapFileError(str(path), "this is no file")
     try:
+        if path.exists() and not path.is_file():
+            raise MapFileError(str(path), "this is no file")
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.stem}."):
             pass
     except OSError as error:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import MapFileError
+from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.box_grid import BoxGrid, as_grid
@@ -24,7 +24,7 @@ from robomech_ros.kinetostatics.map_engines import (
     by_dask,
     in_threads,
 )
-from robomech_ros.kinetostatics.map_file import check_writable, load_map, save_map
+from robomech_ros.kinetostatics.map_file import as_path, check_writable, load_map, save_map
 from robomech_ros.kinetostatics.map_request import MapRequest, RobotIdentity, identity_of
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
 from robomech_ros.numerics.memory import check_memory
@@ -142,11 +142,12 @@ class ReachMap:
 
         Raises
         ------
-        MapFileError
-            It cannot be written.
+        BadValueError, MapFileError
+            No path, or one that cannot be written.
         """
-        save_map(Path(path), self.request, self.cells)
-        return Path(path)
+        place = as_path(path)
+        save_map(place, self.request, self.cells)
+        return place
 
 
 def reach_map(
@@ -222,7 +223,9 @@ def reach_map(
     check_chain(chain)
     grid, rotations = as_grid(lower, upper, spacing, shape), as_orientations(orientations)
     limited, rows = as_flag("respect_limits", respect_limits), as_choice("part", part, tuple(PARTS))
-    threads, path = as_workers(workers), None if file is None else Path(file)
+    threads, path = as_workers(workers), None if file is None else as_path(file)
+    if progress is not None and not callable(progress):
+        raise BadValueError("progress", progress, "a function of two whole numbers")
     _check_size(grid)
     if path is not None:
         check_writable(path)
@@ -256,13 +259,13 @@ def load_reach_map(path: str | Path, chain: SerialChain | None = None) -> ReachM
     Raises
     ------
     BadValueError
-        Not a chain.
+        Not a chain, or not a path.
     MapFileError
         Not a map, a damaged one, or that of another robot.
     NotEnoughMemoryError
         It does not fit.
     """
-    request, cells = load_map(Path(path))
+    request, cells = load_map(as_path(path))
     if chain is not None:
         check_chain(chain)
         wanted = identity_of(chain)

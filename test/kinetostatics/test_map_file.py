@@ -154,6 +154,7 @@ def test_a_place_that_cannot_be_written_is_told_before_anything_is_computed(tmp_
         (tmp_path / "nowhere" / "map.npz", "cannot be written: No such file or directory"),
         (tmp_path / "map.txt", "ends with .npz"),
         (tmp_path, "ends with .npz"),
+        (tmp_path / f"{'m' * 300}.npz", "cannot be written: File name too long"),
     ):
         with pytest.raises(MapFileError, match=text):
             reach_map(PUMA, **BOX, file=place, progress=lambda *_: pytest.fail("began"))

@@ -153,6 +153,8 @@ GOOD = {"lower": [0, 0, 0], "upper": [1, 1, 1], "shape": 2, "orientations": 1, "
         ({"part": "all"}, BadValueError, "part is 'all'"),
         ({"length": -1.0}, BadValueError, "length is -1.0"),
         ({"workers": 0}, BadValueError, "workers is 0"),
+        ({"progress": "bar"}, BadValueError, "progress is 'bar', expected a function"),
+        ({"file": 3}, BadValueError, "file is 3, expected the path of a file"),
         ({"respect_limits": "no"}, BadValueError, "respect_limits is 'no'"),
     ],
 )
