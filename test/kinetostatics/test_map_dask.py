@@ -22,7 +22,7 @@ def cluster():
         threads_per_worker=1,
         processes=False,
         protocol="tcp://",
-        dashboard_address=None,
+        dashboard_address=":0",
     ) as found:
         yield found
 
@@ -59,7 +59,7 @@ def test_a_scheduler_that_is_none_is_refused(monkeypatch, tmp_path):
 
 def test_a_scheduler_without_workers_is_refused():
     with (
-        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as empty,
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as empty,
         pytest.raises(BadValueError, match="it has no workers"),
     ):
         reach_map(PUMA, **BOX, scheduler=empty.scheduler_address)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from robomech_ros._kernels.inverse import UNDECIDED
 from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
@@ -13,8 +14,8 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics import inverse_kinematics
+from robomech_ros.kinematics.inverse import solve_many
 from robomech_ros.kinetostatics import (
-    characteristic_length,
     condition_number,
     even_rotations,
     even_turns,
@@ -72,6 +73,21 @@ def test_cells_are_what_single_calls_give(name):
     assert found.mean_conditioning == pytest.approx(np.mean(reciprocals), rel=1e-9)
 
 
+def test_poses_that_a_family_cannot_decide_are_searched(monkeypatch):
+    box = {"lower": [0.3, -0.4, 0.1], "upper": [0.7, 0.4, 0.5], "shape": 2, "orientations": 4}
+    wanted = reach_map(PUMA, **box, length=0.3)
+
+    def undecided(*arguments):
+        q, counts, state = solve_many(*arguments)
+        q[::2], counts[::2] = np.nan, UNDECIDED
+        return q, counts, state
+
+    monkeypatch.setattr("robomech_ros.kinetostatics.map_cells.solve_many", undecided)
+    found = reach_map(PUMA, **box, length=0.3)
+    assert found.share_reached > 0.0
+    assert found.cells.tobytes() == wanted.cells.tobytes()
+
+
 def test_limits_parts_and_length_count():
     box = {"lower": [-0.8] * 3, "upper": [0.8] * 3, "shape": 4, "orientations": 6}
     within = reach_map(PUMA, **box, length=0.3)
@@ -80,7 +96,7 @@ def test_limits_parts_and_length_count():
     assert beyond.share_reached > within.share_reached
     assert set(np.unique(beyond.solutions % 8)) == {0}
     part = reach_map(PUMA, **box, part="orientation")
-    assert part.request.length == characteristic_length(PUMA)
+    assert part.request.length == pytest.approx(0.283, abs=1e-3), "the characteristic length"
     assert (part.condition_number[part.reached > 0] < within.condition_number[within.reached > 0])\
         .all()  # fmt: skip
 
