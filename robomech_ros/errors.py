@@ -15,8 +15,10 @@ __all__ = [
     "BadValueError",
     "DurationTooShortError",
     "LimitExceededError",
+    "MapFileError",
     "MissingLimitsError",
     "NonFiniteError",
+    "NotEnoughMemoryError",
     "RobomechError",
     "RobotDescriptionError",
     "SeedOutsideLimitsError",
@@ -263,3 +265,52 @@ class DurationTooShortError(RobomechError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.duration, self.shortest, self.joint, self.limit)
+
+
+class MapFileError(RobomechError):
+    """The file of a map is damaged, belongs to another map or robot, or cannot be written.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+    why : str
+        What is wrong with it, and what would be right.
+    """
+
+    def __init__(self, path: str, why: str) -> None:
+        self.path = path
+        self.why = why
+        super().__init__(f"{path}: {why}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.path, self.why)
+
+
+class NotEnoughMemoryError(RobomechError):
+    """What was asked for does not fit into the memory of this machine.
+
+    Parameters
+    ----------
+    what : str
+        What was asked for.
+    needed, available : int
+        Bytes.
+    """
+
+    def __init__(self, what: str, needed: int, available: int) -> None:
+        self.what = what
+        self.needed = needed
+        self.available = available
+        super().__init__(
+            f"{what} takes {_in_bytes(needed)} of memory, of which {_in_bytes(available)} "
+            "are available"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.needed, self.available)
+
+
+def _in_bytes(count: int) -> str:
+    """Show a number of bytes; one that has more digits than tell anything as a power of ten."""
+    return f"{count:,} bytes" if count < 10**18 else f"1e{len(str(count)) - 1} bytes"

@@ -33,6 +33,11 @@ CASES = [
         errors.LimitExceededError("velocity", "j", -3.0, -2.0),
         "velocity of joint 'j' is -3, over its limit -2 by 1",
     ),
+    (errors.MapFileError("map.npz", "damaged"), "map.npz: damaged"),
+    (
+        errors.NotEnoughMemoryError("a map of 9 cells", 24_000_000, 5),
+        "a map of 9 cells takes 24,000,000 bytes of memory, of which 5 bytes are available",
+    ),
 ]
 
 

@@ -23,14 +23,19 @@ from robomech_ros.kinetostatics import (
     characteristic_length,
     condition_number,
     condition_number_gradient,
+    even_rotations,
+    even_turns,
+    global_conditioning_index,
     jacobian,
     jacobian_rate,
     least_singular_value,
     least_singular_value_gradient,
+    load_reach_map,
     manipulability,
     manipulability_gradient,
     nearest_singular_posture,
     point_jacobian,
+    reach_map,
     singularity_report,
 )
 from robomech_ros.robots import chain_from_dh, load_description, load_robot
@@ -145,6 +150,11 @@ def calls():
     for function in (singularity_report, nearest_singular_posture):
         found |= with_options(function, chain=PUMA, q=q, length=0.3)
     found |= with_options(characteristic_length, chain=PUMA)
+    found |= with_options(even_rotations, count=2) | with_options(
+        even_turns, count=2, axis=[1, 0, 0]
+    )
+    found |= with_options(global_conditioning_index, chain=PUMA, length=0.3, postures=256)
+    found |= maps()
     found |= with_options(chain_from_dh, **TABLE)
     for key in ("lower", "upper", "velocity", "effort"):
         found[f"limits.{key}"] = lambda value, key=key: chain_from_dh(**TABLE, limits={key: value})
@@ -209,6 +219,18 @@ def calls():
         needed = [one for one in arguments if one.default is one.empty]
         count = len(needed)
         found[name] = lambda value, f=function, n=count: f(*[value] * n)
+    return found
+
+
+def maps():
+    """Maps of two points at the most."""
+    good = {"lower": [0.3, 0, 0], "upper": [0.5, 0, 0], "shape": [2, 1, 1]}
+    good |= {"orientations": 1, "length": 0.3, "workers": 1}
+    found = with_options(reach_map, PUMA, **good)
+    del found["reach_map.progress"]  # what a caller's own function makes of its arguments
+    found["load_reach_map.path"] = load_reach_map
+    good |= {"shape": None, "spacing": 0.2}
+    found["reach_map.spacing"] = lambda value: reach_map(PUMA, **(good | {"spacing": value}))
     return found
 
 

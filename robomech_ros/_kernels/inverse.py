@@ -45,6 +45,7 @@ __all__ = [
     "NONE_EXISTS",
     "SHORT",
     "THREE_PARALLEL",
+    "UNDECIDED",
     "solve",
 ]
 
@@ -52,8 +53,10 @@ __all__ = [
 # and the redundant one.
 SHORT = 4
 
-# In place of a count: there is no solution, with limits or without.
+# In place of a count: there is no solution, with limits or without; and that the family has found
+# none, which proves nothing.
 NONE_EXISTS = -1
+UNDECIDED = -2
 
 # Rows of ``marks``: branches of the bare solutions and of the ranked ones.
 BRANCH = 0
@@ -290,8 +293,9 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
 
     The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
-    NONE_EXISTS where there is no solution even outside the limits.  Where limits exclude a
-    representative of a continuum, others are tried, with other values of the free joints.
+    NONE_EXISTS where there is no solution even outside the limits, UNDECIDED where the family
+    cannot vouch for that.  Where limits exclude a representative of a continuum, others are tried,
+    with other values of the free joints.
     BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
 
     Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
@@ -346,7 +350,9 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
         if family >= BACKWARDS:
             _number(branch[:found])
             _number(names[: state[RANKED]])
-        counts[m] = state[RANKED] if found > 0 else NONE_EXISTS
+        counts[m] = state[RANKED]
+        if found == 0:
+            counts[m] = UNDECIDED if state[UNPROVEN] > 0 else NONE_EXISTS
         _clear(ranked[m], state[RANKED])
         state[BARE] = found
     return state[BARE], state[MISSING], state[RANKED], state[SINGULAR], state[UNPROVEN]

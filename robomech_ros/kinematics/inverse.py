@@ -28,7 +28,7 @@ from robomech_ros.kinematics.status import Status
 from robomech_ros.kinematics.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["inverse_kinematics", "inverse_kinematics_batch"]
+__all__ = ["family_within", "inverse_kinematics", "inverse_kinematics_batch", "solve_many"]
 
 Array = NDArray[np.float64]
 
@@ -186,11 +186,9 @@ def inverse_kinematics_batch(
         room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
         q, count, _, _ = sample_many(chain, targets, family, start, number, respect_limits, room)
     else:
-        if not family.closed_form:
-            data = iterative_data(chain, respect_limits=respect_limits)
-            family = iterative_family(chain, data)
+        family = family_within(chain, respect_limits)
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
-        q, count, _ = _solve_many(chain, targets, family, start, number, respect_limits, room)
+        q, count, _ = solve_many(chain, targets, family, start, number, respect_limits, room)
     status = np.zeros(len(targets), np.int64)
     for index in np.flatnonzero(count <= 0):
         one = targets[index]
@@ -212,7 +210,15 @@ def inverse_kinematics_batch(
     return q, count, status
 
 
-def _solve_many(
+def family_within(chain: SerialChain, respect_limits: bool) -> Family:
+    """Give the family of a chain; an iterative one searches with limits or without."""
+    family = family_of(chain)
+    if family.closed_form:
+        return family
+    return iterative_family(chain, iterative_data(chain, respect_limits=respect_limits))
+
+
+def solve_many(
     chain: SerialChain,
     targets: Array,
     family: Family,
@@ -221,7 +227,10 @@ def _solve_many(
     respect_limits: bool,
     room: int,
 ) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
-    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose."""
+    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
+
+    Counts below 1 are those of ``_kernels.inverse.solve``.
+    """
     q = np.empty((len(targets), room, chain.n))
     count = np.empty(len(targets), np.int64)
     state = solve(
@@ -245,7 +254,7 @@ def _outcome_of_none(
     """Tell why a closed form gave nothing for a pose of a batch; None where a search has to."""
     if family.redundant or not family.closed_form:
         return None
-    _, _, state = _solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
+    _, _, state = solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
     bare, _, _, singular, unproven = state
     if bare:
         return Status.SINGULAR_CONTINUUM if singular else Status.LIMITS_EXCLUDE_ALL

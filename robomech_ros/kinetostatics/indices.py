@@ -13,9 +13,11 @@ from robomech_ros.spatial.arrays import as_choice, real_number
 
 __all__ = [
     "NORMS",
+    "PARTS",
     "as_length",
     "condition_number",
     "condition_number_gradient",
+    "evaluate",
     "least_singular_value",
     "least_singular_value_gradient",
     "manipulability",
@@ -25,7 +27,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 # Rows of the Jacobian that a part of the task means.
-_PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
+PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
 # Columns of the kernels that hold a condition number.
 NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
 
@@ -219,12 +221,18 @@ def least_singular_value_gradient(
 def _value(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> float | Array:
-    q, task = as_joint_values(chain, q), _task(part, length)
-    rows = as_rows(q)
+    q = as_joint_values(chain, q)
+    out = evaluate(chain, q, part, length)
+    return float(out[0, index]) if q.ndim == 1 else out[:, index].reshape(q.shape[:-1])
+
+
+def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> Array:
+    """Give all indices of the postures q (..., n), one row each as the kernels lay them out."""
+    task, rows = _task(part, length), as_rows(q)
     out = np.empty((len(rows), kernels.COUNT))
     if kernels.indices(chain.packed, rows, *task, out):
         raise_not_finite(chain, q)
-    return float(out[0, index]) if q.ndim == 1 else out[:, index].reshape(q.shape[:-1])
+    return out
 
 
 def _gradient(
@@ -254,6 +262,6 @@ def as_length(length: float) -> float:
 
 
 def _task(part: str, length: float | None) -> _Task:
-    rows = _PARTS[as_choice("part", part, tuple(_PARTS))]
+    rows = PARTS[as_choice("part", part, tuple(PARTS))]
     metres = 1.0 if length is None else as_length(length)
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
-GROUPS = ("forward", "inverse", "trajectory", "nodes")
+GROUPS = ("forward", "inverse", "maps", "trajectory", "nodes")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -40,6 +40,12 @@ def main() -> int:
         inverse_rows, inverse_remarks = bench_inverse.rows()
         rows += inverse_rows
         remarks += inverse_remarks
+    if "maps" in groups:
+        import bench_maps
+
+        map_rows, map_remarks = bench_maps.rows()
+        rows += map_rows
+        remarks += map_remarks
     if "trajectory" in groups:
         import bench_trajectory
 

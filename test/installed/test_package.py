@@ -32,7 +32,7 @@ ROSDEP = {
 # Import name -> name in the package index, where they differ.
 INDEX = {"llvmlite": "numba", "yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
 # Imported only where it is installed, or without a rosdep key (README.md says how it is installed).
-OPTIONAL = {"control_msgs", "moveit_msgs", "tf2_msgs", "tf2_ros"}
+OPTIONAL = {"control_msgs", "distributed", "moveit_msgs", "tf2_msgs", "tf2_ros"}
 NO_ROSDEP_KEY = {"ruckig"}
 
 

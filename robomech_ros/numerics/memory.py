@@ -1,0 +1,45 @@
+"""How much memory there is, so that what would not fit can be told before it is begun."""
+
+import os
+import re
+from pathlib import Path
+
+from robomech_ros.errors import NotEnoughMemoryError
+
+__all__ = ["available_memory", "check_memory"]
+
+_MEMINFO = Path("/proc/meminfo")
+# What a container is allowed and what it uses.
+_ALLOWED = Path("/sys/fs/cgroup/memory.max")
+_USED = Path("/sys/fs/cgroup/memory.current")
+
+
+def available_memory() -> int:
+    """Tell how many bytes can be taken without swapping, by this machine or container."""
+    free = _free_on_machine()
+    try:
+        return max(0, min(free, int(_ALLOWED.read_text()) - int(_USED.read_text())))
+    except (OSError, ValueError):  # no container, or one without a limit
+        return free
+
+
+def check_memory(what: str, needed: int) -> None:
+    """Refuse what needs more bytes than there are; ``what`` names it in the message.
+
+    Raises
+    ------
+    NotEnoughMemoryError
+    """
+    available = available_memory()
+    if needed > available:
+        raise NotEnoughMemoryError(what, needed, available)
+
+
+def _free_on_machine() -> int:
+    try:
+        found = re.search(r"^MemAvailable:\s+(\d+) kB", _MEMINFO.read_text(), re.MULTILINE)
+    except OSError:
+        found = None
+    if found:
+        return 1024 * int(found[1])
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
