@@ -20,6 +20,7 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.controller.robot import SimulatedRobot
 from robomech_ros.nodes.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.pauses import wake
 
 __all__ = ["Dialect", "GoalServer", "fill_states"]
 
@@ -65,7 +66,7 @@ class _Goal:
 
 
 class GoalServer:
-    """Serves the action; the robot is moved by the node's timer, nothing here waits.
+    """Serves the action; the robot is moved by the node's cycles, nothing here waits.
 
     Parameters
     ----------
@@ -102,11 +103,13 @@ class GoalServer:
             handle.abort()
             return self._dialect.refused(error)
         key = _key(handle)
-        self._goals[key] = _Goal(handle, job)
+        with self._robot.lock:
+            self._goals[key] = _Goal(handle, job)
         if handle.is_cancel_requested:
             self._cancel(handle)
         outcome: Outcome = await ended
-        del self._goals[key]
+        with self._robot.lock:
+            del self._goals[key]
         self._conclude(handle, outcome)
         if not self._goals and not self._idle.done():
             self._idle.set_result(None)
@@ -121,8 +124,12 @@ class GoalServer:
             notes.append(note)
             return found
 
+        def end(outcome: Outcome) -> None:
+            ended.set_result(outcome)
+            wake(self._node)
+
         by = "a newer goal of the action"
-        job = self._robot.execute(goal.trajectory, by, ended.set_result, tolerances)
+        job = self._robot.execute(goal.trajectory, by, end, tolerances)
         if notes[0]:
             self._node.get_logger().warning(notes[0])
         return job, notes[0]
@@ -142,14 +149,15 @@ class GoalServer:
         if goal is None:
             # It has not begun yet: it is cancelled as soon as it begins.
             return CancelResponse.ACCEPT
-        if goal.job.outcome is not None:
-            return CancelResponse.REJECT
         text = "cancelled by the client; the robot has stopped on its path"
-        self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
+        with self._robot.lock:
+            if goal.job.outcome is not None:
+                return CancelResponse.REJECT
+            self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
         return CancelResponse.ACCEPT
 
     def publish_feedback(self) -> None:
-        """Tell the clients how far their goals have come."""
+        """Tell the clients how far their goals have come; the robot's lock is to be held."""
         follower = self._robot.follower
         for goal in self._goals.values():
             wanted = follower.actual if goal.job is follower.waiting else follower.wanted

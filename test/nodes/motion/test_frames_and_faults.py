@@ -16,9 +16,14 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.controller.frame_publisher import JointPoses, joint_pose
 from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.robots import load_robot
-from robomech_ros.spatial import matrix_from_quaternion
+from robomech_ros.robots import Joint, load_robot
+from robomech_ros.spatial import (
+    matrix_from_axis_angle,
+    matrix_from_quaternion,
+    pose_from_matrix,
+)
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
@@ -76,6 +81,29 @@ def test_frames_lead_to_the_tip(drive, robot):
     np.testing.assert_allclose(pose, forward_kinematics(chain, goal), atol=1e-12)
     stamp = moving.transforms[0].header.stamp
     assert 0 <= arm.graph.client.get_clock().now().nanoseconds / 1e9 - stamp.sec < 60.0
+
+
+def test_poses_of_many_joints_at_once():
+    random = np.random.default_rng(5)
+
+    def pose():
+        turn = matrix_from_axis_angle(random.standard_normal(3), random.uniform(-np.pi, np.pi))
+        return pose_from_matrix(turn, random.standard_normal(3))
+
+    def joint(kind):
+        axis = random.standard_normal(3)
+        axis /= np.linalg.norm(axis)
+        return Joint("j", kind, "a", "b", origin=pose(), axis=axis, after=pose())
+
+    kinds = [*("revolute", "prismatic", "continuous", "fixed") * 20]
+    joints = [joint(kind) for kind in kinds]
+    positions = random.uniform(-7.0, 7.0, len(joints))
+    places, turns = JointPoses(joints).at(positions)
+    wanted = np.array([joint_pose(*pair) for pair in zip(joints, positions, strict=True)])
+    fixed = np.array(kinds) == "fixed"
+    wanted[fixed] = [joint_pose(joint, 0.0) for joint in np.array(joints)[fixed]]
+    np.testing.assert_allclose(places, wanted[:, :3, 3], atol=1e-13)
+    np.testing.assert_allclose(matrix_from_quaternion(turns), wanted[:, :3, :3], atol=1e-13)
 
 
 def test_no_frames_unless_wanted(graph):
