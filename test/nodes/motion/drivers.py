@@ -176,7 +176,11 @@ class Suite(Watcher):
         return JointTrajectory(joint_names=list(names or self.chain.joint_names), points=points)
 
     def plan(self, *args, **options):
-        self._planned.publish(self.trajectory(*args, **options))
+        self.send(self.trajectory(*args, **options))
+
+    def send(self, trajectory):
+        """Publish a trajectory as planned."""
+        self._planned.publish(trajectory)
 
     def start_execute(self, trajectory=None):
         """Call the service execute without waiting for its answer."""
@@ -191,12 +195,17 @@ class Suite(Watcher):
     def condition(self, accept=lambda status: True):
         """Wait for a status of the publisher that is accepted."""
 
-        def accepted(array):
-            status = array.status[0]
-            return "trajectory_publisher" in status.name and accept(status)
+        return self._status("trajectory_publisher", accept)
 
-        array = self.graph.receive(DiagnosticArray, "/diagnostics", 10, accepted)
-        return array.status[0]
+    def controller_condition(self, accept):
+        """Wait for a status of the controller that is accepted."""
+        return self._status(NAME, accept)
+
+    def _status(self, node, accept):
+        def accepted(array):
+            return node in array.status[0].name and accept(array.status[0])
+
+        return self.graph.receive(DiagnosticArray, "/diagnostics", 10, accepted).status[0]
 
     def value(self, key, accept=lambda status: True):
         """Give one of the facts of such a status."""
