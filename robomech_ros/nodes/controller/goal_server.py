@@ -4,6 +4,7 @@ Every goal is accepted, and one that is refused is aborted with a text: a reject
 no reason to the client.
 """
 
+import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -47,8 +48,8 @@ class Dialect(Protocol):
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal, and say what of them does not hold."""
 
-    def refused(self, error: RobomechError) -> Any:
-        """Make the result of a goal that is not executed."""
+    def refused(self, error: Exception) -> Any:
+        """Make the result of a goal that is not executed; most errors are RobomechError."""
 
     def ended(self, outcome: Outcome, note: str) -> Any:
         """Make the result of a motion."""
@@ -100,6 +101,11 @@ class GoalServer:
             job, note = self._start(handle.request, ended)
         except RobomechError as error:
             self._node.get_logger().warning(f"goal refused: {error}")
+            handle.abort()
+            return self._dialect.refused(error)
+        except Exception as error:
+            text = f"goal failed, please report:\n{traceback.format_exc()}"
+            self._node.get_logger().error(text)
             handle.abort()
             return self._dialect.refused(error)
         key = _key(handle)
