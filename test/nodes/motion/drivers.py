@@ -34,6 +34,15 @@ def ended(future):
     return future.result()
 
 
+def asked(node, call):
+    """Ask as `call` does; returns the future of the answer.
+
+    It is called in the thread that spins the node: an action client of rclpy does not know the
+    answer to what another thread asks if it comes at once.
+    """
+    return ended(node.executor.create_task(call))
+
+
 class Watcher:
     """Sees the joint states."""
 
@@ -117,13 +126,17 @@ class Driver(Watcher):
 
     def send(self, trajectory, feedback=None, **tolerances):
         goal = ExecuteTrajectory.Goal(trajectory=trajectory, **tolerances)
-        handle = ended(self._action.send_goal_async(goal, feedback_callback=feedback))
+        handle = ended(self.ask(lambda: self._action.send_goal_async(goal, feedback)))
         assert handle.accepted
         return handle
 
     def result(self, handle):
-        answer = ended(handle.get_result_async())
+        answer = ended(self.ask(handle.get_result_async))
         return answer.status, answer.result
+
+    def ask(self, call):
+        """Ask something of an action; returns the future of the answer."""
+        return asked(self.graph.client, call)
 
     def execute(self, trajectory, **tolerances):
         return self.result(self.send(trajectory, **tolerances))

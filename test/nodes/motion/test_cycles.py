@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.nodes.controller.cycles import Cycles
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 
-RATE = 200.0
+RATE = 50.0
 MOVE = np.array([0.2, -0.1, 0.15, 0.0, 0.1, -0.1])
 
 
@@ -45,13 +45,13 @@ def node(graph):
 
 
 def test_cycles_need_no_executor_and_keep_to_their_grid(node):
-    ticks = Ticks(node, lambda count: time.sleep(0.012 if count == 5 else 0.0))
-    ticks.until(60)
+    ticks = Ticks(node, lambda count: time.sleep(2.4 / RATE if count == 5 else 0.0))
+    ticks.until(30)
     ticks.cycles.stop()
     count = len(ticks.times)
     phase = (np.array(ticks.times) - ticks.times[0]) * RATE % 1.0
     # All within a part of a cycle, but those that a busy machine delays.
-    assert np.median(np.minimum(phase, 1.0 - phase)) < 0.2
+    assert np.median(np.minimum(phase, 1.0 - phase)) < 0.25
     # The fifth took two cycles more than its own: they are left out, not made up for.
     assert ticks.times[5] - ticks.times[4] > 2.0 / RATE
     time.sleep(3.0 / RATE)

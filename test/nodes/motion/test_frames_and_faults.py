@@ -124,7 +124,7 @@ def set_parameter(arm, name, **value):
 def test_a_joint_gets_stuck_while_it_moves(drive):
     arm = drive(path_tolerance=0.05)
     start = arm.position
-    handle = arm.send(arm.trajectory((20.0, 10 * MOVE)))
+    handle = arm.send(arm.trajectory((8.0, 10 * MOVE)))
     arm.until_moving()
     assert set_parameter(arm, "fault_stuck_joints", string_value="waist, elbow").successful
     status, result = arm.result(handle)
