@@ -151,6 +151,23 @@ def test_faults_that_cannot_be(graph, drive):
     assert arm.execute(arm.trajectory((0.3, MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
 
 
+def test_parameters_are_checked_while_the_robot_moves(drive):
+    arm = drive()
+    handle = arm.send(arm.trajectory((1.0, MOVE)))
+    arm.until_moving()
+    for name, value, reason in (
+        ("publish_rate", 500.0, "Trying to set a read-only parameter: publish_rate"),
+        ("fault_delay", np.nan, "out of range"),
+        ("fault_delay", 11.0, "out of range"),
+        ("fault_noise", -1.0, "out of range"),
+    ):
+        answer = set_parameter(arm, name, double_value=value)
+        assert not answer.successful
+        assert reason in answer.reason
+    assert arm.result(handle)[0] == GoalStatus.STATUS_SUCCEEDED
+    assert np.abs(np.diff([state.position for state in arm.states], axis=0)).max() < 0.02
+
+
 def test_noise_and_offset_are_published(drive):
     arm = drive(fault_noise=1e-4, fault_offset=[0.01, 0.0, 0.0, 0.0, 0.0, 0.0], fault_seed=1)
     arm.until(lambda: len(arm.states) > 100)
