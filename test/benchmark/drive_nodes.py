@@ -235,9 +235,10 @@ def cycles(caller: Caller) -> dict[str, dict[str, float]]:
     }
     rounds: dict[str, list[Any]] = {name: [] for name in commands}
     cores: dict[str, list[float]] = {name: [] for name in commands}
-    for _ in range(controller_cycles.ROUNDS):
-        for name, command in commands.items():
-            with running(*controller_cycles.on_one_core(command)) as process:
+    names = list(commands)
+    for turn in range(controller_cycles.ROUNDS):
+        for name in names[turn % len(names) :] + names[: turn % len(names)]:
+            with running(*controller_cycles.on_one_core(commands[name])) as process:
                 watcher = controller_cycles.Watcher(caller.node, caller.executor, load_robot(ROBOT))
                 stamps, core = watched(watcher, process)
                 watcher.close()
