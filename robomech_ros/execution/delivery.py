@@ -66,7 +66,9 @@ class Delivery:
     transport : Transport
         How it is sent.
     delay : float
-        When it is to begin after it was sent, s.
+        When it is to begin after it was sent or, before, after it was made, s; 0 = at once.
+    due : float or None
+        When its stamp lets it begin, s, once it is queued; None without a stamp.
     paced : bool
         Whether it is sent at another pace than planned, by its waypoints instead of `trajectory`.
     paced_on_way : bool
@@ -82,6 +84,7 @@ class Delivery:
     delay: float = 0.0
     paced: bool = False
     paced_on_way: bool = False
+    due: float | None = None
     stage: Stage = Stage.QUEUED
     sent_at: float = 0.0
     begun_at: float = 0.0
@@ -104,6 +107,26 @@ class Delivery:
     def lasts(self) -> float:
         """From sending to the end of the motion, s."""
         return max(self.delay, 0.0) + float(self.waypoints.times[-1])
+
+    def depart(self, now: float) -> None:
+        """Be sent now (s)."""
+        self.stage, self.begun_at = Stage.SENT, now
+        self.await_stamp(now)
+
+    def await_stamp(self, now: float) -> None:
+        """Count from now (s) the time left until the stamp."""
+        self.sent_at = now
+        if self.due is not None:
+            self.delay = self.due - now
+
+    def clock_jumped(self, by: float) -> None:
+        """Take note that the time of stamps jumped by so much (s)."""
+        if self.due is not None:
+            self.due -= by
+
+    def waits(self, now: float) -> bool:
+        """Whether it was sent and is to begin later than now (s)."""
+        return self.stage is Stage.SENT and now < self.sent_at + self.delay
 
     def listen(self, listener: Callable[[Report], None]) -> None:
         """Have the report told once, when it has ended."""

@@ -14,12 +14,13 @@ from robomech_ros.execution.dispatching import (
     Gateway,
     QueueFullError,
     Tally,
+    stopped,
+    with_place,
 )
 from robomech_ros.execution.job import Code
 from robomech_ros.execution.pacer import Pacer
 from robomech_ros.execution.progress import Progress
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["Dispatcher"]
 
@@ -183,8 +184,27 @@ class Dispatcher:
         """
         if len(self.queue) >= self._settings.capacity:
             raise QueueFullError(self._settings.capacity)
+        delivery.due = now + delivery.delay if delivery.delay else None
         self.queue.append(delivery)
         self.step(now)
+
+    def clock_jumped(self, by: float, now: float) -> None:
+        """Take note that the time of stamps jumped by `by` (s), and that of motions did not.
+
+        What is under way goes on; what waits for its stamp begins that much earlier.
+        """
+        self._now, delivery = now, self.current
+        for each in self.queue:
+            each.clock_jumped(by)
+        if delivery is None or not delivery.waits(now) or self._result is not None:
+            return
+        if delivery.paced_on_way:
+            self._repace_again(delivery)
+            return
+        delivery.clock_jumped(by)
+        delivery.await_stamp(now)
+        self._pacer.postpone(now + max(delivery.delay, 0.0))
+        self._watch_from_now(delivery)
 
     def step(self, now: float) -> None:
         """Look at the robot and do what is due."""
@@ -231,13 +251,13 @@ class Dispatcher:
             return self._waited_for_states(delivery)
         self._silent_since = None
         self.queue.popleft()
-        off = self._off_start(delivery, positions) or self._pacer.too_slow(delivery)
+        place = positions, self._gateway.continuous(delivery.names), self._settings.start_tolerance
+        off = off_start(delivery, *place) or self._pacer.too_slow(delivery)
         if off:
             self._end(delivery, Code.REJECTED, off)
             return True
         self.current, self._result = delivery, None
-        delivery.stage = Stage.SENT
-        delivery.sent_at = delivery.begun_at = self._now
+        delivery.depart(self._now)
         self._pacer.begin(delivery, positions)
         self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
         self.tally.sent += 1
@@ -280,10 +300,6 @@ class Dispatcher:
                 waiting = f"{text}; the trajectory stays queued"
                 delivery.tell(Report(int(Code.REJECTED), waiting, 0.0))
 
-    def _off_start(self, delivery: Delivery, positions: FloatArray) -> str:
-        continuous = self._gateway.continuous(delivery.names)
-        return off_start(delivery, positions, continuous, self._settings.start_tolerance)
-
     def _watch(self, delivery: Delivery) -> None:
         elapsed, progress = self._now - delivery.sent_at, self._look(delivery)
         off = self._off_goal(delivery)
@@ -294,7 +310,7 @@ class Dispatcher:
                 self._end(delivery, code, text or unconfirmed)
         elif gone := self._gone(delivery, progress, self._settings.controller_timeout):
             self._gateway.cancel(delivery)
-            self._end(delivery, Code.REJECTED, _with(gone, off))
+            self._end(delivery, Code.REJECTED, with_place(gone, off))
         elif self._pacer.stops:
             self._watch_stop(delivery, elapsed, progress, off)
         elif delivery.transport.answers:
@@ -316,12 +332,12 @@ class Dispatcher:
         if late >= 0.0 and not off and progress.stands:
             self._end(delivery, Code.SUCCESS, "")
         elif off and progress.stuck > settings.standstill_timeout:
-            self._end(delivery, *_stopped(progress, off))
+            self._end(delivery, *stopped(progress, off))
         elif late > settings.arrival_timeout:
             patience = max(settings.arrival_timeout, _CONFIRMATION)
             gone = self._gone(delivery, progress, patience)
             if gone:
-                self._end(delivery, Code.REJECTED, _with(gone, off))
+                self._end(delivery, Code.REJECTED, with_place(gone, off))
             else:
                 self._end(delivery, Code.GOAL_TOLERANCE, off or "the robot does not come to rest")
 
@@ -353,9 +369,8 @@ class Dispatcher:
 
     def _watch_controller(self, delivery: Delivery, elapsed: float) -> None:
         """See that the controller is not overdue."""
-        allowed = (
-            delivery.lasts + self._settings.arrival_timeout + self._settings.controller_timeout
-        )
+        settings = self._settings
+        allowed = delivery.lasts + settings.arrival_timeout + settings.controller_timeout
         if elapsed > allowed:
             self._gateway.cancel(delivery)
             text = (
@@ -383,18 +398,3 @@ class Dispatcher:
         self.tally.last_failure = text if code else ""
         delivery.end(Report(int(code), text, duration))
         self._on_end(delivery)
-
-
-def _with(gone: str, off: str) -> str:
-    """Add to what is gone where the robot was seen last."""
-    last = f"; at last {off}" if off else ""
-    return f"{gone}; how the motion ended is not known{last}"
-
-
-def _stopped(progress: Progress, off: str) -> tuple[int, str]:
-    """Say of a robot that stands off its goal that it was stopped, or never began to move."""
-    since = f"for {progress.stuck:.1f} s, in which the trajectory should have moved it"
-    if progress.moved:
-        how = "it was stopped, or something else moves it"
-        return int(Code.PREEMPTED), f"the robot stands {since}: {how}; {off}"
-    return int(Code.REJECTED), f"the robot does not move {since}; {off}"

@@ -8,10 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.execution.delivery import Delivery, Transport
+from robomech_ros.execution.job import Code
+from robomech_ros.execution.progress import Progress
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DispatcherSettings", "Gateway", "QueueFullError", "Tally"]
+__all__ = ["DispatcherSettings", "Gateway", "QueueFullError", "Tally", "stopped", "with_place"]
 
 
 class QueueFullError(TrajectoryRefusedError):
@@ -95,3 +97,18 @@ class Tally:
     failed: int = 0
     last_failure: str = ""
     stalled: str = ""
+
+
+def with_place(gone: str, off: str) -> str:
+    """Add to what is gone where the robot was seen last."""
+    last = f"; at last {off}" if off else ""
+    return f"{gone}; how the motion ended is not known{last}"
+
+
+def stopped(progress: Progress, off: str) -> tuple[int, str]:
+    """Say of a robot that stands off its goal that it was stopped, or never began to move."""
+    since = f"for {progress.stuck:.1f} s, in which the trajectory should have moved it"
+    if progress.moved:
+        how = "it was stopped, or something else moves it"
+        return int(Code.PREEMPTED), f"the robot stands {since}: {how}; {off}"
+    return int(Code.REJECTED), f"the robot does not move {since}; {off}"

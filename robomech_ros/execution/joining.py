@@ -187,10 +187,10 @@ def _smoothed(
     curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, joints: Joints, first: float
 ) -> PiecewisePolynomial:
     """Smooth out the step at the start, in a time that keeps the limits."""
+    violation = _violation(curve, joints)
+    if violation is not None:
+        raise _refusal(violation, first)
     if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
-        violation = _violation(curve, joints)
-        if violation is not None:
-            raise _refusal(violation, first)
         return curve
     time = fading_time(step, kick, joints)
     found = None

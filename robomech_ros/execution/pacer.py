@@ -1,5 +1,7 @@
 """How fast the trajectory under way is executed, and what is sent when that changes."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from robomech_ros.execution.delivery import Delivery
@@ -85,6 +87,11 @@ class Pacer:
         if self.speed != 1.0:
             delivery.waypoints = slowed_waypoints(delivery.waypoints, self.speed)
             delivery.paced = True
+
+    def postpone(self, begin: float) -> None:
+        """Take note that what has not begun begins at another time (s)."""
+        assert self._schedule is not None
+        self._schedule = replace(self._schedule, begin=begin)
 
     def change(
         self, delivery: Delivery, now: float, target: float, limit: FloatArray | None

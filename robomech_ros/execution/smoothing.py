@@ -84,11 +84,12 @@ def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     else:
         added = np.zeros_like(coefficients[:, 0])
         added[0] = curve.sample(breaks[-1]).position
-    place = segment + 1
     if len(breaks) == 1:
         return PiecewisePolynomial(np.array([breaks[0], time]), added[:, None])
+    # Behind the last break there is no segment yet.
+    place = min(segment + 1, coefficients.shape[1])
     return PiecewisePolynomial(
-        np.insert(breaks, place, time), np.insert(coefficients, place, added, axis=1)
+        np.insert(breaks, segment + 1, time), np.insert(coefficients, place, added, axis=1)
     )
 
 

@@ -15,6 +15,7 @@ from robomech_ros.execution.follower import Phase
 from robomech_ros.execution.job import Code, End, Outcome
 from robomech_ros.nodes.controller.condition import robot_condition
 from robomech_ros.nodes.controller.control_interfaces import ControlInterfaces
+from robomech_ros.nodes.controller.cycles import Cycles
 from robomech_ros.nodes.controller.execute_action import ExecuteAction
 from robomech_ros.nodes.controller.fault_settings import faults_of
 from robomech_ros.nodes.controller.frame_publisher import frame_publisher
@@ -25,6 +26,7 @@ from robomech_ros.nodes.controller.settings import ControllerSettings
 from robomech_ros.nodes.controller.state_publisher import StatePublisher
 from robomech_ros.nodes.error_codes import code_of, name_of
 from robomech_ros.nodes.parameters import NodeParameters
+from robomech_ros.nodes.pauses import wake
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.nodes.status_report import StatusReport
@@ -44,6 +46,7 @@ class JointStateSimulatorNode(Node):
     def __init__(self, **options: Any) -> None:
         self._servers: list[GoalServer] = []
         self._robot: SimulatedRobot | None = None
+        self._cycles: Cycles | None = None
         super().__init__("joint_trajectory_controller", **options)
         self._settings = NodeParameters(
             self, ControllerSettings, self._change, self._check
@@ -70,9 +73,7 @@ class JointStateSimulatorNode(Node):
         self._frame_cycles = max(round(rate / self._settings.frame_rate), 1)
         self._state_cycles = max(round(rate / self._settings.state_publish_rate), 1)
         self._cycle = 0
-        timer = self.create_timer(1.0 / rate, self._tick, clock=clock.clock)
-        # A timer that has not fired yet would wait until its old time comes again.
-        clock.on_jump(lambda by: timer.reset())
+        self._cycles = Cycles(self, clock, rate, self._tick)
         self.get_logger().info(
             f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
         )
@@ -82,7 +83,8 @@ class JointStateSimulatorNode(Node):
         self._settings = settings
         if self._robot is not None:
             faults = faults_of(settings, self._robot.chain)
-            self._robot.follower.simulation.inject(faults)
+            with self._robot.lock:
+                self._robot.follower.simulation.inject(faults)
 
     def _check(self, settings: ControllerSettings) -> None:
         """Refuse faults that the robot cannot have."""
@@ -92,6 +94,11 @@ class JointStateSimulatorNode(Node):
     def _tick(self) -> None:
         robot = self._robot
         assert robot is not None
+        with robot.lock:
+            self._move(robot)
+
+    def _move(self, robot: SimulatedRobot) -> None:
+        """Move on, and tell what is due in this cycle."""
         try:
             robot.advance()
         except Exception:
@@ -124,15 +131,17 @@ class JointStateSimulatorNode(Node):
     def _hold(self, request: Any, response: Any) -> Any:
         assert self._robot is not None
         text = "stopped by the service hold"
-        stopped = self._robot.follower.stop(End.ABORTED, Code.PREEMPTED, text)
+        with self._robot.lock:
+            stopped = self._robot.follower.stop(End.ABORTED, Code.PREEMPTED, text)
         response.success = True
         response.message = "the robot slows down and holds" if stopped else "the robot holds"
         return response
 
     def _reset(self, request: Any, response: Any) -> Any:
         assert self._robot is not None
-        self._robot.reset("ended by the service reset")
-        self._states.publish(self._robot.follower.actual)
+        with self._robot.lock:
+            self._robot.reset("ended by the service reset")
+            self._states.publish(self._robot.follower.actual)
         response.success = True
         response.message = "the robot is at its initial position"
         return response
@@ -142,23 +151,27 @@ class JointStateSimulatorNode(Node):
         robot = self._robot
         if robot is None:
             return
-        robot.refuse_all = _SHUTS_DOWN
-        self._standing = Future()
         # By the machine's time: simulated time may stand still.
         deadline = self.create_timer(_LONGEST_STOP, self._halt, clock=Clock(clock_type=_STEADY))
-        robot.follower.stop(End.ABORTED, Code.PREEMPTED, _SHUTS_DOWN)
-        self._tell_standing()
-        await self._standing
+        standing: Future = Future()
+        with robot.lock:
+            robot.refuse_all = _SHUTS_DOWN
+            self._standing = standing
+            robot.follower.stop(End.ABORTED, Code.PREEMPTED, _SHUTS_DOWN)
+            self._tell_standing()
+        await standing
         self.destroy_timer(deadline)
-        self._states.publish(robot.follower.actual)
+        with robot.lock:
+            self._states.publish(robot.follower.actual)
         for server in self._servers:
             await server.all_ended()
 
     def _halt(self) -> None:
         """Hold at once."""
         assert self._robot is not None
-        self._robot.follower.halt(Code.PREEMPTED, _SHUTS_DOWN)
-        self._tell_standing()
+        with self._robot.lock:
+            self._robot.follower.halt(Code.PREEMPTED, _SHUTS_DOWN)
+            self._tell_standing()
 
     def _tell_standing(self) -> None:
         """Let `stop` go on as soon as the robot stands."""
@@ -166,9 +179,12 @@ class JointStateSimulatorNode(Node):
         standing = self._robot.follower.phase is Phase.HOLDING
         if self._standing is not None and standing and not self._standing.done():
             self._standing.set_result(None)
+            wake(self)
 
     def destroy_node(self) -> None:
-        """Destroy the node and, what rclpy leaves out, its action servers."""
+        """Destroy the node and, what rclpy leaves out, its cycles and action servers."""
+        if self._cycles is not None:
+            self._cycles.stop()
         for server in self._servers:
             server.destroy()
         super().destroy_node()

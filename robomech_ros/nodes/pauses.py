@@ -9,7 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["Turns", "beside", "pause"]
+__all__ = ["Turns", "beside", "pause", "wake"]
 
 _STEADY = ClockType.STEADY_TIME
 # How often it is looked whether work done beside is over, s.
@@ -41,6 +41,12 @@ async def beside(node: Node, work: Callable[[], object]) -> None:
 def _quietly(work: Callable[[], object]) -> None:
     with suppress(Exception):  # who needs the result asks again and gets the error
         work()
+
+
+def wake(node: Node) -> None:
+    """Let coroutines go on that wait for what a thread other than the executor's has done."""
+    if node.executor is not None:
+        node.executor.wake()
 
 
 class _NextTurn:

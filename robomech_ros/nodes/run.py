@@ -54,6 +54,8 @@ class Spinner:
 
     def __init__(self, nodes: Iterable[Node], context: Context | None = None) -> None:
         self._nodes = tuple(nodes)
+        # Not the experimental EventsExecutor: while a coroutine waits it polls without a pause (a
+        # whole core, in Kilted and Jazzy), and Jazzy's does not await async services at all.
         self._executor = SingleThreadedExecutor(context=context)
         for node in self._nodes:
             self._executor.add_node(node)

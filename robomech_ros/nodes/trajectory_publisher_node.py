@@ -92,7 +92,7 @@ class TrajectoryPublisherNode(Node):
         )
         self._timer.cancel()
         # A timer that has not fired since it was reset would wait until its old time comes again.
-        self._motion_clock.on_jump(lambda by: self._watch())
+        self._motion_clock.on_jump(self._take_jump)
         if settings.robot_description:
             when_robot_known(self, settings, self._know_robot)
         self._listen(settings.planner_topic)
@@ -176,6 +176,11 @@ class TrajectoryPublisherNode(Node):
         """Look at the robot again and again while there is something to see."""
         if self._dispatcher.busy:
             self._timer.reset()
+
+    def _take_jump(self, by: float) -> None:
+        """Have what waits for its stamp watched by the new time (s)."""
+        self._dispatcher.clock_jumped(by, self._motion_clock.now())
+        self._watch()
 
     def _look(self) -> None:
         self._dispatcher.step(self._motion_clock.now())

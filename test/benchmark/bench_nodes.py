@@ -38,6 +38,21 @@ def round_trip(what: str, quartiles: dict[str, list[float]], limit: float) -> Ro
     return Row(what, ours, peer=bare, peer_name="bare rclpy", spread=spread, ratio_limit=limit)
 
 
+def cycle_rows(cycles: dict[str, dict[str, float]]) -> list[Row]:
+    """Return the rows of the controller's cycles beside those of bare timers."""
+    ours, peers = cycles["ours"], {"single": "bare timer", "events": "bare, EventsExecutor"}
+    what = f"{CONTROLLER}, {ours['rate']:g} Hz for {ours['seconds']:g} s on one core, "
+    figures = (("jitter", "jitter, 99th percentile", 1e6, "us"),
+               ("missed", "missed cycles", 100.0, "%"),
+               ("core", "share of the core", 100.0, "%"))  # fmt: skip
+    return [
+        Row(what + text, ours[field] * factor, unit,
+            peer=cycles[peer][field] * factor, peer_name=peer_name)
+        for field, text, factor, unit in figures
+        for peer, peer_name in peers.items()
+    ]  # fmt: skip
+
+
 def rows(ros_python: Path) -> list[Row]:
     """Measure with the Python at `ros_python`, which has the suite installed."""
     script = Path(__file__).with_name("drive_nodes.py")
@@ -58,9 +73,7 @@ def rows(ros_python: Path) -> list[Row]:
         Row(batch_name, batch_median, "s", spread=(batch_high - batch_low) / 2 / batch_median,
             limit=BATCH_LIMIT),
         Row("the same, largest memory of the node", batch["megabytes"], "MB"),
-        Row(f"{CONTROLLER}, {cycles['rate']:g} Hz for {cycles['seconds']:g} s on one core, "
-            "jitter, 99th percentile", cycles["jitter"] * 1e6),
-        Row("the same, missed cycles", 100.0 * cycles["missed"], "%"),
+        *cycle_rows(cycles),
     ]  # fmt: skip
     for name, load in figures["idle"].items():
         limit = CONTROLLER_LIMIT if name == CONTROLLER else IDLE_LIMIT

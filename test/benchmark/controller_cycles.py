@@ -18,7 +18,9 @@ from robomech_ros.robots import SerialChain
 
 CONTROLLER = "joint_trajectory_controller"
 RATE = 500.0
-SECONDS = 60.0
+# Ours and its peers are watched in turn, for 60 s altogether.
+ROUNDS = 3
+SECONDS = 20.0
 CORE = 0
 PATIENCE = 60.0
 SETTLE_SECONDS = 2.0
@@ -42,12 +44,15 @@ class Regularity:
         99th percentile of what two cycles are apart more or less than wanted, s.
     missed : float
         Share of the cycles that were left out.
+    core : float
+        Share of one core that the process took.
     """
 
     rate: float
     seconds: float
     jitter: float
     missed: float
+    core: float
 
 
 def on_one_core(command: Sequence[str]) -> tuple[str, ...]:
@@ -73,26 +78,38 @@ class Watcher:
         self._chain = chain
         self._stamps: list[bytes] = []
         # Raw, so that the watcher takes little time itself.
-        node.create_subscription(JointState, "joint_states", self._take, DEPTH, raw=True)
+        self._states = node.create_subscription(
+            JointState, "joint_states", self._take, DEPTH, raw=True
+        )
         topic = f"{CONTROLLER}/joint_trajectory"
+        self._node = node
         self._publisher = node.create_publisher(JointTrajectory, topic, 10)
 
     def _take(self, message: bytes) -> None:
         self._stamps.append(message[STAMP_PLACE : STAMP_PLACE + STAMP.size])
 
-    def measure(self, alive: Callable[[], bool], seconds: float = SECONDS) -> Regularity:
-        """Have the robot move for some time (s); returns how regular its cycles were."""
+    def wait(self, alive: Callable[[], bool]) -> None:
+        """Wait until the robot is there."""
         deadline = time.monotonic() + PATIENCE
         while not (self._stamps and self._publisher.get_subscription_count()):
             self._executor.spin_once(timeout_sec=0.1)
             if not alive() or time.monotonic() > deadline:
                 raise SystemExit(f"no joint states of {CONTROLLER} within {PATIENCE:g} s")
+
+    def measure(self, seconds: float = SECONDS) -> NDArray[np.float64]:
+        """Have the robot move for some time (s); returns the stamps (s) of its cycles."""
         self._publisher.publish(self._swinging(seconds + 2.0 * SETTLE_SECONDS))
         self._spin(SETTLE_SECONDS)
         self._stamps.clear()
         self._spin(seconds)
         stamps = np.array([STAMP.unpack(stamp) for stamp in self._stamps])
-        return regularity(stamps[:, 0] - stamps[0, 0] + 1e-9 * stamps[:, 1])
+        seconds_of_all: NDArray[np.float64] = stamps[:, 0] - stamps[0, 0] + 1e-9 * stamps[:, 1]
+        return seconds_of_all
+
+    def close(self) -> None:
+        """Watch no more."""
+        self._node.destroy_subscription(self._states)
+        self._node.destroy_publisher(self._publisher)
 
     def _spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
@@ -115,10 +132,10 @@ class Watcher:
         return message
 
 
-def regularity(stamps: NDArray[np.float64]) -> Regularity:
-    """Judge the stamps (s) of successive cycles."""
-    apart, period = np.diff(stamps), 1.0 / RATE
+def regularity(rounds: Sequence[NDArray[np.float64]], core: float) -> Regularity:
+    """Judge the stamps (s) of successive cycles of several rounds, and the share of a core."""
+    period = 1.0 / RATE
+    apart = np.concatenate([np.diff(stamps) for stamps in rounds])
+    span = sum(float(stamps[-1] - stamps[0]) for stamps in rounds)
     jitter = float(np.quantile(np.abs(apart - period), 0.99))
-    wanted = round((stamps[-1] - stamps[0]) / period)
-    span = float(round(stamps[-1] - stamps[0]))
-    return Regularity(RATE, span, jitter, 1.0 - len(apart) / wanted)
+    return Regularity(RATE, float(round(span)), jitter, 1.0 - len(apart) * period / span, core)

@@ -224,13 +224,40 @@ def all_round_trips(caller: Caller) -> dict[str, dict[str, list[float]]]:
     }
 
 
-def cycles(caller: Caller) -> dict[str, float]:
-    """Return how regular the cycles of the controller are while it moves, on one core."""
+def cycles(caller: Caller) -> dict[str, dict[str, float]]:
+    """Return how regular cycles are on one core: of the moving controller, and of bare timers."""
     rate = f"publish_rate:={controller_cycles.RATE}"
-    command = (*node_command(controller_cycles.CONTROLLER), "-p", rate)
-    with running(*controller_cycles.on_one_core(command)) as process:
-        watcher = controller_cycles.Watcher(caller.node, caller.executor, load_robot(ROBOT))
-        return asdict(watcher.measure(lambda: process.poll() is None))
+    bare = (sys.executable, str(Path(__file__).with_name("bare_timer.py")))
+    commands = {
+        "ours": (*node_command(controller_cycles.CONTROLLER), "-p", rate),
+        "single": (*bare, "single"),
+        "events": (*bare, "events"),
+    }
+    rounds: dict[str, list[Any]] = {name: [] for name in commands}
+    cores: dict[str, list[float]] = {name: [] for name in commands}
+    names = list(commands)
+    for turn in range(controller_cycles.ROUNDS):
+        for name in names[turn % len(names) :] + names[: turn % len(names)]:
+            with running(*controller_cycles.on_one_core(commands[name])) as process:
+                watcher = controller_cycles.Watcher(caller.node, caller.executor, load_robot(ROBOT))
+                stamps, core = watched(watcher, process)
+                watcher.close()
+            rounds[name].append(stamps)
+            cores[name].append(core)
+    return {
+        name: asdict(controller_cycles.regularity(rounds[name], statistics.mean(cores[name])))
+        for name in commands
+    }
+
+
+def watched(
+    watcher: controller_cycles.Watcher, process: subprocess.Popen[bytes]
+) -> tuple[Any, float]:
+    """Return the stamps of a process's cycles, and the share of a core that it took meanwhile."""
+    watcher.wait(lambda: process.poll() is None)
+    before, begin = cpu_seconds(process.pid), time.monotonic()
+    stamps = watcher.measure()
+    return stamps, (cpu_seconds(process.pid) - before) / (time.monotonic() - begin)
 
 
 def batch_chunks() -> list[SolveIKBatch.Request]:

@@ -500,3 +500,62 @@ def test_cancel_ends_when_the_robot_stands(robot, dispatcher):
     move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, 0.35, 2.0)
     assert (one.report.code, one.report.text) == (222, "enough")
     assert not dispatcher.busy
+
+
+def stamped(delay, goal=(0.5, 0.2, 0.1)):
+    return Delivery(None, NAMES, to_rest(goal, 1.0), Transport.TOPIC, delay=delay)
+
+
+@pytest.mark.parametrize("jump", [-100.0, -5.0, 2.0])
+def test_what_waits_for_its_stamp_is_watched_by_the_clock_that_jumped(robot, dispatcher, jump):
+    one = stamped(3.0)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(0.5)
+    dispatcher.clock_jumped(jump, 0.5)
+    begin = 3.0 - jump
+    for time in np.arange(0.55, begin + 1.2, 0.05):
+        assert one.report is None or time > begin + 0.95
+        robot.at = one.waypoints.curve.sample(max(time - begin, 0.0)).position
+        dispatcher.step(time)
+    assert (one.report.code, one.report.text) == (0, "")
+    assert one.report.duration == pytest.approx(begin + 1.05, abs=0.1)
+    assert robot.sent == [one]
+
+
+def test_the_speed_can_be_set_when_what_waited_over_a_jump_has_begun(robot, dispatcher):
+    one = stamped(3.0)
+    dispatcher.offer(one, 0.0)
+    dispatcher.clock_jumped(-10.0, 0.5)
+    with pytest.raises(TrajectoryRefusedError, match="only begins in 9 s"):
+        dispatcher.set_speed(0.5, 4.0)
+    for time in np.arange(4.0, 13.3, 0.05):
+        robot.at = one.waypoints.curve.sample(max(time - 13.0, 0.0)).position
+        dispatcher.step(time)
+    dispatcher.set_speed(0.5, 13.3)
+    assert len(robot.sent) == 2
+
+
+def test_a_jump_does_not_touch_what_is_under_way(robot, dispatcher):
+    one = stamped(0.2)
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 0.5, 0.05):
+        robot.at = one.waypoints.curve.sample(max(time - 0.2, 0.0)).position
+        dispatcher.step(time)
+    dispatcher.clock_jumped(-100.0, 0.5)
+    robot.at = one.goal.copy()
+    for time in (0.55, 1.2, 1.25, 1.3):
+        dispatcher.step(time)
+    assert one.report.code == 0
+
+
+def test_the_stamp_of_what_has_queued_counts_when_it_is_sent(robot, dispatcher):
+    one, two = delivery(), stamped(3.0, (0.7, 0.2, 0.1))
+    two.waypoints = to_rest((0.7, 0.2, 0.1), 1.0, one.goal)
+    dispatcher.offer(one, 0.0)
+    dispatcher.offer(two, 0.0)
+    dispatcher.clock_jumped(-4.0, 0.2)
+    robot.at = one.goal.copy()
+    for time in (1.0, 1.05):
+        dispatcher.step(time)
+    assert robot.sent == [one, two]
+    assert two.delay == pytest.approx(7.0 - 1.05)

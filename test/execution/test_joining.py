@@ -51,6 +51,28 @@ def test_a_moving_robot_is_taken_over_smoothly():
     np.testing.assert_allclose(curve.sample(curve.duration).position, [0.5, 0.2, -0.1], atol=1e-12)
 
 
+@pytest.mark.parametrize("points", [2, 3, 5])
+def test_a_trajectory_may_be_shorter_than_the_smoothing(points):
+    """Told to be here within 20 ms, a robot at full speed is back there later, and smoothly."""
+    present = state((0.05, 0.0, 0.0), (1.0, -0.3, 0.0))
+    here = np.tile((0.05, 0.0, 0.0), (points, 1))
+    still = np.zeros((points, 3))
+    curve = joined(Waypoints(np.linspace(0.0, 0.02, points), here, still, still), present)
+    assert curve.duration > 0.3
+    assert_smooth(curve, present)
+    np.testing.assert_allclose(curve.sample(curve.duration).position, here[0], atol=1e-12)
+    np.testing.assert_allclose(curve.sample(curve.duration).velocity, 0.0, atol=1e-12)
+
+
+def test_a_start_at_an_impossible_speed_is_refused():
+    still = np.zeros((2, 3))
+    fast = np.array([[1e5, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    with pytest.raises(
+        LimitExceededError, match="at t = 0 s the velocity of joint 'shoulder' is 1"
+    ):
+        joined(Waypoints(np.array([0.0, 1.0]), still, fast, still), state())
+
+
 @pytest.mark.parametrize("velocities", [True, False])
 def test_a_later_first_point_is_reached_from_the_present_state(velocities):
     present = state((0.3, 0.2, 0.1), (0.5, 0.0, 0.0))

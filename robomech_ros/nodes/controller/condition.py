@@ -9,16 +9,17 @@ __all__ = ["robot_condition"]
 
 def robot_condition(robot: SimulatedRobot) -> Condition:
     """Describe the robot; a warning while the last trajectory that came was refused."""
-    counts = robot.counts
-    values = {
-        "trajectories accepted": counts.accepted,
-        "goals reached": counts.reached,
-        "ended early": counts.ended_early,
-        "refused": counts.refused,
-        "last end": counts.last_end,
-        "last refusal": counts.last_refusal,
-    }
-    return Condition(_summary(robot), bool(counts.last_refusal), values)
+    with robot.lock:
+        counts = robot.counts
+        values = {
+            "trajectories accepted": counts.accepted,
+            "goals reached": counts.reached,
+            "ended early": counts.ended_early,
+            "refused": counts.refused,
+            "last end": counts.last_end,
+            "last refusal": counts.last_refusal,
+        }
+        return Condition(_summary(robot), bool(counts.last_refusal), values)
 
 
 def _summary(robot: SimulatedRobot) -> str:

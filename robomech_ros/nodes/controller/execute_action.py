@@ -7,7 +7,6 @@ from typing import Any
 from builtin_interfaces.msg import Time
 
 from robomech_interfaces.action import ExecuteTrajectory
-from robomech_ros.errors import RobomechError
 from robomech_ros.execution.given import joint_order
 from robomech_ros.execution.job import Job, Outcome
 from robomech_ros.execution.joints import State
@@ -55,7 +54,7 @@ class ExecuteAction:
         )
         return found, ""
 
-    def refused(self, error: RobomechError) -> Any:
+    def refused(self, error: Exception) -> Any:
         """Make the result of a goal that is not executed."""
         return ExecuteTrajectory.Result(
             joint_names=self._joint_names, error_code=code_of(error), error_msg=str(error)

@@ -74,7 +74,7 @@ class FollowAction:
         except RobomechError as error:
             return default, f"the default tolerances hold, as one of the goal cannot: {error}"
 
-    def refused(self, error: RobomechError) -> Any:
+    def refused(self, error: Exception) -> Any:
         """Make the result of a goal that is not executed."""
         code = _RESULT.INVALID_GOAL
         if isinstance(error, UnknownJointError | JointMismatchError | _CompoundJointError):

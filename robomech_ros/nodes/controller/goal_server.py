@@ -4,6 +4,7 @@ Every goal is accepted, and one that is refused is aborted with a text: a reject
 no reason to the client.
 """
 
+import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -20,6 +21,7 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.controller.robot import SimulatedRobot
 from robomech_ros.nodes.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.pauses import wake
 
 __all__ = ["Dialect", "GoalServer", "fill_states"]
 
@@ -46,8 +48,8 @@ class Dialect(Protocol):
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal, and say what of them does not hold."""
 
-    def refused(self, error: RobomechError) -> Any:
-        """Make the result of a goal that is not executed."""
+    def refused(self, error: Exception) -> Any:
+        """Make the result of a goal that is not executed; most errors are RobomechError."""
 
     def ended(self, outcome: Outcome, note: str) -> Any:
         """Make the result of a motion."""
@@ -65,7 +67,7 @@ class _Goal:
 
 
 class GoalServer:
-    """Serves the action; the robot is moved by the node's timer, nothing here waits.
+    """Serves the action; the robot is moved by the node's cycles, nothing here waits.
 
     Parameters
     ----------
@@ -101,12 +103,19 @@ class GoalServer:
             self._node.get_logger().warning(f"goal refused: {error}")
             handle.abort()
             return self._dialect.refused(error)
+        except Exception as error:
+            text = f"goal failed, please report:\n{traceback.format_exc()}"
+            self._node.get_logger().error(text)
+            handle.abort()
+            return self._dialect.refused(error)
         key = _key(handle)
-        self._goals[key] = _Goal(handle, job)
+        with self._robot.lock:
+            self._goals[key] = _Goal(handle, job)
         if handle.is_cancel_requested:
             self._cancel(handle)
         outcome: Outcome = await ended
-        del self._goals[key]
+        with self._robot.lock:
+            del self._goals[key]
         self._conclude(handle, outcome)
         if not self._goals and not self._idle.done():
             self._idle.set_result(None)
@@ -121,8 +130,12 @@ class GoalServer:
             notes.append(note)
             return found
 
+        def end(outcome: Outcome) -> None:
+            ended.set_result(outcome)
+            wake(self._node)
+
         by = "a newer goal of the action"
-        job = self._robot.execute(goal.trajectory, by, ended.set_result, tolerances)
+        job = self._robot.execute(goal.trajectory, by, end, tolerances)
         if notes[0]:
             self._node.get_logger().warning(notes[0])
         return job, notes[0]
@@ -142,14 +155,15 @@ class GoalServer:
         if goal is None:
             # It has not begun yet: it is cancelled as soon as it begins.
             return CancelResponse.ACCEPT
-        if goal.job.outcome is not None:
-            return CancelResponse.REJECT
         text = "cancelled by the client; the robot has stopped on its path"
-        self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
+        with self._robot.lock:
+            if goal.job.outcome is not None:
+                return CancelResponse.REJECT
+            self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
         return CancelResponse.ACCEPT
 
     def publish_feedback(self) -> None:
-        """Tell the clients how far their goals have come."""
+        """Tell the clients how far their goals have come; the robot's lock is to be held."""
         follower = self._robot.follower
         for goal in self._goals.values():
             wanted = follower.actual if goal.job is follower.waiting else follower.wanted

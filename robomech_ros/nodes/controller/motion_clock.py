@@ -32,17 +32,19 @@ class MotionClock:
     ----------
     clock : Clock
         For timers.
+    simulated : bool
+        Whether it is the simulated time.
     """
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
         self._logger = node.get_logger()
-        self._simulated = bool(node.get_parameter("use_sim_time").value)
-        self.clock = self._ros if self._simulated else Clock(clock_type=ClockType.STEADY_TIME)
+        self.simulated = bool(node.get_parameter("use_sim_time").value)
+        self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
         self._jumped = self._latest = 0
-        self._epoch = int(self._ros.now().nanoseconds) if self._simulated else time.monotonic_ns()
-        if self._simulated:
+        self._epoch = int(self._ros.now().nanoseconds) if self.simulated else time.monotonic_ns()
+        if self.simulated:
             limit = Duration(seconds=LONGEST_STEP)
             back = Duration(nanoseconds=-limit.nanoseconds)
             threshold = JumpThreshold(min_forward=limit, min_backward=back, on_clock_change=False)
@@ -66,7 +68,7 @@ class MotionClock:
             listener(by * _NANO)
 
     def _nanoseconds(self) -> int:
-        if not self._simulated:
+        if not self.simulated:
             return time.monotonic_ns() - self._epoch
         passed = int(self._ros.now().nanoseconds) - self._jumped - self._epoch
         self._latest = max(self._latest, passed)

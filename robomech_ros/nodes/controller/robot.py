@@ -1,5 +1,6 @@
 """The simulated robot as the topic, the action and the services command it."""
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -40,6 +41,9 @@ class Counts:
 class SimulatedRobot:
     """A follower that understands messages.
 
+    Cycles come from another thread than callbacks, so who uses it or its follower, other than by
+    `execute`, holds its lock.
+
     Parameters
     ----------
     chain : SerialChain
@@ -51,6 +55,8 @@ class SimulatedRobot:
 
     Attributes
     ----------
+    lock : RLock
+        To be held while the robot is used.
     refuse_all : str
         Why no trajectory is accepted any more; empty while trajectories are accepted.
 
@@ -65,6 +71,7 @@ class SimulatedRobot:
     ) -> None:
         self.chain = chain
         self.joint_names = list(chain.joint_names)
+        self.lock = threading.RLock()
         self.counts = Counts()
         self.refuse_all = ""
         self._settings = settings
@@ -109,10 +116,10 @@ class SimulatedRobot:
         RobomechError
             It is refused; the present motion goes on.
         """
-        delay = self._clock.until(trajectory.header.stamp)
         try:
             if self.refuse_all:
                 raise TrajectoryRefusedError(self.refuse_all)
+            # Cycles go on while a long one is read.
             waypoints = read_waypoints(
                 given_trajectory(trajectory),
                 self.joint_names,
@@ -122,16 +129,18 @@ class SimulatedRobot:
                 to_rest=not self._settings.allow_nonzero_velocity_at_trajectory_end,
             )
             held_to = tolerances(self._tolerances)
-            job = self.follower.start(
-                waypoints, held_to, self._clock.now(), delay, self._counted(on_end), by
-            )
+            with self.lock:
+                delay = self._clock.until(trajectory.header.stamp)
+                now = self._clock.now()
+                job = self.follower.start(waypoints, held_to, now, delay, self._counted(on_end), by)
+                self.counts.accepted += 1
+                self.counts.last_refusal = ""
+                return job
         except RobomechError as error:
-            self.counts.refused += 1
-            self.counts.last_refusal = str(error)
+            with self.lock:
+                self.counts.refused += 1
+                self.counts.last_refusal = str(error)
             raise
-        self.counts.accepted += 1
-        self.counts.last_refusal = ""
-        return job
 
     def reset(self, text: str) -> None:
         """Put the robot back to where it was at start, at once."""

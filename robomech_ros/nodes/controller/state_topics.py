@@ -40,7 +40,7 @@ class ControllerState:
         )
 
     def publish(self) -> None:
-        """Publish the present state."""
+        """Publish the present state; the robot's lock is to be held."""
         if not self._publisher.get_subscription_count():
             return
         message, wanted, actual = self._message, self._follower.wanted, self._follower.actual
@@ -83,8 +83,9 @@ class SpeedScaling:
             text = f"speed scaling factor is {message.factor}, expected from 0 (pause) to 1"
             self._logger.error(text)
             return
-        self._robot.advance()
-        self._robot.follower.scale = message.factor
+        with self._robot.lock:
+            self._robot.advance()
+            self._robot.follower.scale = message.factor
 
 
 class StateQuery:
@@ -115,10 +116,11 @@ class StateQuery:
         response.message = self._running()
         if response.message:
             return response
-        ahead = self._clock.until(request.time)
-        self._robot.advance()
         try:
-            state = planned_state(self._robot.follower, ahead)
+            with self._robot.lock:
+                ahead = self._clock.until(request.time)
+                self._robot.advance()
+                state = planned_state(self._robot.follower, ahead)
         except RobomechError as error:
             response.message = str(error)
             return response

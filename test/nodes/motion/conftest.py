@@ -10,6 +10,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from drivers import Driver, Suite
 
+from robomech_ros.nodes import status_report
+
+
+@pytest.fixture(autouse=True)
+def prompt_status(monkeypatch):
+    """Let nodes of this process tell how they are more often, so that tests wait less."""
+    monkeypatch.setattr(status_report, "PERIOD", 0.1)
+
 
 @pytest.fixture
 def suite(graph):

@@ -34,6 +34,15 @@ def ended(future):
     return future.result()
 
 
+def asked(node, call):
+    """Ask as `call` does; returns the future of the answer.
+
+    It is called in the thread that spins the node: an action client of rclpy does not know the
+    answer to what another thread asks if it comes at once.
+    """
+    return ended(node.executor.create_task(call))
+
+
 class Watcher:
     """Sees the joint states."""
 
@@ -117,13 +126,17 @@ class Driver(Watcher):
 
     def send(self, trajectory, feedback=None, **tolerances):
         goal = ExecuteTrajectory.Goal(trajectory=trajectory, **tolerances)
-        handle = ended(self._action.send_goal_async(goal, feedback_callback=feedback))
+        handle = ended(self.ask(lambda: self._action.send_goal_async(goal, feedback)))
         assert handle.accepted
         return handle
 
     def result(self, handle):
-        answer = ended(handle.get_result_async())
+        answer = ended(self.ask(handle.get_result_async))
         return answer.status, answer.result
+
+    def ask(self, call):
+        """Ask something of an action; returns the future of the answer."""
+        return asked(self.graph.client, call)
 
     def execute(self, trajectory, **tolerances):
         return self.result(self.send(trajectory, **tolerances))
@@ -176,7 +189,11 @@ class Suite(Watcher):
         return JointTrajectory(joint_names=list(names or self.chain.joint_names), points=points)
 
     def plan(self, *args, **options):
-        self._planned.publish(self.trajectory(*args, **options))
+        self.send(self.trajectory(*args, **options))
+
+    def send(self, trajectory):
+        """Publish a trajectory as planned."""
+        self._planned.publish(trajectory)
 
     def start_execute(self, trajectory=None):
         """Call the service execute without waiting for its answer."""
@@ -191,12 +208,17 @@ class Suite(Watcher):
     def condition(self, accept=lambda status: True):
         """Wait for a status of the publisher that is accepted."""
 
-        def accepted(array):
-            status = array.status[0]
-            return "trajectory_publisher" in status.name and accept(status)
+        return self._status("trajectory_publisher", accept)
 
-        array = self.graph.receive(DiagnosticArray, "/diagnostics", 10, accepted)
-        return array.status[0]
+    def controller_condition(self, accept):
+        """Wait for a status of the controller that is accepted."""
+        return self._status(NAME, accept)
+
+    def _status(self, node, accept):
+        def accepted(array):
+            return node in array.status[0].name and accept(array.status[0])
+
+        return self.graph.receive(DiagnosticArray, "/diagnostics", 10, accepted).status[0]
 
     def value(self, key, accept=lambda status: True):
         """Give one of the facts of such a status."""

@@ -76,7 +76,7 @@ class Follower(Driver):
 
     def send_goal(self, trajectory, feedback=None, **tolerances):
         goal = FollowJointTrajectory.Goal(trajectory=trajectory, **tolerances)
-        handle = ended(self._follow.send_goal_async(goal, feedback_callback=feedback))
+        handle = ended(self.ask(lambda: self._follow.send_goal_async(goal, feedback)))
         assert handle.accepted
         return handle
 

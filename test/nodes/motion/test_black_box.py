@@ -192,7 +192,7 @@ def test_cancel_hold_position(follower):
     arm = follower()
     handle = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
     arm.until_moving()
-    cancelled = handle.cancel_goal_async()
+    cancelled = arm.ask(handle.cancel_goal_async)
     status, code, text = arm.outcome(handle)
     assert (status, code) == (CANCELED, CODES.SUCCESSFUL)
     assert text == "cancelled by the client; the robot has stopped on its path"

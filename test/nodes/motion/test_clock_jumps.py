@@ -1,5 +1,6 @@
 """Simulated time that jumps: robots do not, and what happened is said."""
 
+import re
 import threading
 
 import numpy as np
@@ -60,7 +61,7 @@ def assert_no_jump(arm, forward=True):
     [
         (-3600.0, SAID.format("back by 3600")),
         (-0.3, ""),
-        (5.0, SAID.format("forward by 5")),
+        (5.0, SAID.format(r"forward by (5|5\.0\d|4\.9\d)")),
         (3600.0, SAID.format("forward by 3600")),
     ],
     ids=("back", "a little back", "forward", "far forward"),
@@ -73,7 +74,8 @@ def test_a_motion_under_way(simulated_time, drive, jump, said):
     simulated_time.jump(jump)
     status, result = arm.result(handle)
     assert (status, result.error_code) == (GoalStatus.STATUS_SUCCEEDED, ErrorCode.NONE)
-    assert result.error_msg == said
+    # A message of /clock may be lost on the way.
+    assert re.fullmatch(said, result.error_msg)
     arm.until_at(start + MOVE)
     assert_no_jump(arm)
 
@@ -129,5 +131,32 @@ def test_the_publisher_waits_for_what_is_under_way(graph, simulated_time, jump):
     simulated_time.jump(jump)
     answer = ended(waiting)
     assert (answer.error_code, answer.error_msg) == (ErrorCode.NONE, "")
+    arm.until_at(arm.home + MOVE)
+    assert_no_jump(arm)
+
+
+@pytest.mark.parametrize("transport", ["topic", "action"])
+def test_the_publisher_waits_for_a_stamp_that_the_clock_jumped_away_from(
+    graph, simulated_time, transport
+):
+    """The robot begins when simulated time comes to the stamp; nobody gives up before."""
+    parameters = {"robot_description": ROBOT, "use_sim_time": True}
+    patience = {"controller_timeout": 0.5, "arrival_timeout": 0.3, "standstill_timeout": 0.3}
+    arm = Suite(graph, with_controller=False, transport=transport, **parameters, **patience)
+    graph.start(JointStateSimulatorNode, **parameters)
+    arm.until(lambda: arm.states)
+    trajectory = arm.trajectory(0.0, MOVE, duration=0.5)
+    trajectory.header.stamp = simulated_time.stamp(1.0)
+    waiting = arm.start_execute(trajectory) if transport == "action" else None
+    if waiting is None:
+        arm.send(trajectory)
+    arm.controller_condition(lambda status: "waits for its time" in status.message)
+    simulated_time.jump(-4.0)
+    if waiting is not None:
+        answer = ended(waiting)
+        assert (answer.error_code, answer.error_msg) == (ErrorCode.NONE, "")
+    else:
+        assert arm.value("arrived", lambda status: status.message == "idle") == "1"
+        assert arm.value("failed") == "0"
     arm.until_at(arm.home + MOVE)
     assert_no_jump(arm)

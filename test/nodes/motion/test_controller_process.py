@@ -5,6 +5,7 @@ import signal
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
+from drivers import ended
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
@@ -19,8 +20,10 @@ def test_a_signal_in_mid_motion(drive_process, number):
     start = arm.position
     handle = arm.send(arm.trajectory((2.0, MOVE)))
     arm.until(lambda: arm.position[0] - start[0] > 0.05)
+    waiting = arm.ask(handle.get_result_async)
     process.send_signal(number)
-    status, result = arm.result(handle)
+    answer = ended(waiting)
+    status, result = answer.status, answer.result
     assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.PREEMPTED)
     assert result.error_msg == "the controller shuts down; the robot holds"
     assert result.final_position_error[0] > 0.1

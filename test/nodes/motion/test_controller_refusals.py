@@ -8,6 +8,7 @@ from action_msgs.msg import GoalStatus
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.controller import robot
 from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
 
 MOVE = np.full(6, 0.05)
@@ -59,6 +60,13 @@ def stamp(seconds):
     return change
 
 
+def nanoseconds(value):
+    def change(trajectory):
+        trajectory.header.stamp.nanosec = value
+
+    return change
+
+
 def no_points(trajectory):
     trajectory.points = []
 
@@ -86,6 +94,11 @@ CASES = {
     "negative time": (time(0, -1.0), 109, "points[0].time_from_start is -1.0"),
     "too long": (time(1, 11.0), 109, "at most 10 s"),
     "last velocity": (first_joint(1, "velocities", 0.2), 109, "'waist' in the last point is 0.2"),
+    "first velocity": (first_joint(0, "velocities", 1e5), 213, "velocity of joint 'waist' is 1000"),
+    "negative seconds": (stamp(-1), 221, "the trajectory ended"),
+    "nanoseconds only": (nanoseconds(1), 221, "the trajectory ended"),
+    "empty name": (names("", *JOINTS[1:]), 102, "unknown joint ''; available: waist"),
+    "endless name": (names("w" * 100_000, *JOINTS[1:]), 102, "(100002 characters); available"),
     "velocity limit": (time(1, 0.03), 213, "velocity of joint 'waist' is 3.125"),
     "position limit": (all_points("positions", 4, 1.75), 221, "'wrist_bend'"),
     "position limit on the way": (first_joint(1, "positions", 3.0), 213, "joint 'waist' is 3"),
@@ -129,6 +142,17 @@ def test_bad_tolerances(arm, field, value, code, text):
     status, result = arm.execute(arm.trajectory((0.3, MOVE)), **{field: value})
     assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, code)
     assert text in result.error_msg
+
+
+def test_an_error_within_is_told_with_its_code(drive, monkeypatch, capfd):
+    arm = drive()
+    monkeypatch.setattr(robot, "read_waypoints", lambda *args, **options: 1 / 0)
+    status, result = arm.execute(arm.trajectory((0.3, MOVE)))
+    assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.INTERNAL)
+    assert result.error_msg == "division by zero"
+    assert "goal failed, please report" in capfd.readouterr().err
+    monkeypatch.undo()
+    assert arm.execute(arm.trajectory((0.3, MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
 
 
 def test_the_topic_says_why_in_diagnostics_and_goes_on(limited):

@@ -16,9 +16,14 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.controller.frame_publisher import JointPoses, joint_pose
 from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.robots import load_robot
-from robomech_ros.spatial import matrix_from_quaternion
+from robomech_ros.robots import Joint, load_robot
+from robomech_ros.spatial import (
+    matrix_from_axis_angle,
+    matrix_from_quaternion,
+    pose_from_matrix,
+)
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
@@ -78,6 +83,29 @@ def test_frames_lead_to_the_tip(drive, robot):
     assert 0 <= arm.graph.client.get_clock().now().nanoseconds / 1e9 - stamp.sec < 60.0
 
 
+def test_poses_of_many_joints_at_once():
+    random = np.random.default_rng(5)
+
+    def pose():
+        turn = matrix_from_axis_angle(random.standard_normal(3), random.uniform(-np.pi, np.pi))
+        return pose_from_matrix(turn, random.standard_normal(3))
+
+    def joint(kind):
+        axis = random.standard_normal(3)
+        axis /= np.linalg.norm(axis)
+        return Joint("j", kind, "a", "b", origin=pose(), axis=axis, after=pose())
+
+    kinds = [*("revolute", "prismatic", "continuous", "fixed") * 20]
+    joints = [joint(kind) for kind in kinds]
+    positions = random.uniform(-7.0, 7.0, len(joints))
+    places, turns = JointPoses(joints).at(positions)
+    wanted = np.array([joint_pose(*pair) for pair in zip(joints, positions, strict=True)])
+    fixed = np.array(kinds) == "fixed"
+    wanted[fixed] = [joint_pose(joint, 0.0) for joint in np.array(joints)[fixed]]
+    np.testing.assert_allclose(places, wanted[:, :3, 3], atol=1e-13)
+    np.testing.assert_allclose(matrix_from_quaternion(turns), wanted[:, :3, :3], atol=1e-13)
+
+
 def test_no_frames_unless_wanted(graph):
     node = graph.start(JointStateSimulatorNode, robot_description="puma560", publish_frames="never")
     assert {topic for topic, _ in node.get_topic_names_and_types()}.isdisjoint(
@@ -96,7 +124,7 @@ def set_parameter(arm, name, **value):
 def test_a_joint_gets_stuck_while_it_moves(drive):
     arm = drive(path_tolerance=0.05)
     start = arm.position
-    handle = arm.send(arm.trajectory((20.0, 10 * MOVE)))
+    handle = arm.send(arm.trajectory((8.0, 10 * MOVE)))
     arm.until_moving()
     assert set_parameter(arm, "fault_stuck_joints", string_value="waist, elbow").successful
     status, result = arm.result(handle)
@@ -121,6 +149,23 @@ def test_faults_that_cannot_be(graph, drive):
     assert not answer.successful
     assert "names with commas between, of waist" in answer.reason
     assert arm.execute(arm.trajectory((0.3, MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
+
+
+def test_parameters_are_checked_while_the_robot_moves(drive):
+    arm = drive()
+    handle = arm.send(arm.trajectory((1.0, MOVE)))
+    arm.until_moving()
+    for name, value, reason in (
+        ("publish_rate", 500.0, "Trying to set a read-only parameter: publish_rate"),
+        ("fault_delay", np.nan, "out of range"),
+        ("fault_delay", 11.0, "out of range"),
+        ("fault_noise", -1.0, "out of range"),
+    ):
+        answer = set_parameter(arm, name, double_value=value)
+        assert not answer.successful
+        assert reason in answer.reason
+    assert arm.result(handle)[0] == GoalStatus.STATUS_SUCCEEDED
+    assert np.abs(np.diff([state.position for state in arm.states], axis=0)).max() < 0.02
 
 
 def test_noise_and_offset_are_published(drive):

@@ -88,7 +88,8 @@ def test_a_plan_from_before_this_node_is_ignored(graph, suite):
     plans.publish(old)
     arm = suite(namespace="right", planner_topic="/trajectory_planner/planned_trajectory")
     arm.until(lambda: plans.get_subscription_count() == 2)
-    # A second after its start the publisher has had time to do something about it.
+    # So long after its start the publisher has had time to do something about it.
+    arm.until(lambda: len(arm.states) > 50)
     assert arm.value("sent") == "0"
     answer = arm.execute()
     assert answer.error_code == ErrorCode.NO_STATE
@@ -97,7 +98,7 @@ def test_a_plan_from_before_this_node_is_ignored(graph, suite):
 
 def test_execute_joins_the_plan_that_is_being_executed(suite):
     arm = suite()
-    arm.plan(0.0, MOVE, duration=4.0)
+    arm.plan(0.0, MOVE, duration=2.0)
     arm.until_moving()
     answer = arm.execute()
     assert (answer.error_code, answer.error_msg) == DONE

@@ -15,7 +15,7 @@ TIMEOUT = 30.0
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_in_mid_motion(suite, process, number):
     arm = suite(start=process)
-    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=6.0))
+    waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=3.0))
     arm.until_moving()
     arm.node.send_signal(number)
     assert arm.node.wait(TIMEOUT) == 0

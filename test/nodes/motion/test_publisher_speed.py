@@ -54,7 +54,7 @@ def until_still(arm):
     arm.until(lambda: not arm.velocity.any())
 
 
-def stays(arm, cycles=60):
+def stays(arm, cycles=40):
     """Whether the robot does not move for that many states."""
     arm.until(lambda: arm.states)
     place, since = arm.position, len(arm.states) + cycles
@@ -67,7 +67,7 @@ def stays(arm, cycles=60):
 )
 def test_pause_and_resume(suite, transport, robot):
     arm = suite(transport=transport, robot_description=robot)
-    arm.plan(0.0, MOVE, duration=4.0)
+    arm.plan(0.0, MOVE, duration=2.5)
     arm.until(lambda: part_done(arm) > 0.05)
     assert trigger(arm, "pause") == (
         True,
