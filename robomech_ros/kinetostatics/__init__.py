@@ -28,11 +28,18 @@ if TYPE_CHECKING:
         NearestSingularity,
         nearest_singular_posture,
     )
+    from robomech_ros.kinetostatics.workspace import (
+        BoundaryCurve,
+        Workspace,
+        workspace_boundary,
+    )
 
 __all__ = [
+    "BoundaryCurve",
     "CharacteristicLength",
     "NearestSingularity",
     "SingularityReport",
+    "Workspace",
     "bias_acceleration",
     "characteristic_length",
     "condition_number",
@@ -46,12 +53,15 @@ __all__ = [
     "nearest_singular_posture",
     "point_jacobian",
     "singularity_report",
+    "workspace_boundary",
 ]
 
 _MODULES = {
+    "BoundaryCurve": "workspace",
     "CharacteristicLength": "conditioning",
     "NearestSingularity": "singularity_distance",
     "SingularityReport": "singularities",
+    "Workspace": "workspace",
     "bias_acceleration": "accelerations",
     "characteristic_length": "conditioning",
     "condition_number": "indices",
@@ -65,6 +75,7 @@ _MODULES = {
     "nearest_singular_posture": "singularity_distance",
     "point_jacobian": "points",
     "singularity_report": "singularities",
+    "workspace_boundary": "workspace",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())
