@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         Workspace,
         workspace_boundary,
     )
+    from robomech_ros.kinetostatics.workspace_reach import extreme_reach
 
 __all__ = [
     "BoundaryCurve",
@@ -44,6 +45,7 @@ __all__ = [
     "characteristic_length",
     "condition_number",
     "condition_number_gradient",
+    "extreme_reach",
     "jacobian",
     "jacobian_rate",
     "least_singular_value",
@@ -66,6 +68,7 @@ _MODULES = {
     "characteristic_length": "conditioning",
     "condition_number": "indices",
     "condition_number_gradient": "indices",
+    "extreme_reach": "workspace_reach",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",
     "least_singular_value": "indices",

@@ -22,6 +22,8 @@ _LINES = 320
 _INWARD = 1e-7
 # Offset of a grid all round, in cells: no root that symmetry puts somewhere falls on a line.
 _OFFSET = 0.38196601125
+# Within so many cells of a crossing of branches no vertex is kept but the crossing.
+_CORNER = 1.6
 _BISECTIONS = 52
 _NEWTON = 8
 _PROJECTIONS = 12
@@ -199,14 +201,17 @@ def _with_crossings(section: Section, curve: Array, crossings: Array) -> Array:
     """
     cell = _cell(section)
     for crossing in crossings:
-        middle = 0.5 * (curve[:-1] + curve[1:])
-        away = (_apart(section, middle, crossing) / cell).max(axis=1)
-        near = np.flatnonzero(away < 2.0)
-        groups = np.split(near, np.flatnonzero(np.diff(near) > 1) + 1) if len(near) else []
-        for group in reversed(groups):
-            k = int(group[np.argmin(away[group])])
-            turns = np.round((middle[k] - crossing) / (2.0 * np.pi)) * section.round[1:]
-            curve = np.insert(curve, k + 1, crossing + 2.0 * np.pi * turns, axis=0)
+        near = (_apart(section, curve, crossing) / cell).max(axis=1) < _CORNER
+        if near.all():
+            continue
+        rows: list[Array] = []
+        for k, vertex in enumerate(curve):
+            if not near[k]:
+                rows.append(vertex)
+            elif k == 0 or not near[k - 1]:
+                turns = np.round((vertex - crossing) / (2.0 * np.pi)) * section.round[1:]
+                rows.append(crossing + 2.0 * np.pi * turns)
+        curve = np.array(rows)
     return curve
 
 
@@ -278,10 +283,10 @@ def _on_edge(section: Section, vertex: Array, axis: int, bound: float) -> Array:
     return point if np.abs(point - vertex).max() < room else vertex
 
 
-def on_contour(section: Section, rows: Array) -> Array:
-    """Move points (k, 2) of the joint plane onto det J21 = 0 along its gradient."""
+def on_contour(section: Section, rows: Array, steps: int = _PROJECTIONS) -> Array:
+    """Move points (k, 2) of the joint plane onto det J21 = 0 along its gradient, in some steps."""
     rows = rows.copy()
-    for _ in range(_PROJECTIONS):
+    for _ in range(steps):
         f, fu, fv = section.determinant_gradient(rows[:, 0], rows[:, 1])
         square = fu * fu + fv * fv
         share = np.divide(f, square, out=np.zeros_like(f), where=square > 0.0)

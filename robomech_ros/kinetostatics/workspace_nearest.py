@@ -11,7 +11,8 @@ __all__ = ["NearestOnCurves"]
 
 Array = NDArray[np.float64]
 
-_STEPS = 6
+_STEPS = 5
+_PROJECTIONS = 3
 # A step on a curve goes this many vertices far at the most.
 _REACH = 2.0
 
@@ -98,7 +99,7 @@ class NearestOnCurves:
         moved = np.where(bounded, np.clip(moved, section.lower[1:], section.upper[1:]), moved)
         singular = joint == 0
         if singular.any():
-            moved[singular] = on_contour(section, moved[singular])
+            moved[singular] = on_contour(section, moved[singular], _PROJECTIONS)
         off = (bounded & ((moved < section.lower[1:]) | (moved > section.upper[1:]))).any(axis=1)
         off |= np.linalg.norm(moved - start, axis=1) > 2.0 * longest
         return np.where(off[:, None], q, moved)

@@ -21,7 +21,7 @@ from robomech_ros.kinematics.decoupled import common_point, nearest_points
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
 
-__all__ = ["Section", "positioned_point", "section_of"]
+__all__ = ["Section", "point_in_tip", "positioned_point", "section_of"]
 
 Array = NDArray[np.float64]
 
@@ -225,6 +225,24 @@ def positioned_point(chain: SerialChain) -> Array:
         raise BadValueError("chain", f"{chain.name}, {chain.n} joints", expected)
     point: Array = (C[3] @ (0.0, 0.0, found, 1.0))[:3]
     return point
+
+
+def point_in_tip(chain: SerialChain) -> Array:
+    """Give the point of :func:`positioned_point` in the frame of the tip, shape (3,) (m).
+
+    Raises
+    ------
+    BadValueError
+        There is none.
+    """
+    point = positioned_point(chain)
+    tail = unpack_chain(chain.packed)[3:]
+    # On all later axes, the point stays where it is whatever their joints do.
+    pose = np.eye(4)
+    for T in tail:
+        pose = pose @ T
+    found: Array = pose[:3, :3].T @ (point - pose[:3, 3])
+    return found
 
 
 def _height_on_axis_4(C: Array, joints: int) -> float | None:
