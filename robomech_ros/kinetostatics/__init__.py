@@ -33,12 +33,17 @@ if TYPE_CHECKING:
         Workspace,
         workspace_boundary,
     )
+    from robomech_ros.kinetostatics.workspace_orientation import (
+        OrientationWorkspace,
+        orientation_workspace,
+    )
     from robomech_ros.kinetostatics.workspace_reach import extreme_reach
 
 __all__ = [
     "BoundaryCurve",
     "CharacteristicLength",
     "NearestSingularity",
+    "OrientationWorkspace",
     "SingularityReport",
     "Workspace",
     "bias_acceleration",
@@ -53,6 +58,7 @@ __all__ = [
     "manipulability",
     "manipulability_gradient",
     "nearest_singular_posture",
+    "orientation_workspace",
     "point_jacobian",
     "singularity_report",
     "workspace_boundary",
@@ -62,6 +68,7 @@ _MODULES = {
     "BoundaryCurve": "workspace",
     "CharacteristicLength": "conditioning",
     "NearestSingularity": "singularity_distance",
+    "OrientationWorkspace": "workspace_orientation",
     "SingularityReport": "singularities",
     "Workspace": "workspace",
     "bias_acceleration": "accelerations",
@@ -76,6 +83,7 @@ _MODULES = {
     "manipulability": "indices",
     "manipulability_gradient": "indices",
     "nearest_singular_posture": "singularity_distance",
+    "orientation_workspace": "workspace_orientation",
     "point_jacobian": "points",
     "singularity_report": "singularities",
     "workspace_boundary": "workspace",

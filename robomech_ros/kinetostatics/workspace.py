@@ -171,7 +171,7 @@ class Workspace:
     @cached_property
     def _pieces(self) -> list[Piece]:
         return [
-            Piece(_joint_of(curve), False, curve.q, curve.points, curve.more, curve.fewer)
+            Piece(_joint_of(curve), "", curve.q, curve.points, curve.more, curve.fewer)
             for curve in self.curves
         ]
 
@@ -189,10 +189,9 @@ class Workspace:
 
 
 def _joint_of(curve: BoundaryCurve) -> int:
-    """Give 1 or 2 where one of the joint values is constant along a limit, else 0."""
-    if curve.cause == "singular":
-        return 0
-    return 1 if np.ptp(curve.q[:, 0]) <= np.ptp(curve.q[:, 1]) else 2
+    """Give 1 or 2 where the value of joint 2 or 3 is constant along a curve, else 0."""
+    still = np.ptp(curve.q, axis=0) == 0.0
+    return int(np.argmax(still)) + 1 if still.any() else 0
 
 
 def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Workspace:
@@ -239,9 +238,7 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
 
 
 def _cause(chain: SerialChain, piece: Piece) -> str:
-    if not piece.joint:
-        return "singular"
-    return f"{chain.joint_names[piece.joint]} {'upper' if piece.upper else 'lower'}"
+    return f"{chain.joint_names[piece.joint]} {piece.limit}" if piece.limit else "singular"
 
 
 def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:

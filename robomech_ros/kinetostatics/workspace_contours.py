@@ -6,13 +6,14 @@ the polylines are made finer until their images are smooth; every vertex is a ro
 
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace_section import Section
 
-__all__ = ["edges_of_box", "on_contour", "refined", "singular_contours"]
+__all__ = ["Contour", "edges_of_box", "on_contour", "refined", "singular_contours"]
 
 Array = NDArray[np.float64]
 
@@ -35,28 +36,151 @@ _MOST_VERTICES = 60_000
 _EDGE_VERTICES = 65
 
 
-def singular_contours(section: Section) -> list[Array]:
-    """Follow det J21 = 0 inside the ranges of joints 2 and 3.
+@dataclass(frozen=True, eq=False)
+class Contour:
+    """A curve in the joint plane on which the arm is singular.
 
-    Returns
-    -------
-    list of ndarray, shape (k, 2)
+    Parameters
+    ----------
+    joint : int
+        1 or 2 where the value of this joint (from 0) is constant along it, else 0.
+    q : ndarray, shape (k, 2)
         Values of joints 2 and 3 (rad or m), unwrapped; a closed curve ends where it began, up to
         turns.
     """
+
+    joint: int
+    q: Array
+
+
+class Deflated:
+    """det J21 without those of its factors that vanish at a value of one joint alone.
+
+    Where axes 2 and 3 are parallel the elbow is such a factor; the lines on which it vanishes may
+    be so near to the other branches that no grid parts them.
+
+    Parameters
+    ----------
+    section : Section
+    """
+
+    def __init__(self, section: Section) -> None:
+        self.section = section
+        self.lines = [(j, value) for j in (1, 2) for value in _singular_values(section, j)]
+
+    def positive(self, u: Array, v: Array) -> NDArray[np.bool_]:
+        """Tell its sign, which lines (of a grid) do not hide, shape (...)."""
+        values = self.section.determinant(u, v)
+        for joint, value in self.lines:
+            values = values * self._factor(joint, value, u, v)[0]
+        return values >= 0.0
+
+    def gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Give its value and derivatives, shape (...) each; huge on the lines themselves."""
+        f, fu, fv = self.section.determinant_gradient(u, v)
+        for joint, value in self.lines:
+            e, slope = self._factor(joint, value, u, v)
+            e = np.where(np.abs(e) < 1e-12, 1e-12, e)
+            f = f / e
+            if joint == 1:
+                fu, fv = (fu - f * slope) / e, fv / e
+            else:
+                fu, fv = fu / e, (fv - f * slope) / e
+        return f, fu, fv
+
+    def _factor(self, joint: int, value: float, u: Array, v: Array) -> tuple[Array, Array]:
+        x = (u if joint == 1 else v) - value
+        if self.section.slides[joint]:
+            return x, np.ones_like(x)
+        # One zero in a turn; the product of an even number of them is the same after a turn.
+        return 2.0 * np.sin(0.5 * x), np.cos(0.5 * x)
+
+    def onto(self, rows: Array) -> Array:
+        """Move points (k, 2) onto its zeros."""
+        rows = rows.copy()
+        for _ in range(_PROJECTIONS):
+            f, fu, fv = self.gradient(rows[:, 0], rows[:, 1])
+            square = fu * fu + fv * fv
+            share = np.divide(f, square, out=np.zeros_like(f), where=square > 0.0)
+            rows[:, 0] -= share * fu
+            rows[:, 1] -= share * fv
+        return rows
+
+
+def _singular_values(section: Section, joint: int) -> list[float]:
+    """Find the values of a joint at which the arm is singular whatever the other's value."""
+    lower, upper = section.lower[joint], section.upper[joint]
+    values = np.linspace(lower, upper, 4 * _LINES + 1)
+    values += 0.1234 * (values[1] - values[0]) if section.round[joint] else 0.0
+    other = 3 - joint
+    span = section.upper[other] - section.lower[other]
+    across = section.lower[other] + span * np.array((0.137, 0.351, 0.618, 0.871))
+
+    def products(x: Array) -> Array:
+        grid = np.meshgrid(x, across, indexing="ij")
+        u, v = grid if joint == 1 else grid[::-1]
+        return section.determinant(u, v)
+
+    f = products(values)
+    scale = np.abs(f).max(axis=0)
+    change = np.flatnonzero(((f[:-1] > 0.0) != (f[1:] > 0.0)).all(axis=1))
+    found = []
+    for k in change:
+        low, high = values[k], values[k + 1]
+        positive = f[k, 0] > 0.0
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if (products(np.array([middle]))[0, 0] > 0.0) == positive:
+                low = middle
+            else:
+                high = middle
+        if (np.abs(products(np.array([low]))[0]) <= 1e-13 * scale).all():
+            found.append(float(low))
+    return [] if section.round[joint] and len(found) % 2 else found
+
+
+def singular_contours(section: Section) -> list[Contour]:
+    """Follow det J21 = 0 inside the ranges of joints 2 and 3."""
+    deflated = Deflated(section)
     lines = [_lines(section, j) for j in (1, 2)]
-    roots = _grid_roots(section, lines)
+    roots = _grid_roots(deflated, lines)
     segments = _segments(section, lines, roots)
     found = [
         _unwrapped(section, np.array([roots[key] for key in path])) for path in _joined(segments)
     ]
     crossings = _crossings(section, found)
+    straight = []
+    for joint, value in deflated.lines:
+        curve, on_line = _straight(section, joint, value)
+        straight.append(Contour(joint, refined(section, curve, None)))
+        crossings = np.concatenate((crossings, on_line))
     result = []
     for curve in found:
         ends = _to_the_ends(section, _with_crossings(section, curve, crossings))
         if len(ends) > 1:
-            result.append(refined(section, ends, lambda rows: on_contour(section, rows)))
-    return result
+            result.append(Contour(0, refined(section, ends, deflated.onto)))
+    return result + straight
+
+
+def _straight(section: Section, joint: int, value: float) -> tuple[Array, Array]:
+    """Give a line of constant joint value, and the points on it in which others cross it."""
+    other = 3 - joint
+    along = np.linspace(section.lower[other], section.upper[other], 2 * _LINES + 1)
+    along += 0.0 if not section.round[other] else _OFFSET * (along[1] - along[0])
+    curve = np.empty((len(along), 2))
+    curve[:, joint - 1], curve[:, other - 1] = value, along
+
+    def slope(rows: Array) -> Array:
+        return section.determinant_gradient(rows[:, 0], rows[:, 1])[joint]
+
+    values = slope(curve)
+    change = np.flatnonzero((values[:-1] > 0.0) != (values[1:] > 0.0))
+    low, high, positive = curve[change], curve[change + 1], values[change] > 0.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        left = (slope(middle) > 0.0) == positive
+        low, high = np.where(left[:, None], middle, low), np.where(left[:, None], high, middle)
+    return np.insert(curve, change + 1, low, axis=0), low
 
 
 def _lines(section: Section, joint: int) -> Array:
@@ -71,10 +195,11 @@ def _lines(section: Section, joint: int) -> Array:
 _Key = tuple[int, int, int]
 
 
-def _grid_roots(section: Section, lines: list[Array]) -> dict[_Key, tuple[float, float]]:
+def _grid_roots(deflated: Deflated, lines: list[Array]) -> dict[_Key, tuple[float, float]]:
     """Find the sign changes between neighbouring nodes: (direction, i, j) -> the root."""
+    section = deflated.section
     u, v = np.meshgrid(*lines, indexing="ij")
-    positive = section.determinant(u, v) >= 0.0
+    positive = deflated.positive(u, v)
     roots: dict[_Key, tuple[float, float]] = {}
     for axis in (0, 1):
         beside = np.roll(positive, -1, axis)
@@ -86,16 +211,16 @@ def _grid_roots(section: Section, lines: list[Array]) -> dict[_Key, tuple[float,
         high = low.copy()
         step = 2.0 * np.pi / _LINES if section.round[axis + 1] else lines[axis][1] - lines[axis][0]
         high[:, axis] += step
-        root = _bisected(section, low, high, positive[tuple(index.T)])
+        root = _bisected(deflated, low, high, positive[tuple(index.T)])
         for (i, j), (x, y) in zip(index.tolist(), root.tolist(), strict=True):
             roots[axis, i, j] = (x, y)
     return roots
 
 
-def _bisected(section: Section, low: Array, high: Array, positive: NDArray[np.bool_]) -> Array:
+def _bisected(deflated: Deflated, low: Array, high: Array, positive: NDArray[np.bool_]) -> Array:
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        left = (section.determinant(middle[:, 0], middle[:, 1]) >= 0.0) == positive
+        left = deflated.positive(middle[:, 0], middle[:, 1]) == positive
         low = np.where(left[:, None], middle, low)
         high = np.where(left[:, None], high, middle)
     return 0.5 * (low + high)

@@ -35,9 +35,9 @@ class Branch:
     Parameters
     ----------
     joint : int
-        1 or 2, the joint (from 0) that is at a limit; 0 where the arm is singular.
-    upper : bool
-        Whether that is its upper limit.
+        1 or 2, the joint (from 0) whose value is constant along it, else 0.
+    limit : str
+        ``"lower"`` or ``"upper"`` where that is a limit; empty where the arm is singular.
     q : ndarray, shape (k, 2)
         Joint values (rad or m).
     points : ndarray, shape (k, 2)
@@ -45,14 +45,14 @@ class Branch:
     """
 
     joint: int
-    upper: bool
+    limit: str
     q: Array
     points: Array
 
     @classmethod
-    def of(cls, section: Section, joint: int, upper: bool, q: Array) -> "Branch":
+    def of(cls, section: Section, joint: int, limit: str, q: Array) -> "Branch":
         """Make one from joint values (k, 2)."""
-        return cls(joint, upper, q, section.image(q[:, 0], q[:, 1]))
+        return cls(joint, limit, q, section.image(q[:, 0], q[:, 1]))
 
 
 def cusps_of(section: Section, curve: Array) -> tuple[Array, Array, NDArray[np.int64]]:

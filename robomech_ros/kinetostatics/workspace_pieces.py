@@ -34,9 +34,9 @@ class Piece:
     Parameters
     ----------
     joint : int
-        1 or 2, the joint (from 0) that is at a limit along it; 0 where the arm is singular.
-    upper : bool
-        Whether that is its upper limit.
+        1 or 2, the joint (from 0) whose value is constant along it, else 0.
+    limit : str
+        ``"lower"`` or ``"upper"`` where that is a limit; empty where the arm is singular.
     q : ndarray, shape (k, 2)
         Values of joints 2 and 3 (rad or m).
     points : ndarray, shape (k, 2)
@@ -46,7 +46,7 @@ class Piece:
     """
 
     joint: int
-    upper: bool
+    limit: str
     q: Array
     points: Array
     more: int
@@ -72,7 +72,7 @@ def divide(section: Section) -> tuple[list[Piece], Array, Array]:
         nodes.append(node.point)
     postures = PointPostures(section, first_free=True)
     parts = [
-        Branch.of(section, branch.joint, branch.upper, q)
+        Branch.of(section, branch.joint, branch.limit, q)
         for branch, places in zip(branches, cuts, strict=True)
         for q in _cut(branch, places)
     ]
@@ -96,13 +96,13 @@ def _branches(
     cuts: list[list[tuple[float, Array]]] = []
     cusps: list[Array] = []
     for contour in singular_contours(section):
-        curve, crossings, sharp = cusps_of(section, contour)
-        branch = Branch.of(section, 0, False, curve)
+        curve, crossings, sharp = cusps_of(section, contour.q)
+        branch = Branch.of(section, contour.joint, "", curve)
         branches.append(branch)
         cuts.append([(float(k), curve[k]) for k in (*crossings, *sharp)])
         cusps.extend(branch.points[sharp])
     for joint, upper, curve in edges_of_box(section):
-        branches.append(Branch.of(section, joint, upper, curve))
+        branches.append(Branch.of(section, joint, "upper" if upper else "lower", curve))
         cuts.append(_where_singular(section, joint, curve))
     return branches, cuts, cusps
 
@@ -155,7 +155,7 @@ def _counted(section: Section, postures: PointPostures, branch: Branch) -> Piece
     q = branch.q
     if left < right:
         left, right, q, points = right, left, q[::-1], points[::-1]
-    return Piece(branch.joint, branch.upper, np.array(q), np.array(points), left, right)
+    return Piece(branch.joint, branch.limit, np.array(q), np.array(points), left, right)
 
 
 def _probes(points: Array, lengths: Array, beside: float) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from robomech_ros.kinematics.families import Family, family_of
 from robomech_ros.kinetostatics.workspace_section import Section
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, pack_chain
 
-__all__ = ["PointPostures"]
+__all__ = ["PointPostures", "solved"]
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,46 @@ _ORIENTATION = np.array((
 ))  # fmt: skip
 _QUARTER = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
 _PORTION = 4096
+
+
+def solved(
+    family: Family, T: Array, seed: Array, *, bounded: bool
+) -> tuple[Array, NDArray[np.int64]]:
+    """Solve poses without asking why there is no solution.
+
+    Parameters
+    ----------
+    family : Family
+        One that lists all solutions.
+    T : ndarray, shape (m, 4, 4)
+        m.
+    seed : ndarray, shape (n,)
+        Joint values that free joints take (rad or m).
+    bounded : bool
+        Whether limits hold.
+
+    Returns
+    -------
+    q : ndarray, shape (m, 16, n)
+        NaN after the last.
+    counts : ndarray of int, shape (m,)
+    """
+    n = len(seed)
+    q = np.empty((len(T), MAX_SOLUTIONS, n))
+    counts = np.empty(len(T), np.int64)
+    solve(
+        family.arm,
+        T,
+        seed,
+        0,
+        bounded,
+        np.empty((MAX_SOLUTIONS, n)),
+        q,
+        np.empty(MAX_SOLUTIONS),
+        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
+        counts,
+    )
+    return q, np.maximum(counts, 0)
 
 
 class PointPostures:
@@ -88,20 +128,7 @@ class PointPostures:
         T[:, :3, :3] = _ORIENTATION
         T[:, :3, 3] = points
         T[:, 3, 3] = 1.0
-        q = np.empty((len(T), MAX_SOLUTIONS, 6))
-        counts = np.empty(len(T), np.int64)
-        solve(
-            self._family.arm,
-            T,
-            self._seed,
-            0,
-            True,
-            np.empty((MAX_SOLUTIONS, 6)),
-            q,
-            np.empty(MAX_SOLUTIONS),
-            np.empty((MARKS, MAX_SOLUTIONS), np.int64),
-            counts,
-        )
+        q, counts = solved(self._family, T, self._seed, bounded=True)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]
         # Of the two ways of the wrist the one that is bent to the positive side.
         return q, within & (q[:, :, 4] >= 0.0)
