@@ -231,10 +231,12 @@ def _crossing(
     usable = np.abs(cross) > _TRANSVERSAL * lengths
     safe = np.where(usable, cross, 1.0)
     share = (
-        np.stack((
-            gap[:, 0] * b[:, 1] - gap[:, 1] * b[:, 0],
-            gap[:, 0] * a[:, 1] - gap[:, 1] * a[:, 0],
-        ))
+        np.stack(
+            (
+                gap[:, 0] * b[:, 1] - gap[:, 1] * b[:, 0],
+                gap[:, 0] * a[:, 1] - gap[:, 1] * a[:, 0],
+            )
+        )
         / safe
     )
     inside = ((share >= -1e-9) & (share <= 1.0 + 1e-9)).all(axis=0)

@@ -127,5 +127,7 @@ def _spiral(samples: int) -> Array:
     r, big = np.sqrt(t), np.sqrt(1.0 - t)
     alpha, beta = d / math.sqrt(2.0), d / _PSI
     return matrix_from_quaternion(
-        np.column_stack((r * np.sin(alpha), r * np.cos(alpha), big * np.sin(beta), big * np.cos(beta)))
+        np.column_stack(
+            (r * np.sin(alpha), r * np.cos(alpha), big * np.sin(beta), big * np.cos(beta))
+        )
     )

@@ -99,10 +99,12 @@ class LimitedBoundary:
             if not len(open_):
                 break
             feet = np.stack([near[k][1][j] for j, k in zip(open_, index[open_], strict=True)])
-            normal = np.stack([
-                self._walls[k].normals[near[k][2][j]]
-                for j, k in zip(open_, index[open_], strict=True)
-            ])
+            normal = np.stack(
+                [
+                    self._walls[k].normals[near[k][2][j]]
+                    for j, k in zip(open_, index[open_], strict=True)
+                ]
+            )
             at, across = self._beside(points[open_], feet, normal)
             bounds = self._divides(at, across)
             found[open_[bounds]] = distance[open_[bounds]]

@@ -8,6 +8,7 @@ from typing import Any
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
+from visualization_msgs.msg import MarkerArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import (
@@ -39,6 +40,11 @@ from robomech_ros.nodes.ik_messages import (
 )
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.kinetostatic_markers import (
+    boundary_markers,
+    marker_array,
+    posture_markers,
+)
 from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.pauses import Turns, beside
@@ -78,6 +84,12 @@ class KinematicsSettings(StateSettings):
         "s",
         read_only=False,
     )
+    publish_markers: bool = parameter(
+        True,
+        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace "
+        "once query_workspace has found it",
+        read_only=False,
+    )
 
 
 class KinematicsNode(Node):
@@ -110,6 +122,9 @@ class KinematicsNode(Node):
             (QueryWorkspace, "~/query_workspace", self._query_workspace),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+        self._boundary: list[Any] = []
+        self._posture: list[Any] = []
+        self._markers = self.create_publisher(MarkerArray, "~/markers", LATCHED)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
             self,
@@ -197,6 +212,12 @@ class KinematicsNode(Node):
             self._measured.add(chain)
         report = singularity_report(chain, q, point=point)
         encode_report(report, axes, request.reference_frame or chain.base, response)
+        if self._table.settings.publish_markers:
+            T = forward_kinematics(chain, q)
+            J = point_jacobian(chain, q, point)
+            at = T[:3, :3] @ point + T[:3, 3]
+            self._posture = posture_markers(chain.base, at, J, report)
+            self._show()
         return answer(response)
 
     @guarded
@@ -207,6 +228,9 @@ class KinematicsNode(Node):
         if self._reach is None:
             await beside(self, self._find_reach)
         reach = self._reach or reach_of(chain)
+        if reach.space is not None and not self._boundary and self._table.settings.publish_markers:
+            self._boundary = boundary_markers(chain.base, reach.space)
+            self._show()
         judged = Judgement(chain, T, tuple(bool(entry) for entry in request.task_mask), reach)
         done = await judged.work(self, allowed)
         judged.fill(response)
@@ -216,6 +240,10 @@ class KinematicsNode(Node):
             text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
             return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
         return answer(response)
+
+    def _show(self) -> None:
+        """Publish all markers there are."""
+        self._markers.publish(marker_array([*self._posture, *self._boundary]))
 
     def _find_reach(self) -> None:
         self._reach = reach_of(self._model.chain)

@@ -138,7 +138,9 @@ class Judgement:
             q, count, status = inverse_kinematics_batch(self._chain, self._T[part])
             rows = q[np.arange(q.shape[1]) < count[:, None]]
         else:
-            found = [inverse_kinematics(self._chain, T, task_mask=self._mask) for T in self._T[part]]
+            found = [
+                inverse_kinematics(self._chain, T, task_mask=self._mask) for T in self._T[part]
+            ]
             count = np.array([len(result) for result in found])
             status = np.array([int(result.status) for result in found])
             rows = np.concatenate([result.q for result in found])
@@ -190,4 +192,3 @@ def workspace_cloud(frame: str, T: Array, count: NDArray[np.int64], distance: Ar
     message.row_step = message.point_step * len(rows)
     message.data = array("B", rows.tobytes())
     return message
-

@@ -5,11 +5,12 @@ import math
 
 import numpy as np
 import pytest
+
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
-from robomech_ros.kinetostatics import workspace_boundary
-from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.iterative import low_discrepancy_strides
+from robomech_ros.kinetostatics import workspace_boundary
+from robomech_ros.robots import chain_from_dh, load_robot
 
 H = math.pi / 2
 
@@ -29,7 +30,9 @@ def arm(name, limited):
     limits = NARROW if limited else None
     made = {
         "arcmate": lambda: positioning([0.2, 0.6, 0.13], [0.81, 0, 0.03], [H, 0, H], 0.55, limits),
-        "orthogonal": lambda: chain_from_dh([0.12, 0.24, 0.18], [0, 0.12, 0], [-H, H, 0], limits=limits),
+        "orthogonal": lambda: chain_from_dh(
+            [0.12, 0.24, 0.18], [0, 0.12, 0], [-H, H, 0], limits=limits
+        ),
     }
     return made[name]() if name in made else load_robot(name)
 
@@ -148,7 +151,9 @@ def test_elbow_arm_in_closed_form():
 
 def test_slides_make_a_box_with_corners():
     limits = {"lower": np.zeros(3), "upper": np.array([1.0, 2.0, 3.0])}
-    chain = chain_from_dh([0, 0, 0], [0, 0, 0], [H, H, 0], theta=[0, H, 0], types="PPP", limits=limits)
+    chain = chain_from_dh(
+        [0, 0, 0], [0, 0, 0], [H, H, 0], theta=[0, H, 0], types="PPP", limits=limits
+    )
     space = workspace_boundary(chain)
     inside = forward_kinematics(chain, [0.5, 1.0, 1.2])[:3, 3]
     assert space.coordinates == ("x", "y")
@@ -175,7 +180,10 @@ def test_orthogonal_arm_with_offsets_has_four_cusps_and_a_region_of_four():
         f, fu, fv = section.determinant_gradient(*q)
         along = np.array((-fv, fu)) / np.hypot(fu, fv)
         moved = section.regular(q[0], q[1])
-        velocity = (moved[0] * along[0] + moved[1] * along[1], moved[5] * along[0] + moved[6] * along[1])
+        velocity = (
+            moved[0] * along[0] + moved[1] * along[1],
+            moved[5] * along[0] + moved[6] * along[1],
+        )
         assert abs(f) < 1e-13
         assert np.abs(velocity).max() < 1e-12
 
@@ -184,7 +192,9 @@ def test_nodes_are_reached_in_two_postures_to_rounding():
     space = workspace_boundary(load_robot("puma560"))
     assert len(space.nodes) == 2
     for node in space.nodes:
-        ends = [c for c in space.curves for k in (0, -1) if np.abs(c.points[k] - node).max() < 1e-12]
+        ends = [
+            c for c in space.curves for k in (0, -1) if np.abs(c.points[k] - node).max() < 1e-12
+        ]
         assert len(ends) >= 3
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import QueryWorkspace, SolveFK
+from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinetostatics import extreme_reach, workspace_boundary
+from robomech_ros.kinetostatics import extreme_reach, jacobian, workspace_boundary
 from robomech_ros.nodes.conversions import joint_state, stamped_pose
 from robomech_ros.nodes.kinematics_node import KinematicsNode
 from robomech_ros.nodes.robot_description import LATCHED
@@ -52,6 +53,14 @@ def test_poses_are_judged(graph):
     turned[0, :3, :3] = np.diag((1.0, -1.0, -1.0)) @ turned[0, :3, :3]
     mask = [True, True, True, False, False, False]
     assert list(query(graph, [stamped_pose(turned[0], "")], task_mask=mask).reachable) == [True]
+    # Half-planes with the boundary are shown, too.
+    shown = graph.receive(MarkerArray, "kinematics/markers", LATCHED, lambda m: len(m.markers) > 1)
+    strips = [marker for marker in shown.markers if marker.ns == "workspace"]
+    assert len(strips) >= 8
+    assert {strip.type for strip in strips} == {Marker.LINE_STRIP}
+    assert all(strip.header.frame_id == PUMA.base for strip in strips)
+    ends = np.array([[p.x, p.y, p.z] for strip in strips for p in (strip.points[0],)])
+    assert np.linalg.norm(ends, axis=1).max() <= workspace_boundary(PUMA).greatest_reach + 1e-6
     # The cloud of what was judged last is there for those who come later, too.
     cloud = graph.receive(PointCloud2, "kinematics/workspace", LATCHED, lambda c: c.width == 1)
     assert cloud.header.frame_id == PUMA.base
@@ -79,6 +88,33 @@ def test_an_arm_without_a_positioning_part_and_others_meanwhile(graph):
     assert answer.error_code == 0
     assert all(answer.reachable)
     assert np.isnan(answer.boundary_distances).all()
+
+
+def test_ellipsoids_and_lost_directions_are_shown(graph):
+    graph.start(KinematicsNode, robot_description="puma560")
+    q = Q.copy()
+    q[4] = 0.0  # the wrist is stretched
+    request = AnalyzeSingularity.Request(state=joint_state(PUMA.joint_names, q))
+    answer = graph.call(AnalyzeSingularity, "kinematics/analyze_singularity", request)
+    assert answer.error_code == 0
+    shown = graph.receive(MarkerArray, "kinematics/markers", LATCHED, lambda m: len(m.markers) > 1)
+    assert shown.markers[0].action == Marker.DELETEALL
+    by_name = {marker.ns: marker for marker in shown.markers[1:]}
+    velocity, force = by_name["velocity_ellipsoid"], by_name["force_ellipsoid"]
+    values = np.linalg.svd(jacobian(PUMA, q)[3:], compute_uv=False)
+    drawn = np.array([velocity.scale.x, velocity.scale.y, velocity.scale.z])
+    assert drawn / drawn[0] == pytest.approx(values / values[0])
+    turned = np.array([force.scale.x, force.scale.y, force.scale.z])
+    assert turned * drawn == pytest.approx(np.full(3, turned[0] * drawn[0]))
+    position = forward_kinematics(PUMA, q)[:3, 3]
+    arrow = by_name["lost_directions"]
+    start, end = (np.array([p.x, p.y, p.z]) for p in arrow.points)
+    assert start == pytest.approx(position)
+    lost = answer.lost_directions[0].twist.angular
+    direction = (end - start) / np.linalg.norm(end - start)
+    assert abs(direction @ [lost.x, lost.y, lost.z]) == pytest.approx(
+        np.linalg.norm([lost.x, lost.y, lost.z]), rel=1e-6
+    )
 
 
 def nan_pose():

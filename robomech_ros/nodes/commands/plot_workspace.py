@@ -19,7 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
-    parser.add_argument("--ignore-limits", action="store_true", help="joints turn all the way round")
+    parser.add_argument(
+        "--ignore-limits", action="store_true", help="joints turn all the way round"
+    )
     parser.add_argument("--title", help="above the picture; the robot's name unless told")
     parser.add_argument("--json", type=Path, help="file for the curves in numbers, too")
     parser.add_argument(
