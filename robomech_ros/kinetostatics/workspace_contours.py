@@ -292,16 +292,16 @@ def _crossings(section: Section, curves: list[Array]) -> Array:
     """Find the points (k, 2) in which branches cross, from where the gradient is least on them."""
     found: list[Array] = []
     for curve in curves:
-        f, *gradient = section.determinant_gradient(curve[:, 0], curve[:, 1])
+        _, *gradient = section.determinant_gradient(curve[:, 0], curve[:, 1])
         steep = np.hypot(*gradient)
         padded = np.concatenate(([np.inf], steep, [np.inf]))
         low = (steep <= padded[:-2]) & (steep <= padded[2:]) & (steep < 0.1 * steep.max())
         for start in curve[low]:
             point = _critical(section, start)
             near = np.abs(point - start).max() < 4.0 * _cell(section).max()
-            if near and abs(section.determinant(*point)) <= 1e-14 * section.size**3:
-                if all(_apart(section, point, other).max() > 1e-6 for other in found):
-                    found.append(point)
+            crosses = near and abs(section.determinant(*point)) <= 1e-14 * section.size**3
+            if crosses and all(_apart(section, point, other).max() > 1e-6 for other in found):
+                found.append(point)
     return np.array(found).reshape(-1, 2)
 
 

@@ -73,7 +73,7 @@ def cusps_of(section: Section, curve: Array) -> tuple[Array, Array, NDArray[np.i
     crossings, cusps : ndarray of int
         Indices of vertices in which other branches cross, and of cusps.
     """
-    f, fu, fv = section.determinant_gradient(curve[:, 0], curve[:, 1])
+    _, fu, fv = section.determinant_gradient(curve[:, 0], curve[:, 1])
     steep = np.hypot(fu, fv)
     flat = steep <= _FLAT * steep.max()
     weights = _weights(section, curve)

