@@ -55,7 +55,7 @@ class Branch:
         return cls(joint, limit, q, section.image(q[:, 0], q[:, 1]))
 
 
-def cusps_of(section: Section, curve: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+def cusps_of(section: Section, curve: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
     """Find the cusps of the image of a curve on which det J21 vanishes.
 
     There the direction that moves nothing is tangent to the curve.
@@ -105,7 +105,8 @@ def _weights(section: Section, curve: Array) -> Array:
     rows = np.stack((np.stack((au, av), -1), np.stack((bu, bv), -1)), axis=1)
     longer = np.argmax((rows**2).sum(axis=2), axis=1)
     along = rows[np.arange(len(rows)), longer]
-    return np.einsum("kij,kj->ki", rows, along)
+    tangents: Array = np.einsum("kij,kj->ki", rows, along)
+    return tangents
 
 
 def _tangency(section: Section, q: Array, weights: Array) -> Array:
@@ -173,7 +174,7 @@ def intersections(section: Section, branches: list[Branch]) -> list[Crossing]:
     for k in np.flatnonzero(sound):
         node = Crossing(
             (int(owner[pair[0, k]]), int(owner[pair[1, k]])),
-            tuple(float(x) for x in number[pair[:, k]] + share[:, k]),
+            (float(number[pair[0, k]] + share[0, k]), float(number[pair[1, k]] + share[1, k])),
             q[:, k],
             point[k],
         )

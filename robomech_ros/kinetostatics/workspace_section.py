@@ -127,7 +127,8 @@ class Section:
             return pu[0], pv[0], puu[0], puv[0], pvv[0], pu[1], pv[1], puu[1], puv[1], pvv[1]
 
         def across(a: Array, b: Array) -> Array:
-            return a[0] * b[0] + a[1] * b[1]
+            product: Array = a[0] * b[0] + a[1] * b[1]
+            return product
 
         return (
             across(p, pu),
@@ -142,9 +143,11 @@ class Section:
         """Give det J21 (m^3 where all turn), shape (...)."""
         p, pu, pv = self.derivatives(u, v, 1)
         if self.slides[0]:
-            return pu[0] * pv[1] - pv[0] * pu[1]
+            plane: Array = pu[0] * pv[1] - pv[0] * pu[1]
+            return plane
         au, av = p[0] * pu[0] + p[1] * pu[1], p[0] * pv[0] + p[1] * pv[1]
-        return au * pv[2] - av * pu[2]
+        found: Array = au * pv[2] - av * pu[2]
+        return found
 
     def determinant_gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
         """Give det J21 and its derivatives by the two joint values, shape (...) each."""
