@@ -86,7 +86,9 @@ def _straight(section: Section, joint: int, value: float) -> tuple[Array, Array]
     curve[:, joint - 1], curve[:, other - 1] = value, along
 
     def slope(rows: Array) -> Array:
-        return section.determinant_gradient(rows[:, 0], rows[:, 1])[joint]
+        _, *slopes = section.determinant_gradient(rows[:, 0], rows[:, 1])
+        across: Array = slopes[joint - 1]
+        return across
 
     values = slope(curve)
     change = np.flatnonzero((values[:-1] > 0.0) != (values[1:] > 0.0))
@@ -102,7 +104,8 @@ def _lines(section: Section, joint: int) -> Array:
     """Give the grid's values of joint 2 (1) or 3 (2)."""
     lower, upper = section.lower[joint], section.upper[joint]
     if section.round[joint]:
-        return lower + (upper - lower) * (np.arange(_LINES) + _OFFSET) / _LINES
+        whole: Array = lower + (upper - lower) * (np.arange(_LINES) + _OFFSET) / _LINES
+        return whole
     margin = _INWARD * (upper - lower)
     return np.linspace(lower + margin, upper - margin, _LINES)
 

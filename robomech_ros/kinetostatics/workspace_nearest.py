@@ -109,4 +109,5 @@ def _left(points: Array) -> Array:
     """Give unit normals (k, 2) to the left of a polyline."""
     tangent = np.gradient(points, axis=0)
     normal = np.stack((-tangent[:, 1], tangent[:, 0]), axis=1)
-    return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    unit: Array = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    return unit

@@ -188,4 +188,5 @@ class LimitedBoundary:
 
 
 def _unit(vectors: Array) -> Array:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
+    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
+    return unit

@@ -83,7 +83,7 @@ def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
         span = section.upper[0] - section.lower[0]
         ends = _PLANES - int(not section.round[0])
         values = section.lower[0] + span * np.arange(_PLANES) / ends
-    markers = []
+    markers: list[Marker] = []
     for value in values:
         for curve in space.curves:
             if curve.role == "interior":

@@ -1,6 +1,7 @@
 """A plot of the section of a workspace."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ _GRID = 220
 _DPI = 110
 _HEIGHT = 7.0
 _COLOURS = ("#ffffff", "#e8f1fa", "#c6dcef", "#a3c6e3", "#7fb0d8")
-_STYLES = {
+_STYLES: dict[str, dict[str, Any]] = {
     "outer": {"color": "black", "linewidth": 1.8},
     "inner": {"color": "firebrick", "linewidth": 1.8},
     "interior": {"color": "tab:blue", "linewidth": 1.0},
