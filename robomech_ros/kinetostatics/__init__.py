@@ -31,19 +31,33 @@ if TYPE_CHECKING:
         NearestSingularity,
         nearest_singular_posture,
     )
+    from robomech_ros.kinetostatics.workspace import (
+        BoundaryCurve,
+        Workspace,
+        workspace_boundary,
+    )
+    from robomech_ros.kinetostatics.workspace_orientation import (
+        OrientationWorkspace,
+        orientation_workspace,
+    )
+    from robomech_ros.kinetostatics.workspace_reach import extreme_reach
 
 __all__ = [
+    "BoundaryCurve",
     "CharacteristicLength",
     "GlobalIndex",
     "NearestSingularity",
+    "OrientationWorkspace",
     "ReachMap",
     "SingularityReport",
+    "Workspace",
     "bias_acceleration",
     "characteristic_length",
     "condition_number",
     "condition_number_gradient",
     "even_rotations",
     "even_turns",
+    "extreme_reach",
     "global_conditioning_index",
     "jacobian",
     "jacobian_rate",
@@ -53,23 +67,29 @@ __all__ = [
     "manipulability",
     "manipulability_gradient",
     "nearest_singular_posture",
+    "orientation_workspace",
     "point_jacobian",
     "reach_map",
     "singularity_report",
+    "workspace_boundary",
 ]
 
 _MODULES = {
+    "BoundaryCurve": "workspace",
     "CharacteristicLength": "conditioning",
     "GlobalIndex": "global_indices",
     "NearestSingularity": "singularity_distance",
+    "OrientationWorkspace": "workspace_orientation",
     "ReachMap": "reachability",
     "SingularityReport": "singularities",
+    "Workspace": "workspace",
     "bias_acceleration": "accelerations",
     "characteristic_length": "conditioning",
     "condition_number": "indices",
     "condition_number_gradient": "indices",
     "even_rotations": "rotation_sets",
     "even_turns": "rotation_sets",
+    "extreme_reach": "workspace_reach",
     "global_conditioning_index": "global_indices",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",
@@ -79,9 +99,11 @@ _MODULES = {
     "manipulability": "indices",
     "manipulability_gradient": "indices",
     "nearest_singular_posture": "singularity_distance",
+    "orientation_workspace": "workspace_orientation",
     "point_jacobian": "points",
     "reach_map": "reachability",
     "singularity_report": "singularities",
+    "workspace_boundary": "workspace",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -17,6 +17,7 @@ COMMANDS = {
     "plot-trajectory": "draw a planned trajectory over time, with its limits",
     "map": "map which orientations an arm can take where, and how well",
     "plot-map": "draw slices through a map",
+    "plot-workspace": "draw what an arm reaches: boundaries and numbers of postures",
     "robots": "list the robots that are known by name",
     "warmup": "compile the numeric kernels, once",
     "doctor": "say what is missing on this machine, and how to mend it",

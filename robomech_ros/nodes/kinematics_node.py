@@ -7,12 +7,14 @@ from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, PointCloud2
+from visualization_msgs.msg import MarkerArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import (
     AnalyzeSingularity,
     GetJacobian,
+    QueryWorkspace,
     SolveFK,
     SolveIK,
     SolveIKBatch,
@@ -38,13 +40,25 @@ from robomech_ros.nodes.ik_messages import (
 )
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.kinetostatic_markers import (
+    boundary_markers,
+    marker_array,
+    posture_markers,
+)
 from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.pauses import Turns, beside
 from robomech_ros.nodes.reference_axes import reference_axes
-from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.nodes.singularity_messages import encode_report
+from robomech_ros.nodes.workspace_messages import (
+    Judgement,
+    ReachOfRobot,
+    poses_in_base,
+    reach_of,
+    workspace_cloud,
+)
 from robomech_ros.robots import SerialChain
 
 
@@ -54,7 +68,8 @@ class KinematicsSettings(StateSettings):
 
     largest_batch: int = parameter(
         10_000,
-        "Largest number of poses in one SolveIKBatch request, and in one answer of SolveFK",
+        "Largest number of poses in one request of SolveIKBatch or QueryWorkspace, and in one "
+        "answer of SolveFK",
         1,
         10_000_000,
         "poses",
@@ -62,11 +77,17 @@ class KinematicsSettings(StateSettings):
     )
     batch_timeout: float = parameter(
         60.0,
-        "How long one SolveIKBatch request may take; others are served meanwhile, and poses that "
-        "are left then get the code TIMED_OUT",
+        "How long one request of SolveIKBatch or QueryWorkspace may take; others are served "
+        "meanwhile, and poses that are left then get the code TIMED_OUT",
         0.001,
         3600.0,
         "s",
+        read_only=False,
+    )
+    publish_markers: bool = parameter(
+        True,
+        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace "
+        "once query_workspace has found it",
         read_only=False,
     )
 
@@ -82,6 +103,7 @@ class KinematicsNode(Node):
         self._monitor = JointStateMonitor(self)
         self._points = SolutionPoints()
         self._measured: set[SerialChain] = set()
+        self._reach: ReachOfRobot | None = None
         when_robot_known(self, self._table.settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
@@ -97,8 +119,13 @@ class KinematicsNode(Node):
             (SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch),
             (GetJacobian, "~/get_jacobian", self._get_jacobian),
             (AnalyzeSingularity, "~/analyze_singularity", self._analyze_singularity),
+            (QueryWorkspace, "~/query_workspace", self._query_workspace),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+        self._boundary: list[Any] = []
+        self._posture: list[Any] = []
+        self._markers = self.create_publisher(MarkerArray, "~/markers", LATCHED)
+        self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
             self,
             model,
@@ -185,7 +212,41 @@ class KinematicsNode(Node):
             self._measured.add(chain)
         report = singularity_report(chain, q, point=point)
         encode_report(report, axes, request.reference_frame or chain.base, response)
+        if self._table.settings.publish_markers:
+            T = forward_kinematics(chain, q)
+            J = point_jacobian(chain, q, point)
+            at = T[:3, :3] @ point + T[:3, 3]
+            self._posture = posture_markers(chain.base, at, J, report)
+            self._show()
         return answer(response)
+
+    @guarded
+    async def _query_workspace(self, request: Any, response: Any) -> Any:
+        chain, allowed = self._moving_chain(""), self._table.settings.batch_timeout
+        self._check_size("poses", len(request.poses))
+        T = poses_in_base(self._model, request.poses)
+        if self._reach is None:
+            await beside(self, self._find_reach)
+        reach = self._reach or reach_of(chain)
+        if reach.space is not None and not self._boundary and self._table.settings.publish_markers:
+            self._boundary = boundary_markers(chain.base, reach.space)
+            self._show()
+        judged = Judgement(chain, T, tuple(bool(entry) for entry in request.task_mask), reach)
+        done = await judged.work(self, allowed)
+        judged.fill(response)
+        if len(T):
+            self._cloud.publish(workspace_cloud(chain.base, T, judged.count, judged.distance))
+        if done < len(T):
+            text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
+            return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
+        return answer(response)
+
+    def _show(self) -> None:
+        """Publish all markers there are."""
+        self._markers.publish(marker_array([*self._posture, *self._boundary]))
+
+    def _find_reach(self) -> None:
+        self._reach = reach_of(self._model.chain)
 
     def _moving_chain(self, link: str) -> SerialChain:
         """Give the chain to a link, "" being the configured tip, that joints move."""

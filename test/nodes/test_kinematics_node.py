@@ -469,9 +469,3 @@ def test_namespace(graph):
     graph.start(KinematicsNode, namespace="/left", robot_description="puma560")
     request = SolveIK.Request(target=target())
     assert graph.call(SolveIK, "/left/kinematics/solve_ik", request).error_code == 0
-
-
-def test_later_services_are_not_advertised(puma):
-    names = [name for name, _ in puma.client.get_service_names_and_types()]
-    assert "/kinematics/solve_ik" in names
-    assert not [n for n in names if "workspace" in n]

@@ -1,0 +1,271 @@
+"""The boundary of what the positioning part of an arm reaches."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.kinetostatics.workspace_nearest import NearestOnCurves
+from robomech_ros.kinetostatics.workspace_pieces import Piece, divide
+from robomech_ros.kinetostatics.workspace_postures import PointPostures
+from robomech_ros.kinetostatics.workspace_section import Section, section_of
+from robomech_ros.kinetostatics.workspace_sheets import LimitedBoundary
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["BoundaryCurve", "Workspace", "workspace_boundary"]
+
+Array = NDArray[np.float64]
+Role = Literal["outer", "inner", "interior"]
+
+# Ends of curves nearer to each other than this, over the arm's size, are joined.
+_JOINED = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryCurve:
+    """A smooth piece of a curve that divides the section of a workspace.
+
+    Parameters
+    ----------
+    role : {"outer", "inner", "interior"}
+        Whether it bounds what is reached towards the outside, towards a void, or divides it.
+    cause : str
+        ``"singular"``, or the joint and its limit, such as ``"joint_2 lower"``.
+    points : ndarray, shape (k, 2)
+        rho and z, or x and y (m); the side with more postures is on the left.
+    q : ndarray, shape (k, 2)
+        Values of joints 2 and 3 there (rad or m).
+    more, fewer : int
+        Postures of the three joints on either side, the first joint being free.
+    """
+
+    role: Role
+    cause: str
+    points: Array
+    q: Array
+    more: int
+    fewer: int
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """What the first three joints of an arm reach with the point that they place.
+
+    Points are given in the base of the chain (m). Make one with :func:`workspace_boundary`.
+
+    Parameters
+    ----------
+    name : str
+        The robot.
+    coordinates : tuple of two str
+        ``("rho", "z")``: distance from axis 1 and height along it; ``("x", "y")`` across the
+        slide where the first joint is one.  Both are those of the frame of joint 1.
+    curves : tuple of BoundaryCurve
+        They divide the section into regions with different numbers of postures.
+    cusps, nodes : ndarray, shape (k, 2)
+        Where curves of singular postures have cusps, and where curves cross (m).
+    least_reach, greatest_reach : float
+        Least and greatest distance of the point from the origin of joint 1, whose limits left
+        aside (m); along a slide they are measured across it.
+    section : Section
+        The geometry.
+    """
+
+    name: str
+    coordinates: tuple[str, str]
+    curves: tuple[BoundaryCurve, ...]
+    cusps: Array
+    nodes: Array
+    least_reach: float
+    greatest_reach: float
+    section: Section
+
+    def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
+        """Count the postures of the three joints, inside all limits, at points (..., 3) (m)."""
+        rows = as_finite("points", points, (3,))
+        counts: NDArray[np.int64] = self._postures.count(rows.reshape(-1, 3))
+        return counts.reshape(rows.shape[:-1])
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Tell which of points (..., 3) can be reached (m)."""
+        inside: NDArray[np.bool_] = self.solution_count(points) > 0
+        return inside
+
+    def section_count(self, coordinates: ArrayLike) -> NDArray[np.int64]:
+        """Count the postures at points (..., 2) of the section, the first joint being free (m)."""
+        rows = as_finite("coordinates", coordinates, (2,))
+        points = self.section.on_section(rows.reshape(-1, 2))
+        counts: NDArray[np.int64] = self._free_postures.count(points)
+        return counts.reshape(rows.shape[:-1])
+
+    def distance(self, points: ArrayLike) -> Array:
+        """Give the distance from the nearest boundary, positive inside and negative outside.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 3)
+            m.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            m; limits of all three joints included.  Where the nearest point is on an edge that
+            the limits of the first joint make, it is exact to some thousandths of the arm's size,
+            else to a millionth.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not points.
+        """
+        rows = as_finite("points", points, (3,))
+        flat = rows.reshape(-1, 3)
+        local = self.section.in_frame(flat)
+        if self.section.round[0]:
+            found, _, _ = self.nearest.find(self.section.coordinates(local))
+        else:
+            found = self._limited.distance(local)
+        signed: Array = np.where(self._postures.count(flat) > 0, found, -found)
+        return signed.reshape(rows.shape[:-1])
+
+    def swept(self, azimuth: float, *, curve: BoundaryCurve) -> Array:
+        """Give a curve's points (k, 3) in the base, turned by an azimuth (rad) or slid (m)."""
+        x, y = curve.points.T
+        if self.section.slides[0]:
+            local = np.column_stack((x, y, np.full(len(x), azimuth)))
+        else:
+            local = np.column_stack((np.cos(azimuth) * x, np.sin(azimuth) * x, y))
+        return self.section.in_base(local)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the curves and features as plain numbers, lists and text, fit for JSON or YAML."""
+        return {
+            "name": self.name,
+            "coordinates": list(self.coordinates),
+            "least_reach": self.least_reach,
+            "greatest_reach": self.greatest_reach,
+            "cusps": self.cusps.tolist(),
+            "nodes": self.nodes.tolist(),
+            "curves": [
+                {
+                    "role": curve.role,
+                    "cause": curve.cause,
+                    "more": curve.more,
+                    "fewer": curve.fewer,
+                    "points": curve.points.tolist(),
+                    "q": curve.q.tolist(),
+                }
+                for curve in self.curves
+            ],
+        }
+
+    @cached_property
+    def nearest(self) -> NearestOnCurves:
+        """Search for nearest points of the curves beside which nothing is reached."""
+        pieces = [piece for piece in self._pieces if piece.fewer == 0]
+        return NearestOnCurves(self.section, pieces)
+
+    @cached_property
+    def _pieces(self) -> list[Piece]:
+        return [
+            Piece(_joint_of(curve), "", curve.q, curve.points, curve.more, curve.fewer)
+            for curve in self.curves
+        ]
+
+    @cached_property
+    def _postures(self) -> PointPostures:
+        return PointPostures(self.section, first_free=False)
+
+    @cached_property
+    def _free_postures(self) -> PointPostures:
+        return PointPostures(self.section, first_free=True)
+
+    @cached_property
+    def _limited(self) -> LimitedBoundary:
+        return LimitedBoundary(self.section, self._pieces, self._postures)
+
+
+def _joint_of(curve: BoundaryCurve) -> int:
+    """Give 1 or 2 where the value of joint 2 or 3 is constant along a curve, else 0."""
+    still = np.ptp(curve.q, axis=0) == 0.0
+    return int(np.argmax(still)) + 1 if still.any() else 0
+
+
+def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Workspace:
+    """Find the boundary of what the positioning part of an arm reaches.
+
+    The part is the first three joints, and the point is what they place: the centre of a
+    spherical wrist, or the tip of an arm of three joints.  Its singular postures, and those with
+    a joint at a limit, are curves in the plane section that the first joint sweeps.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        An arm with a spherical wrist after any three joints, or one of three joints; also arms of
+        four and five joints whose later axes pass through one point.
+    respect_limits : bool, optional
+        Whether the limits of turning joints count; those of slides always do, but for a first
+        one's.
+
+    Returns
+    -------
+    Workspace
+
+    Raises
+    ------
+    BadValueError
+        The arm has no such part, or the part moves on a surface only.
+    MissingLimitsError
+        A slide has no end, and so has the workspace.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
+    """
+    section = section_of(chain, respect_limits=respect_limits)
+    pieces, cusps, nodes = divide(section)
+    roles = _roles(pieces, section.size)
+    curves = tuple(
+        BoundaryCurve(role, _cause(chain, piece), piece.points, piece.q, piece.more, piece.fewer)
+        for role, piece in zip(roles, pieces, strict=True)
+    )
+    least, greatest = _reach(section, pieces)
+    coordinates = ("x", "y") if section.slides[0] else ("rho", "z")
+    return Workspace(chain.name, coordinates, curves, cusps, nodes, least, greatest, section)
+
+
+def _cause(chain: SerialChain, piece: Piece) -> str:
+    return f"{chain.joint_names[piece.joint]} {piece.limit}" if piece.limit else "singular"
+
+
+def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:
+    """Give the least and the greatest distance from the origin of the section."""
+    found, _, _ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
+    inside = PointPostures(section, first_free=True).count(section.on_section(np.zeros((1, 2))))[0]
+    points = np.concatenate([piece.points for piece in pieces])
+    return (0.0 if inside else float(found[0])), float(np.linalg.norm(points, axis=1).max())
+
+
+def _roles(pieces: list[Piece], size: float) -> list[Role]:
+    """Tell outer boundaries from those of voids, by the way loops of boundaries go round."""
+    roles: list[Role] = ["interior"] * len(pieces)
+    unused = [k for k, piece in enumerate(pieces) if piece.fewer == 0]
+    while unused:
+        loop = [unused.pop(0)]
+        while True:
+            end = pieces[loop[-1]].points[-1]
+            gaps = [np.abs(pieces[k].points[0] - end).max() for k in unused]
+            if not gaps or min(gaps) > _JOINED * size:
+                break
+            loop.append(unused.pop(int(np.argmin(gaps))))
+        path = np.concatenate([pieces[k].points for k in loop])
+        start = pieces[loop[0]].points[0]
+        # What is open ends on axis 1, where the way back adds nothing.
+        closed = np.concatenate((path, start[None]))
+        area = 0.5 * ((closed[1:, 0] + closed[:-1, 0]) * np.diff(closed[:, 1])).sum()
+        for k in loop:
+            roles[k] = "outer" if area > 0.0 else "inner"
+    return roles

@@ -1,0 +1,322 @@
+"""The positioning part of an arm, and the plane section that its first joint sweeps.
+
+The first joint moves the whole space of the other two along circles about its axis, or along its
+slide.  What is left is a map of two joint values to the plane: ``(rho, z)`` in the half-plane that
+turns about axis 1, or ``(x, y)`` across a slide.  Its singular set is where det J21 vanishes.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import ARM_RANK, CONCURRENT
+from robomech_ros.errors import BadValueError, MissingLimitsError
+from robomech_ros.kinematics.decoupled import common_point, nearest_points
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+
+__all__ = ["Section", "point_in_tip", "positioned_point", "section_of"]
+
+Array = NDArray[np.float64]
+
+_POSITIONING = 3
+# Nodes in each direction on which it is looked whether the arm is singular everywhere.
+_LOOK = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A point carried by three joints, seen in the frame in which joint 1 is the z axis.
+
+    Parameters
+    ----------
+    slides : tuple of three bool
+        Which of the joints are prismatic.
+    base : ndarray, shape (4, 4)
+        Frame of joint 1 in the base of the chain (m).
+    first, second : ndarray, shape (4, 4)
+        Constant transforms from joint 1 to joint 2, and from joint 2 to joint 3 (m).
+    point : ndarray, shape (3,)
+        The point in the frame that moves with joint 3 (m).
+    lower, upper : ndarray, shape (3,)
+        Ranges of the joints (rad or m); those of a turning joint span a turn at the most.
+    round : ndarray of bool, shape (3,)
+        Which of them turn all the way round, or, of the first joint, have no limit.
+    size : float
+        Of the arm, its slides at their farthest (m).
+    """
+
+    slides: tuple[bool, bool, bool]
+    base: Array
+    first: Array
+    second: Array
+    point: Array
+    lower: Array
+    upper: Array
+    round: NDArray[np.bool_]
+    size: float
+
+    def derivatives(self, u: Array, v: Array, order: int = 2) -> tuple[Array, ...]:
+        """Give the point before joint 1 moves it, and its derivatives by the other two values.
+
+        Parameters
+        ----------
+        u, v : ndarray, shape (...)
+            Values of joints 2 and 3 (rad or m), perhaps complex.
+        order : {0, 1, 2}
+
+        Returns
+        -------
+        tuple of ndarray, shape (3, ...)
+            p, then p_u and p_v, then p_uu, p_uv and p_vv (m, and m per rad or m).
+        """
+        u, v = np.broadcast_arrays(u, v)
+        inner = _moved(self.slides[2], v, self._spread(self.point, v))
+        s = [self._through(self.second, inner[0], shifted=True)]
+        s += [self._through(self.second, part, shifted=False) for part in inner[1 : order + 1]]
+        outer = [_moved(self.slides[1], u, part, shifts=k == 0) for k, part in enumerate(s)]
+        parts = [outer[0][0]]
+        if order >= 1:
+            parts += [outer[0][1], outer[1][0]]
+        if order >= 2:
+            parts += [outer[0][2], outer[1][1], outer[2][0]]
+        return tuple(
+            self._through(self.first, part, shifted=k == 0) for k, part in enumerate(parts)
+        )
+
+    @staticmethod
+    def _spread(vector: Array, like: Array) -> Array:
+        return np.broadcast_to(vector.reshape((3,) + (1,) * like.ndim), (3, *like.shape))
+
+    @staticmethod
+    def _through(T: Array, vectors: Array, *, shifted: bool) -> Array:
+        turned: Array = np.tensordot(T[:3, :3], vectors, axes=1)
+        if shifted:
+            turned = turned + T[:3, 3].reshape((3,) + (1,) * (vectors.ndim - 1))
+        return turned
+
+    def image(self, u: Array, v: Array) -> Array:
+        """Give the coordinates in the section (m), shape (..., 2): rho and z, or x and y."""
+        (p,) = self.derivatives(u, v, 0)
+        return self.coordinates(np.moveaxis(p, 0, -1))
+
+    def coordinates(self, points: Array) -> Array:
+        """Give those of points (..., 3) in the frame of joint 1 (m)."""
+        if self.slides[0]:
+            return points[..., :2]
+        return np.stack((np.hypot(points[..., 0], points[..., 1]), points[..., 2]), axis=-1)
+
+    def regular(self, u: Array, v: Array) -> tuple[Array, ...]:
+        """Give first and second derivatives of smooth coordinates a and b of the section.
+
+        They are rho^2 / 2 and z, or x and y.
+
+        Returns
+        -------
+        tuple of ndarray, shape (...)
+            a_u, a_v, a_uu, a_uv, a_vv, b_u, b_v, b_uu, b_uv, b_vv.
+        """
+        p, pu, pv, puu, puv, pvv = self.derivatives(u, v)
+        if self.slides[0]:
+            return pu[0], pv[0], puu[0], puv[0], pvv[0], pu[1], pv[1], puu[1], puv[1], pvv[1]
+
+        def across(a: Array, b: Array) -> Array:
+            product: Array = a[0] * b[0] + a[1] * b[1]
+            return product
+
+        return (
+            across(p, pu),
+            across(p, pv),
+            across(pu, pu) + across(p, puu),
+            across(pu, pv) + across(p, puv),
+            across(pv, pv) + across(p, pvv),
+            pu[2], pv[2], puu[2], puv[2], pvv[2],
+        )  # fmt: skip
+
+    def determinant(self, u: Array, v: Array) -> Array:
+        """Give det J21 (m^3 where all turn), shape (...)."""
+        p, pu, pv = self.derivatives(u, v, 1)
+        if self.slides[0]:
+            plane: Array = pu[0] * pv[1] - pv[0] * pu[1]
+            return plane
+        au, av = p[0] * pu[0] + p[1] * pu[1], p[0] * pv[0] + p[1] * pv[1]
+        found: Array = au * pv[2] - av * pu[2]
+        return found
+
+    def determinant_gradient(self, u: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Give det J21 and its derivatives by the two joint values, shape (...) each."""
+        au, av, auu, auv, avv, bu, bv, buu, buv, bvv = self.regular(u, v)
+        return (
+            au * bv - av * bu,
+            auu * bv + au * buv - auv * bu - av * buu,
+            auv * bv + au * bvv - avv * bu - av * buv,
+        )
+
+    def in_frame(self, points: Array) -> Array:
+        """Give points (..., 3) of the base in the frame of joint 1 (m)."""
+        moved: Array = (points - self.base[:3, 3]) @ self.base[:3, :3]
+        return moved
+
+    def on_section(self, coordinates: Array) -> Array:
+        """Give points of the base (..., 3) at azimuth or height 0 of coordinates (..., 2) (m)."""
+        local = np.zeros((*coordinates.shape[:-1], 3))
+        local[..., (0, 1) if self.slides[0] else (0, 2)] = coordinates
+        return self.in_base(local)
+
+    def in_base(self, points: Array) -> Array:
+        """Give points (..., 3) of the frame of joint 1 in the base (m)."""
+        moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
+        return moved
+
+
+def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -> list[Array]:
+    """Apply a joint to vectors (3, ...): the result and its first two derivatives.
+
+    A slide shifts points only, not their derivatives by other joints (``shifts``).
+    """
+    x, y, z = vectors
+    if slides:
+        still = np.zeros_like(value)
+        along = np.ones_like(value) if shifts else still
+        shifted = z + value if shifts else z
+        return [
+            np.stack((x + still, y + still, shifted + still)),
+            np.stack((still, still, along)),
+            np.stack((still, still, still)),
+        ]
+    c, s = np.cos(value), np.sin(value)
+    a, b = c * x - s * y, s * x + c * y
+    none = np.zeros_like(a)
+    return [np.stack((a, b, z + none)), np.stack((-b, a, none)), np.stack((-a, -b, none))]
+
+
+def positioned_point(chain: SerialChain) -> Array:
+    """Find the point that the first three joints of an arm place and the later ones leave.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of three joints (its tip), or of four to six of which those after the third turn about
+        axes through one point: the centre of the wrist; of four, about an axis through the tip.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        In the frame that moves with joint 3 (m).
+
+    Raises
+    ------
+    BadValueError
+        There is no such point.
+    """
+    check_chain(chain)
+    C = unpack_chain(chain.packed)
+    found = None
+    if 3 <= chain.n <= 6 and not chain.types[3:].any():
+        found = _height_on_axis_4(C, chain.n)
+    if found is None:
+        expected = (
+            "one whose first three joints place a point that the others leave where it is: an arm "
+            "with a spherical wrist, or of three joints"
+        )
+        raise BadValueError("chain", f"{chain.name}, {chain.n} joints", expected)
+    point: Array = (C[3] @ (0.0, 0.0, found, 1.0))[:3]
+    return point
+
+
+def point_in_tip(chain: SerialChain) -> Array:
+    """Give the point of :func:`positioned_point` in the frame of the tip, shape (3,) (m).
+
+    Raises
+    ------
+    BadValueError
+        There is none.
+    """
+    point = positioned_point(chain)
+    tail = unpack_chain(chain.packed)[3:]
+    # On all later axes, the point stays where it is whatever their joints do.
+    pose = np.eye(4)
+    for T in tail:
+        pose = pose @ T
+    found: Array = pose[:3, :3].T @ (point - pose[:3, 3])
+    return found
+
+
+def _height_on_axis_4(C: Array, joints: int) -> float | None:
+    """Find the height (m) of the point over the frame after joint 3; None where there is none."""
+    size = float(np.linalg.norm(C[1:, :3, 3], axis=1).sum()) or 1.0
+    if joints == 3:
+        return 0.0
+    if joints == 4:
+        return float(C[4, 2, 3]) if math.hypot(*C[4, :2, 3]) <= CONCURRENT * size else None
+    if joints == 5:
+        pair = nearest_points(C[4])
+        return None if pair is None or pair[2] > CONCURRENT * size else pair[0]
+    centre = common_point(C[4], C[5])
+    return None if centre is None or centre[2] > CONCURRENT * size else centre[0]
+
+
+def section_of(chain: SerialChain, *, respect_limits: bool = True) -> Section:
+    """Make the section of an arm's positioning part.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        As for :func:`positioned_point`.
+    respect_limits : bool
+        Whether the limits of turning joints, and of the first joint, hold; the others' slides'
+        always do.
+
+    Raises
+    ------
+    BadValueError
+        There is no such part, or it moves on a surface only.
+    MissingLimitsError
+        A slide has no end.
+    """
+    point = positioned_point(chain)
+    slides = chain.types[:3] == PRISMATIC
+    lower, upper = chain.lower[:3].copy(), chain.upper[:3].copy()
+    if not respect_limits:
+        free = ~slides
+        free[0] = True
+        lower[free], upper[free] = -np.inf, np.inf
+    endless = ~np.isfinite(upper - lower)
+    if (endless[1:] & slides[1:]).any():
+        names = [chain.joint_names[j] for j in (1, 2) if endless[j] and slides[j]]
+        raise MissingLimitsError("position", names)
+    whole = endless | (~slides & (upper - lower >= 2.0 * np.pi))
+    lower, upper = np.where(whole, -np.pi, lower), np.where(whole, np.pi, upper)
+    C = unpack_chain(chain.packed)
+    lengths = [float(np.linalg.norm(vector)) for vector in (C[1, :3, 3], C[2, :3, 3], point)]
+    travel = [max(abs(lower[j]), abs(upper[j])) for j in (1, 2) if slides[j]]
+    section = Section(
+        (bool(slides[0]), bool(slides[1]), bool(slides[2])),
+        C[0],
+        C[1],
+        C[2],
+        point,
+        lower,
+        upper,
+        whole,
+        sum(lengths) + float(sum(travel)),
+    )
+    _check_moves(chain, section)
+    return section
+
+
+def _check_moves(chain: SerialChain, section: Section) -> None:
+    """Refuse a part that is singular in every posture."""
+    u, v = np.meshgrid(
+        *(np.linspace(section.lower[j], section.upper[j], _LOOK) + 0.01 for j in (1, 2))
+    )
+    scale = section.size ** (3 - sum(section.slides))
+    if not section.size or np.abs(section.determinant(u, v)).max() <= ARM_RANK * scale:
+        expected = "one whose first three joints move a point in all directions"
+        raise BadValueError("chain", chain.name, expected)

@@ -1,0 +1,242 @@
+"""The boundary of the workspace against sampled postures, closed forms and bad input."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinematics.iterative import low_discrepancy_strides
+from robomech_ros.kinetostatics import workspace_boundary
+from robomech_ros.robots import chain_from_dh, load_robot
+
+H = math.pi / 2
+
+
+def positioning(a, b, alpha, beyond, limits=None):
+    """Three joints that carry a point ``beyond`` the last of them along its z axis."""
+    tool = np.eye(4)
+    tool[2, 3] = beyond
+    return chain_from_dh(a, b, alpha, tool=tool, limits=limits)
+
+
+NARROW = {"lower": np.array([-2.5, -0.4, -2.6]), "upper": np.array([2.2, 2.1, 0.9])}
+
+
+def arm(name, limited):
+    """Give an arm and whether its limits are to be respected."""
+    limits = NARROW if limited else None
+    made = {
+        "arcmate": lambda: positioning([0.2, 0.6, 0.13], [0.81, 0, 0.03], [H, 0, H], 0.55, limits),
+        "orthogonal": lambda: chain_from_dh(
+            [0.12, 0.24, 0.18], [0, 0.12, 0], [-H, H, 0], limits=limits
+        ),
+    }
+    return made[name]() if name in made else load_robot(name)
+
+
+ARMS = [
+    (name, limited)
+    for name in ("puma560", "arcmate", "stanford", "irb120", "orthogonal", "scara")
+    for limited in (True, False)
+    if limited or name in ("puma560", "irb120", "orthogonal")
+]
+
+
+@pytest.fixture(scope="module", params=ARMS, ids=lambda p: f"{p[0]}-{'limits' if p[1] else 'free'}")
+def space(request):
+    name, limited = request.param
+    return workspace_boundary(arm(name, limited), respect_limits=limited)
+
+
+def sampled(section, rng, count):
+    """Postures, evenly over the ranges, and of one in ten with a joint at the end of its range."""
+    ranges = section.upper[1:] - section.lower[1:]
+    share = (rng.uniform(size=2) + np.arange(count)[:, None] * low_discrepancy_strides(2)) % 1.0
+    q = section.lower[1:] + ranges * share
+    edge = rng.integers(0, 40, count)
+    for joint in (0, 1):
+        for case, bound in ((0, section.lower), (1, section.upper)):
+            rows = edge == 2 * joint + case
+            q[rows, joint] = bound[1 + joint]
+    return q
+
+
+def bounding(space):
+    return [curve for curve in space.curves if curve.role != "interior"]
+
+
+@pytest.mark.slow
+def test_a_million_postures_are_inside_and_come_near_all_of_the_boundary(space):
+    from scipy.spatial import cKDTree
+
+    size = space.section.size
+    q = sampled(space.section, np.random.default_rng(7), 1_000_000)
+    points = space.section.image(q[:, 0], q[:, 1])
+    vertices, normals = space.nearest.points, space.nearest.normals
+    rough, index = cKDTree(vertices).query(points, distance_upper_bound=5e-3 * size, workers=2)
+    near = np.flatnonzero(np.isfinite(rough))
+    inward = ((points[near] - vertices[index[near]]) * normals[index[near]]).sum(axis=1)
+    # Whatever may be outside as far as the polygon tells, against the curve itself.
+    doubtful = points[near[inward < 3e-6 * size]]
+    distance, feet, vertex = space.nearest.find(doubtful)
+    offset = ((doubtful - feet) * normals[vertex]).sum(axis=1)
+    # At corners, which have two sides, the count decides.
+    beyond = offset < -1e-9
+    assert space.section_count(doubtful[beyond]).all()
+    beyond &= np.abs(offset) > 0.1 * distance
+    ends = cKDTree(vertices[space.nearest.is_end])
+    assert ends.query(doubtful[beyond])[0].max(initial=0.0) < 5e-3 * size
+    gap, _ = cKDTree(points[near]).query(vertices)
+    assert gap.max() < 1e-3 * max(1.0, size)
+
+
+def test_vertices_are_postures_on_the_boundary(space):
+    for curve in space.curves:
+        again = space.section.image(curve.q[:, 0], curve.q[:, 1])
+        assert np.abs(again - curve.points).max() < 1e-12
+        if curve.cause == "singular":
+            determinant = space.section.determinant(curve.q[:, 0], curve.q[:, 1])
+            assert np.abs(determinant).max() < 1e-9 * space.section.size**3
+        middle = len(curve.points) // 2
+        tangent = curve.points[middle] - curve.points[middle - 1]
+        normal = np.array((-tangent[1], tangent[0])) / np.linalg.norm(tangent)
+        step = min(1e-4 * space.section.size, 0.1 * np.ptp(curve.points, axis=0).max())
+        at = 0.5 * (curve.points[middle] + curve.points[middle - 1])
+        counts = space.section_count([at + step * normal, at - step * normal])
+        assert counts.tolist() == [curve.more, curve.fewer]
+
+
+def test_distances_have_the_sign_of_being_inside(space):
+    rng = np.random.default_rng(3)
+    size = space.section.size
+    points = rng.uniform(-1.2, 1.2, (60, 3)) * size
+    distance = space.distance(points)
+    assert ((distance > 0.0) == space.contains(points)).all()
+    # Within a ball of this radius nothing changes.
+    away = rng.normal(size=(60, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    ball = points + 0.95 * (np.abs(distance) - 0.005 * size).clip(0.0)[:, None] * away
+    assert (space.contains(ball) == space.contains(points)).all()
+
+
+def test_sampled_postures_of_all_three_joints_are_contained(space):
+    section = space.section
+    rng = np.random.default_rng(5)
+    q = section.lower + (section.upper - section.lower) * rng.uniform(0, 1, (3000, 3))
+    (p,) = section.derivatives(q[:, 1], q[:, 2], 0)
+    c, s = np.cos(q[:, 0]), np.sin(q[:, 0])
+    points = section.in_base(np.stack((c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]), axis=1))
+    assert space.contains(points).all()
+    reach = np.linalg.norm(p, axis=0)
+    assert reach.max() <= space.greatest_reach + 1e-5
+    assert reach.min() >= space.least_reach - 1e-5
+
+
+def test_elbow_arm_in_closed_form():
+    """Two links of 0.5 m and 0.3 m on a turning base: spheres of 0.8 m and 0.2 m."""
+    space = workspace_boundary(chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]))
+    assert {curve.role for curve in space.curves} == {"outer", "inner"}
+    for curve in space.curves:
+        radius = 0.8 if curve.role == "outer" else 0.2
+        assert np.abs(np.linalg.norm(curve.points, axis=1) - radius).max() < 1e-9
+        assert (curve.more, curve.fewer) == (4, 0)
+    assert space.least_reach == pytest.approx(0.2, abs=1e-9)
+    assert space.greatest_reach == pytest.approx(0.8, abs=1e-9)
+    points = np.array([[0.5, 0, 0], [0.0, 0.75, 0], [0.1, 0, 0], [0, 0.6, 0.8]])
+    assert space.distance(points) == pytest.approx([0.3, 0.05, -0.1, -0.2], abs=1e-6)
+    assert space.solution_count(points).tolist() == [4, 4, 0, 0]
+
+
+def test_slides_make_a_box_with_corners():
+    limits = {"lower": np.zeros(3), "upper": np.array([1.0, 2.0, 3.0])}
+    chain = chain_from_dh(
+        [0, 0, 0], [0, 0, 0], [H, H, 0], theta=[0, H, 0], types="PPP", limits=limits
+    )
+    space = workspace_boundary(chain)
+    inside = forward_kinematics(chain, [0.5, 1.0, 1.2])[:3, 3]
+    assert space.coordinates == ("x", "y")
+    assert space.solution_count(inside) == 1
+    assert space.distance(inside) == pytest.approx(0.5, abs=1e-6)
+    assert len(space.cusps) == 0
+    assert {curve.role for curve in space.curves} == {"outer"}
+
+
+def test_orthogonal_arm_with_offsets_has_four_cusps_and_a_region_of_four():
+    """Cusps are where three postures meet: there the count changes by two along any way round."""
+    space = workspace_boundary(arm("orthogonal", limited=False), respect_limits=False)
+    assert len(space.cusps) == 4
+    assert sorted(np.round(np.abs(space.cusps[:, 1]), 4)) == [0.0606, 0.0606, 0.2398, 0.2398]
+    assert space.section_count([0.3, 0.0]) == 4
+    assert space.section_count([[0.48, 0.0], [0.6, 0.0]]).tolist() == [2, 0]
+    section = space.section
+    for cusp in space.cusps:
+        # The image stands still there: the curve's velocity vanishes.
+        rows = [c for c in space.curves if np.abs(c.points - cusp).max(axis=1).min() < 1e-12]
+        assert len(rows) == 2
+        k = int(np.abs(rows[0].points - cusp).max(axis=1).argmin())
+        q = rows[0].q[k]
+        f, fu, fv = section.determinant_gradient(*q)
+        along = np.array((-fv, fu)) / np.hypot(fu, fv)
+        moved = section.regular(q[0], q[1])
+        velocity = (
+            moved[0] * along[0] + moved[1] * along[1],
+            moved[5] * along[0] + moved[6] * along[1],
+        )
+        assert abs(f) < 1e-13
+        assert np.abs(velocity).max() < 1e-12
+
+
+def test_nodes_are_reached_in_two_postures_to_rounding():
+    space = workspace_boundary(load_robot("puma560"))
+    assert len(space.nodes) == 2
+    for node in space.nodes:
+        ends = [
+            c for c in space.curves for k in (0, -1) if np.abs(c.points[k] - node).max() < 1e-12
+        ]
+        assert len(ends) >= 3
+
+
+def test_the_count_changes_at_curves_only(space):
+    """Along straight lines the count changes where curves are crossed, and by what they tell."""
+    rng = np.random.default_rng(11)
+    section = space.section
+    size = section.size
+    for _ in range(4):
+        start, end = rng.uniform((0.02, -1.0), (1.0, 1.0), (2, 2)) * size
+        share = np.linspace(0.0, 1.0, 2000)[:, None]
+        line = start + share * (end - start)
+        counts = space.section_count(line)
+        changes = np.flatnonzero(np.diff(counts))
+        outline = np.concatenate([curve.points for curve in space.curves])
+        for k in changes:
+            gap = np.linalg.norm(outline - 0.5 * (line[k] + line[k + 1]), axis=1).min()
+            assert gap < 4e-3 * size
+
+
+def test_the_result_can_be_written(space):
+    text = json.dumps(space.to_dict())
+    again = json.loads(text)
+    assert again["least_reach"] == space.least_reach
+    assert len(again["curves"]) == len(space.curves)
+
+
+@pytest.mark.parametrize("name", ["ur5e", "planar3r", "panda", "diestro"])
+def test_arms_without_a_positioning_part_are_refused(name):
+    with pytest.raises(BadValueError, match="first three joints"):
+        workspace_boundary(load_robot(name))
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(BadValueError, match="SerialChain"):
+        workspace_boundary("puma560")
+    endless = chain_from_dh([0, 0, 0], [0, 0.2, 0], [H, H, 0], types="RRP")
+    with pytest.raises(MissingLimitsError, match="joint_3"):
+        workspace_boundary(endless)
+    space = workspace_boundary(chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]))
+    with pytest.raises(WrongSizeError, match="points"):
+        space.distance([1.0, 2.0])
+    with pytest.raises(NonFiniteError, match="points"):
+        space.contains([1.0, math.nan, 0.0])
