@@ -21,6 +21,7 @@ __all__ = [
     "LEAST",
     "MANIPULABILITY",
     "SCHATTEN",
+    "fill_weighted",
     "index_gradients",
     "indices",
 ]
@@ -37,7 +38,7 @@ _LINEAR = 3
 
 
 @lean
-def _fill(J, weights, rows, W):
+def fill_weighted(J, weights, rows, W):
     """Write these weighted rows of J, or its columns where they are fewer, and a unit."""
     r, n = rows.size, J.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
@@ -142,7 +143,7 @@ def indices(packed, q, weights, rows, power, out):
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        _fill(J, weights, rows, W)
+        fill_weighted(J, weights, rows, W)
         make_rows_orthogonal(W, large)
         row_lengths(W, large, s)
         _evaluate(s, power, out[k])
@@ -165,7 +166,7 @@ def index_gradients(packed, q, weights, rows, power, index, values, out):
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        _fill(J, weights, rows, W)
+        fill_weighted(J, weights, rows, W)
         make_rows_orthogonal(W, large)
         row_lengths(W, large, s)
         _evaluate(s, power, values[k])
