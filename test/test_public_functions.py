@@ -25,6 +25,7 @@ from robomech_ros.kinetostatics import (
     condition_number_gradient,
     jacobian,
     jacobian_rate,
+    joint_rates,
     least_singular_value,
     least_singular_value_gradient,
     manipulability,
@@ -131,6 +132,7 @@ def calls():
     found |= with_options(tip_poses, chain=PUMA, q=[q])
     found |= with_options(jacobian, chain=PUMA, q=q)
     found |= with_options(point_jacobian, chain=PUMA, q=q, point=[0, 0, 0])
+    found |= with_options(joint_rates, chain=PUMA, q=q, twist=q, point=[0, 0, 0])
     for function in (jacobian_rate, bias_acceleration):
         found |= with_options(function, chain=PUMA, q=q, qd=q)
     for function in (

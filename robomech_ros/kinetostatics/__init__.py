@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
     from robomech_ros.kinetostatics.points import point_jacobian
+    from robomech_ros.kinetostatics.rates import joint_rates
     from robomech_ros.kinetostatics.singularities import SingularityReport, singularity_report
     from robomech_ros.kinetostatics.singularity_distance import (
         NearestSingularity,
@@ -39,6 +40,7 @@ __all__ = [
     "condition_number_gradient",
     "jacobian",
     "jacobian_rate",
+    "joint_rates",
     "least_singular_value",
     "least_singular_value_gradient",
     "manipulability",
@@ -58,6 +60,7 @@ _MODULES = {
     "condition_number_gradient": "indices",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",
+    "joint_rates": "rates",
     "least_singular_value": "indices",
     "least_singular_value_gradient": "indices",
     "manipulability": "indices",
