@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.conditioning import (
         CharacteristicLength,
+        ConditioningIndex,
         characteristic_length,
+        conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
     from robomech_ros.kinetostatics.indices import (
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CharacteristicLength",
+    "ConditioningIndex",
     "DecoupledJacobian",
     "NearestSingularity",
     "SingularityFree",
@@ -48,6 +51,7 @@ __all__ = [
     "characteristic_length",
     "condition_number",
     "condition_number_gradient",
+    "conditioning_index",
     "decoupled_jacobian",
     "jacobian",
     "jacobian_rate",
@@ -70,6 +74,7 @@ __all__ = [
 
 _MODULES = {
     "CharacteristicLength": "conditioning",
+    "ConditioningIndex": "conditioning",
     "DecoupledJacobian": "decoupled_blocks",
     "NearestSingularity": "singularity_distance",
     "SingularityFree": "singularity_free",
@@ -78,6 +83,7 @@ _MODULES = {
     "characteristic_length": "conditioning",
     "condition_number": "indices",
     "condition_number_gradient": "indices",
+    "conditioning_index": "conditioning",
     "decoupled_jacobian": "decoupled_blocks",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",

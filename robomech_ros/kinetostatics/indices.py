@@ -15,6 +15,7 @@ from robomech_ros.spatial.arrays import as_choice, real_number
 
 __all__ = [
     "NORMS",
+    "PARTS",
     "as_length",
     "condition_number",
     "condition_number_gradient",
@@ -27,7 +28,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 # Rows of the Jacobian that a part of the task means.
-_PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
+PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
 # Columns of the kernels that hold a condition number.
 NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
 
@@ -270,7 +271,7 @@ def _task(part: str, length: float | None) -> _Task:
 
 
 def _new_task(part: str, length: float | None) -> _Task:
-    rows = _PARTS[as_choice("part", part, tuple(_PARTS))]
+    rows = PARTS[as_choice("part", part, tuple(PARTS))]
     metres = 1.0 if length is None else as_length(length)
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)
 
