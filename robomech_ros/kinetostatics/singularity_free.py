@@ -126,7 +126,7 @@ def _ends(
     if len(above):
         i = above[0]
         expected = f"at most its upper end {high[i]:g}"
-        raise BadValueError(f"lower end of joint '{chain.joint_names[i]}'", low[i], expected)
+        raise BadValueError(f"lower end of joint '{chain.joint_names[i]}'", float(low[i]), expected)
     slides = chain.types == PRISMATIC
     endless = slides & ~(np.isfinite(low) & np.isfinite(high))
     if endless.any():
