@@ -8,6 +8,8 @@ own on with its link, and carries the tip for those before it:
 
 import math
 
+import numpy as np
+
 from robomech_ros._kernels._jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
 from robomech_ros._kernels.serial import NOT_FINITE, OK, jacobian_body
 
@@ -81,21 +83,16 @@ def _rate(packed, q, qd, J, pose, out):
     return OK
 
 
-@kernel(i8(IN2, IN1, IN1, OUT2, OUT2, OUT2))
-def jacobian_rate_one(packed, q, qd, J, pose, out):
-    """Time derivative of the Jacobian for one q, qd (n,) into out (6, n).
-
-    J (6, n) and pose (4, 4) are working space.
-    """
-    return _rate(packed, q, qd, J, pose, out)
+@kernel(i8(IN2, IN1, IN1, OUT2))
+def jacobian_rate_one(packed, q, qd, out):
+    """Time derivative of the Jacobian for one q, qd (n,) into out (6, n)."""
+    return _rate(packed, q, qd, np.empty((6, q.size)), np.empty((4, 4)), out)
 
 
-@kernel(i8(IN2, IN2, IN2, OUT2, OUT2, OUT3))
-def jacobian_rate(packed, q, qd, J, pose, out):
-    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n).
-
-    J (6, n) and pose (4, 4) are working space.
-    """
+@kernel(i8(IN2, IN2, IN2, OUT3))
+def jacobian_rate(packed, q, qd, out):
+    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n)."""
+    J, pose = np.empty((6, q.shape[1])), np.empty((4, 4))
     status = 0
     for k in range(q.shape[0]):
         status |= _rate(packed, q[k], qd[k], J, pose, out[k])

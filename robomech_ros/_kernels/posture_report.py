@@ -176,18 +176,20 @@ def posture_report(
         return status
     move_jacobian(J, pose, point)
     small, large = min(6, n), max(6, n)
-    W, s = np.empty((small, small + large)), np.empty(small)
-    weights, rows = np.ones(6), np.arange(6)
-    fill_weighted(J, weights, rows, W)
-    make_rows_orthogonal(W, large)
-    row_lengths(W, large, s)
+    s, plain = np.empty(small), np.empty((small, large))
+    for i in range(small):
+        for k in range(large):
+            plain[i, k] = J[i, k] if n >= 6 else J[k, i]
+    make_rows_orthogonal(plain, large)
+    row_lengths(plain, large, s)
     product = 1.0
     for value in s:
         product *= value
     numbers[0] = product
     numbers[1] = condition_of(s)
+    W, weights = np.empty((small, small + large)), np.ones(6)
     weights[3:] = 1.0 / length
-    fill_weighted(J, weights, rows, W)
+    fill_weighted(J, weights, np.arange(6), W)
     make_rows_orthogonal(W, large)
     row_lengths(W, large, s)
     rank = _decompose(W, s, idle, free, values)

@@ -55,15 +55,14 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     if qd.shape != q.shape:
         raise WrongSizeError("qd", qd.shape, f"{q.shape}, that of q")
     n = chain.n
-    J, pose = np.empty((6, n)), np.empty((4, 4))
     if q.ndim == 1:
         out = np.empty((6, n))
-        if _rate_one(chain.packed, q, qd, J, pose, out):
+        if _rate_one(chain.packed, q, qd, out):
             _raise_not_finite(chain, q, qd)
         return out
     rows = as_rows(q)
     matrices = np.empty((len(rows), 6, n))
-    if _rate(chain.packed, rows, as_rows(qd), J, pose, matrices):
+    if _rate(chain.packed, rows, as_rows(qd), matrices):
         _raise_not_finite(chain, q, qd)
     return matrices.reshape(*q.shape[:-1], 6, n)
 

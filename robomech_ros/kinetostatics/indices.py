@@ -35,6 +35,7 @@ NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
 
 _indices = direct(kernels.indices)
 _index_gradients = direct(kernels.index_gradients)
+_index_gradient_one = direct(kernels.index_gradient_one)
 
 
 class _Task(NamedTuple):
@@ -237,12 +238,17 @@ def _gradient(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> Array:
     q, task = as_joint_values(chain, q), _task(part, length)
-    rows = q[None] if q.ndim == 1 else as_rows(q)
+    if q.ndim == 1:
+        gradient = np.empty(chain.n + 1)
+        if _index_gradient_one(chain.packed, q, *task, index, gradient):
+            raise_not_finite(chain, q)
+        return gradient[:-1]
+    rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
     if _index_gradients(chain.packed, rows, *task, index, values, out):
         raise_not_finite(chain, q)
-    return out[0, :-1] if q.ndim == 1 else out[:, :-1].reshape(q.shape)
+    return out[:, :-1].reshape(q.shape)
 
 
 def as_length(length: float) -> float:

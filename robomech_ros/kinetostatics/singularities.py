@@ -207,6 +207,10 @@ def _kinds(chain: SerialChain, factors: dict[str, float], free: Array) -> tuple[
     zero = tuple(name for name, value in factors.items() if abs(value) < FACTOR_ZERO)
     if zero:
         return zero
-    moving = np.flatnonzero(np.abs(free).max(axis=0) > FACTOR_ZERO)
-    names = [chain.joint_names[i] for i in moving]
+    rows = free.tolist()
+    names = [
+        name
+        for i, name in enumerate(chain.joint_names)
+        if any(abs(row[i]) > FACTOR_ZERO for row in rows)
+    ]
     return (f"joints {', '.join(names)} depend on each other",)
