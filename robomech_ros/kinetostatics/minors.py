@@ -161,12 +161,13 @@ def _evaluated(
     """Give minors (m, k) in postures (k, n); the first joint and the last are set to zero."""
     q = q.copy()
     q[:, 0] = q[:, -1] = 0.0
-    J = jacobian(chain, q).reshape(len(q), 2, 3, chain.n)
+    halves = jacobian(chain, q).reshape(len(q), 2, 3, chain.n)
     turn = forward_kinematics(chain, q)[:, None, :3, :3]
-    J = (np.swapaxes(turn, -1, -2) @ J).reshape(len(q), 6, chain.n)
+    J: Array = (np.swapaxes(turn, -1, -2) @ halves).reshape(len(q), 6, chain.n)
     J[:, 3:] /= size
     if len(q) == 1:
-        return np.linalg.det(J[0][row_sets[:, :, None], column_sets[:, None, :]])[:, None]
+        one: Array = np.linalg.det(J[0][row_sets[:, :, None], column_sets[:, None, :]])
+        return one[:, None]
     return np.array(
         [
             np.linalg.det(J[:, rows[:, None], columns])
@@ -180,13 +181,12 @@ def _to_coefficients(slide: bool) -> Array:
     if slide:
         at_nodes = _SLIDES[:, None] ** np.arange(3)
     else:
-        at_nodes = np.stack([np.ones(5), *_harmonics(_ANGLES)], axis=1)
+        x = _ANGLES
+        at_nodes = np.column_stack(
+            (np.ones(5), np.cos(x), np.sin(x), np.cos(2.0 * x), np.sin(2.0 * x))
+        )
     inverse: Array = np.linalg.inv(at_nodes).T
     return inverse
-
-
-def _harmonics(angles: Array) -> tuple[Array, ...]:
-    return np.cos(angles), np.sin(angles), np.cos(2.0 * angles), np.sin(2.0 * angles)
 
 
 def _trimmed(
