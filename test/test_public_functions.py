@@ -23,20 +23,30 @@ from robomech_ros.kinetostatics import (
     characteristic_length,
     condition_number,
     condition_number_gradient,
+    conditioning_index,
+    decoupled_jacobian,
     even_rotations,
     even_turns,
     global_conditioning_index,
     jacobian,
     jacobian_rate,
+    joint_accelerations,
+    joint_rates,
+    joint_torques,
     least_singular_value,
     least_singular_value_gradient,
     load_reach_map,
     manipulability,
     manipulability_gradient,
     nearest_singular_posture,
+    planar_jacobian,
+    planar_rows,
     point_jacobian,
     reach_map,
+    singularity_free,
     singularity_report,
+    task_jacobian,
+    wrench_from_torques,
 )
 from robomech_ros.robots import chain_from_dh, load_description, load_robot
 from robomech_ros.trajectory import (
@@ -136,6 +146,7 @@ def calls():
     found |= with_options(tip_poses, chain=PUMA, q=[q])
     found |= with_options(jacobian, chain=PUMA, q=q)
     found |= with_options(point_jacobian, chain=PUMA, q=q, point=[0, 0, 0])
+    found |= with_options(joint_rates, chain=PUMA, q=q, twist=q, point=[0, 0, 0])
     for function in (jacobian_rate, bias_acceleration):
         found |= with_options(function, chain=PUMA, q=q, qd=q)
     for function in (
@@ -147,6 +158,16 @@ def calls():
         manipulability_gradient,
     ):
         found |= with_options(function, chain=PUMA, q=q)
+    found |= with_options(joint_accelerations, chain=PUMA, q=q, qd=q, twist_rate=q)
+    found |= with_options(joint_torques, chain=PUMA, q=q, wrench=q)
+    found |= with_options(wrench_from_torques, chain=PUMA, q=q, torques=q)
+    found |= with_options(task_jacobian, chain=PUMA, q=q, mask=[True] * 6)
+    for function in (decoupled_jacobian, planar_jacobian):
+        found |= with_options(function, chain=PUMA, q=q)
+    found |= with_options(planar_rows, chain=PUMA)
+    found |= with_options(conditioning_index, chain=PUMA, part="orientation")
+    ends = {"lower": q, "upper": [0.2] * 6, "most_boxes": 20}
+    found |= with_options(singularity_free, chain=PUMA, **ends)
     for function in (singularity_report, nearest_singular_posture):
         found |= with_options(function, chain=PUMA, q=q, length=0.3)
     found |= with_options(characteristic_length, chain=PUMA)

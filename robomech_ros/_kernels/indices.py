@@ -10,7 +10,18 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels._jit import IIN1, IN1, IN2, OUT2, f8, i8, kernel, lean
+from robomech_ros._kernels._jit import (
+    IIN1,
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    f8,
+    i8,
+    inline,
+    kernel,
+    lean,
+)
 from robomech_ros._kernels.jacobian_rates import gradient_body
 from robomech_ros._kernels.serial import jacobian_body
 from robomech_ros._kernels.singular_values import condition_of, make_rows_orthogonal, row_lengths
@@ -21,6 +32,8 @@ __all__ = [
     "LEAST",
     "MANIPULABILITY",
     "SCHATTEN",
+    "fill_weighted",
+    "index_gradient_one",
     "index_gradients",
     "indices",
 ]
@@ -37,7 +50,7 @@ _LINEAR = 3
 
 
 @lean
-def _fill(J, weights, rows, W):
+def fill_weighted(J, weights, rows, W):
     """Write these weighted rows of J, or its columns where they are fewer, and a unit."""
     r, n = rows.size, J.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
@@ -142,10 +155,43 @@ def indices(packed, q, weights, rows, power, out):
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        _fill(J, weights, rows, W)
+        fill_weighted(J, weights, rows, W)
         make_rows_orthogonal(W, large)
         row_lengths(W, large, s)
         _evaluate(s, power, out[k])
+    return status
+
+
+@inline
+def _gradient(J, weights, rows, power, index, spaces, value, out):
+    """Write the indices of J to value (4,), the gradient of one to out (n + 1,).
+
+    ``spaces`` are arrays to work with: G like J, W, and s and ds for the singular values.
+    """
+    G, W, s, ds = spaces
+    large = W.shape[1] - W.shape[0]
+    fill_weighted(J, weights, rows, W)
+    make_rows_orthogonal(W, large)
+    row_lengths(W, large, s)
+    _evaluate(s, power, value)
+    _derivatives(s, index, value[index], power, ds)
+    out[J.shape[1]] = _by_jacobian(J, W, s, ds, weights, rows, G)
+    gradient_body(J, G, out)
+
+
+@inline
+def _spaces(n, count):
+    """Make the arrays that :func:`_gradient` works with, for so many rows."""
+    small, large = min(count, n), max(count, n)
+    return np.empty((6, n)), np.empty((small, small + large)), np.empty(small), np.empty(small)
+
+
+@kernel(i8(IN2, IN1, IN1, IIN1, f8, i8, OUT1))
+def index_gradient_one(packed, q, weights, rows, power, index, out):
+    """Gradient of one index at q (n,) into out (n + 1,), as :func:`index_gradients` has it."""
+    J = np.empty((6, q.size))
+    status = jacobian_body(packed, q, J, np.empty((4, 4)))
+    _gradient(J, weights, rows, power, index, _spaces(q.size, rows.size), np.empty(COUNT), out)
     return status
 
 
@@ -159,17 +205,9 @@ def index_gradients(packed, q, weights, rows, power, index, values, out):
     The gradient is NaN or infinite where a singular value that counts is zero.
     """
     n = q.shape[1]
-    J, pose, G = np.empty((6, n)), np.empty((4, 4)), np.empty((6, n))
-    small, large = min(rows.size, n), max(rows.size, n)
-    W, s, ds = np.empty((small, small + large)), np.empty(small), np.empty(small)
+    J, pose, spaces = np.empty((6, n)), np.empty((4, 4)), _spaces(n, rows.size)
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        _fill(J, weights, rows, W)
-        make_rows_orthogonal(W, large)
-        row_lengths(W, large, s)
-        _evaluate(s, power, values[k])
-        _derivatives(s, index, values[k, index], power, ds)
-        out[k, n] = _by_jacobian(J, W, s, ds, weights, rows, G)
-        gradient_body(J, G, out[k])
+        _gradient(J, weights, rows, power, index, spaces, values[k], out[k])
     return status

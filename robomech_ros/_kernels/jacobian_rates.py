@@ -6,10 +6,14 @@ own on with its link, and carries the tip for those before it:
 ``dJ_i / dq_k = [a_k x a_i; a_k x m_i]`` for k <= i, ``[0; a_i x m_k]`` for k > i.
 """
 
-from robomech_ros._kernels._jit import IN2, OUT2, OUT3, i8, kernel, lean
-from robomech_ros._kernels.serial import jacobian_body
+import math
 
-__all__ = ["gradient_body", "jacobian_rate", "rate_body"]
+import numpy as np
+
+from robomech_ros._kernels._jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
+from robomech_ros._kernels.serial import NOT_FINITE, OK, jacobian_body
+
+__all__ = ["gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
 
 
 @lean
@@ -67,14 +71,29 @@ def gradient_body(J, G, out):
         sz += hx * ay - hy * ax
 
 
-@kernel(i8(IN2, IN2, IN2, OUT2, OUT2, OUT3))
-def jacobian_rate(packed, q, qd, J, pose, out):
-    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n).
+@lean
+def _rate(packed, q, qd, J, pose, out):
+    """Write the derivative for one q, qd (n,) to out (6, n); return the status."""
+    for value in qd:
+        if not math.isfinite(value):
+            return NOT_FINITE
+    if jacobian_body(packed, q, J, pose) != OK:
+        return NOT_FINITE
+    rate_body(J, qd, out)
+    return OK
 
-    J (6, n) and pose (4, 4) are working space.
-    """
+
+@kernel(i8(IN2, IN1, IN1, OUT2))
+def jacobian_rate_one(packed, q, qd, out):
+    """Time derivative of the Jacobian for one q, qd (n,) into out (6, n)."""
+    return _rate(packed, q, qd, np.empty((6, q.size)), np.empty((4, 4)), out)
+
+
+@kernel(i8(IN2, IN2, IN2, OUT3))
+def jacobian_rate(packed, q, qd, out):
+    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n)."""
+    J, pose = np.empty((6, q.shape[1])), np.empty((4, 4))
     status = 0
     for k in range(q.shape[0]):
-        status |= jacobian_body(packed, q[k], J, pose)
-        rate_body(J, qd[k], out[k])
+        status |= _rate(packed, q[k], qd[k], J, pose, out[k])
     return status

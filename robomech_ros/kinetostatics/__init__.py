@@ -8,11 +8,18 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.kinetostatics.accelerations import bias_acceleration, jacobian_rate
+    from robomech_ros.kinetostatics.accelerations import (
+        bias_acceleration,
+        jacobian_rate,
+        joint_accelerations,
+    )
     from robomech_ros.kinetostatics.conditioning import (
         CharacteristicLength,
+        ConditioningIndex,
         characteristic_length,
+        conditioning_index,
     )
+    from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
     from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
@@ -24,13 +31,17 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
     from robomech_ros.kinetostatics.points import point_jacobian
+    from robomech_ros.kinetostatics.rates import joint_rates
     from robomech_ros.kinetostatics.reachability import ReachMap, load_reach_map, reach_map
+    from robomech_ros.kinetostatics.reduced import planar_jacobian, planar_rows, task_jacobian
     from robomech_ros.kinetostatics.rotation_sets import even_rotations, even_turns
     from robomech_ros.kinetostatics.singularities import SingularityReport, singularity_report
     from robomech_ros.kinetostatics.singularity_distance import (
         NearestSingularity,
         nearest_singular_posture,
     )
+    from robomech_ros.kinetostatics.singularity_free import SingularityFree, singularity_free
+    from robomech_ros.kinetostatics.statics import joint_torques, wrench_from_torques
     from robomech_ros.kinetostatics.workspace import (
         BoundaryCurve,
         Workspace,
@@ -45,22 +56,30 @@ if TYPE_CHECKING:
 __all__ = [
     "BoundaryCurve",
     "CharacteristicLength",
+    "ConditioningIndex",
+    "DecoupledJacobian",
     "GlobalIndex",
     "NearestSingularity",
     "OrientationWorkspace",
     "ReachMap",
+    "SingularityFree",
     "SingularityReport",
     "Workspace",
     "bias_acceleration",
     "characteristic_length",
     "condition_number",
     "condition_number_gradient",
+    "conditioning_index",
+    "decoupled_jacobian",
     "even_rotations",
     "even_turns",
     "extreme_reach",
     "global_conditioning_index",
     "jacobian",
     "jacobian_rate",
+    "joint_accelerations",
+    "joint_rates",
+    "joint_torques",
     "least_singular_value",
     "least_singular_value_gradient",
     "load_reach_map",
@@ -68,10 +87,15 @@ __all__ = [
     "manipulability_gradient",
     "nearest_singular_posture",
     "orientation_workspace",
+    "planar_jacobian",
+    "planar_rows",
     "point_jacobian",
     "reach_map",
+    "singularity_free",
     "singularity_report",
+    "task_jacobian",
     "workspace_boundary",
+    "wrench_from_torques",
 ]
 
 _MODULES = {
@@ -81,6 +105,9 @@ _MODULES = {
     "NearestSingularity": "singularity_distance",
     "OrientationWorkspace": "workspace_orientation",
     "ReachMap": "reachability",
+    "ConditioningIndex": "conditioning",
+    "DecoupledJacobian": "decoupled_blocks",
+    "SingularityFree": "singularity_free",
     "SingularityReport": "singularities",
     "Workspace": "workspace",
     "bias_acceleration": "accelerations",
@@ -91,8 +118,13 @@ _MODULES = {
     "even_turns": "rotation_sets",
     "extreme_reach": "workspace_reach",
     "global_conditioning_index": "global_indices",
+    "conditioning_index": "conditioning",
+    "decoupled_jacobian": "decoupled_blocks",
     "jacobian": "jacobians",
     "jacobian_rate": "accelerations",
+    "joint_accelerations": "accelerations",
+    "joint_rates": "rates",
+    "joint_torques": "statics",
     "least_singular_value": "indices",
     "least_singular_value_gradient": "indices",
     "load_reach_map": "reachability",
@@ -104,6 +136,11 @@ _MODULES = {
     "reach_map": "reachability",
     "singularity_report": "singularities",
     "workspace_boundary": "workspace",
+    "planar_jacobian": "reduced",
+    "planar_rows": "reduced",
+    "singularity_free": "singularity_free",
+    "task_jacobian": "reduced",
+    "wrench_from_torques": "statics",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

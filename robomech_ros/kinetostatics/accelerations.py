@@ -1,16 +1,27 @@
 """Accelerations: how the Jacobian changes in time, of the tip, and of the joints."""
 
+from typing import NoReturn
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import jacobian_rates
-from robomech_ros.errors import WrongSizeError
+from robomech_ros._kernels._jit import direct
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinetostatics.points import TIP, as_point
+from robomech_ros.kinetostatics.rates import joint_rates
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["bias_acceleration", "jacobian_rate"]
+__all__ = ["bias_acceleration", "jacobian_rate", "joint_accelerations"]
 
 Array = NDArray[np.float64]
+
+_rate = direct(jacobian_rates.jacobian_rate)
+_rate_one = direct(jacobian_rates.jacobian_rate_one)
 
 
 def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
@@ -43,17 +54,28 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     q, qd = as_joint_values(chain, q), as_joint_values(chain, qd, "qd")
     if qd.shape != q.shape:
         raise WrongSizeError("qd", qd.shape, f"{q.shape}, that of q")
+    n = chain.n
+    if q.ndim == 1:
+        out = np.empty((6, n))
+        if _rate_one(chain.packed, q, qd, out):
+            _raise_not_finite(chain, q, qd)
+        return out
+    rows = as_rows(q)
+    matrices = np.empty((len(rows), 6, n))
+    if _rate(chain.packed, rows, as_rows(qd), matrices):
+        _raise_not_finite(chain, q, qd)
+    return matrices.reshape(*q.shape[:-1], 6, n)
+
+
+def _raise_not_finite(chain: SerialChain, q: Array, qd: Array) -> NoReturn:
     if not np.isfinite(qd).all():
         raise_not_finite(chain, qd, "qd")
-    rows = as_rows(q)
-    out = np.empty((len(rows), 6, chain.n))
-    J, pose = np.empty((6, chain.n)), np.empty((4, 4))
-    if jacobian_rates.jacobian_rate(chain.packed, rows, as_rows(qd), J, pose, out):
-        raise_not_finite(chain, q)
-    return out.reshape(*q.shape[:-1], 6, chain.n)
+    raise_not_finite(chain, q)
 
 
-def bias_acceleration(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
+def bias_acceleration(
+    chain: SerialChain, q: ArrayLike, qd: ArrayLike, *, point: ArrayLike = TIP
+) -> Array:
     """Compute the part of the tip's twist rate that does not come from joint accelerations.
 
     The twist rate is ``J qdd`` plus this: the rate of J times qd.
@@ -62,17 +84,79 @@ def bias_acceleration(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ----------
     chain, q, qd
         As for :func:`jacobian_rate`.
+    point : array_like, shape (3,), optional
+        Of the tip link, in its frame (m), that the twist is about; default the tip's origin.
 
     Returns
     -------
     ndarray, shape (6,) or (..., 6)
-        Angular (rad/s^2), then of the tip's origin (m/s^2), in the axes of the base.
+        Angular (rad/s^2), then of the point (m/s^2), in the axes of the base.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`jacobian_rate`.
+        As for :func:`jacobian_rate`, or the point is not three finite numbers, or the rates are too
+        large for a number.
     """
-    rate = jacobian_rate(chain, q, qd)
-    bias: Array = np.einsum("...ij,...j->...i", rate, np.asarray(qd, dtype=np.float64))
+    rate, arm = jacobian_rate(chain, q, qd), as_point(point)
+    qd = np.asarray(qd, dtype=np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        bias: Array = np.einsum("...ij,...j->...i", rate, qd)
+        if arm.any():
+            # The point turns about the tip's origin.
+            omega = np.einsum("...ij,...j->...i", jacobian(chain, q)[..., :3, :], qd)
+            r = forward_kinematics(chain, q)[..., :3, :3] @ arm
+            turned = np.cross(bias[..., :3], r) + np.cross(omega, np.cross(omega, r))
+            bias[..., 3:] += turned
+    if not np.isfinite(bias).all():
+        largest = float(np.abs(qd).max(initial=0.0))
+        raise BadValueError("largest of qd", largest, "rates with a finite bias acceleration")
     return bias
+
+
+def joint_accelerations(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    twist_rate: ArrayLike,
+    *,
+    point: ArrayLike = TIP,
+    length: float | None = None,
+) -> Array:
+    """Compute the joint accelerations that give a point of the tip link a twist rate.
+
+    ``J qdd = dt/dt - (dJ/dt) qd`` is solved as :func:`joint_rates` solves ``J qd = t``: with six
+    joints exactly, along the structure of arms with a spherical wrist; more joints give the
+    accelerations of least norm, fewer, and singular postures, those of least error.
+
+    Parameters
+    ----------
+    chain, q, qd
+        As for :func:`jacobian_rate`, of one joint at least.
+    twist_rate : array_like, shape (6,) or (..., 6)
+        Rate of the angular velocity, then acceleration of the point, in the axes of the base
+        (rad/s^2 and m/s^2); one for all of a batch or one each.
+    point : array_like, shape (3,), optional
+        Of the tip link, in its frame (m); default the tip's origin.
+    length : float, optional
+        As for :func:`joint_rates`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        In rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`bias_acceleration` and :func:`joint_rates`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.5.
+    """
+    bias = bias_acceleration(chain, q, qd, point=point)
+    wanted = as_finite("twist_rate", twist_rate, (6,))
+    if wanted.ndim > 1 and wanted.shape != bias.shape:
+        raise WrongSizeError("twist_rate", wanted.shape, f"(6,) or {bias.shape}, as q")
+    return joint_rates(chain, q, wanted - bias, point=point, length=length)

@@ -1,4 +1,4 @@
-"""The length that makes positions and orientations comparable: the characteristic length."""
+"""How near to isotropic an arm can be, and the characteristic length for which it is that."""
 
 import math
 from collections.abc import Sequence
@@ -10,15 +10,20 @@ from robomech_ros._kernels import indices as kernels
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.iterative import low_discrepancy_strides, reach_bound
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinetostatics.indices import NORMS
+from robomech_ros.kinetostatics.indices import NORMS, PARTS
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
-__all__ = ["CharacteristicLength", "characteristic_length"]
+__all__ = [
+    "CharacteristicLength",
+    "ConditioningIndex",
+    "characteristic_length",
+    "conditioning_index",
+]
 
 Array = NDArray[np.float64]
+_Rows = NDArray[np.int64]
 
-_ROWS = np.arange(6)
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
 _POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))
 # Postures that are looked at, with how many lengths (of the reach, from, to, count) each; how many
@@ -33,6 +38,9 @@ _SAME = 1e-9
 # What stands for the logarithm of the condition number of a singular posture.
 _SINGULAR = 1e3
 _OPTIONS = {"gtol": 1e-9, "maxiter": 300}
+# Of the trust-region method, which quarters its radius where rounding keeps it from a smaller
+# gradient: after 300 steps nothing would be left of it.
+_FEWER = {"gtol": 1e-9, "maxiter": 100}
 # Step over which second derivatives are taken; they grow with the power.
 _STEP = 1e-3
 
@@ -55,6 +63,21 @@ class CharacteristicLength(float):
     def conditioning_index(self) -> float:
         """100 over the condition number, the kinetostatic conditioning index in percent."""
         return 100.0 / self.condition_number
+
+
+class ConditioningIndex(float):
+    """100 over the least condition number of an arm, in percent, with the posture that has it.
+
+    Attributes
+    ----------
+    condition_number : float
+        The least of all postures.
+    q : ndarray, shape (n,)
+        A posture that has it (rad or m).
+    """
+
+    condition_number: float
+    q: Array
 
 
 def characteristic_length(chain: SerialChain, *, norm: str = "2") -> CharacteristicLength:
@@ -84,25 +107,72 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
     """
-    check_chain(chain)
-    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
-    starts = _starts(chain)
-    if not starts:
-        raise BadValueError("chain", chain.name, "one that is not singular in every posture")
-    found = _distinct(chain, [_descent(chain, start) for start in starts])
-    if index == kernels.CONDITION:
-        for powers, count in _FOLLOWED:
-            found = [_followed(chain, x, powers) for x in found[:count]]
-            found.sort(key=lambda x: _evaluate(chain, x, 2.0, index)[0])
-    result = CharacteristicLength(math.exp(found[0][-1]))
-    result.q = found[0][:-1]
-    result.condition_number = _evaluate(chain, found[0], 2.0, index)[0]
+    x, condition = _best(chain, norm, PARTS["pose"])
+    result = CharacteristicLength(math.exp(x[-1]))
+    result.q = x[:-1]
+    result.condition_number = condition
     return result
 
 
-def _distinct(chain: SerialChain, ends: list[Array]) -> list[Array]:
+def conditioning_index(
+    chain: SerialChain, *, part: str = "pose", norm: str = "2"
+) -> ConditioningIndex:
+    """Compute the kinetostatic conditioning index: 100 % for an arm with an isotropic posture.
+
+    The arm's positioning part, such as the first three joints, is the chain to the link that
+    carries the wrist centre: ``chain.with_tip(link)`` with part "position".
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+    part : {"pose", "position", "orientation"}, optional
+        Which rows of the Jacobian count; for "pose" the linear ones are divided by the
+        characteristic length.
+    norm : {"2", "frobenius"}, optional
+        Of the condition number, as for :func:`condition_number`.
+
+    Returns
+    -------
+    ConditioningIndex
+        A float (percent) with the attributes ``condition_number`` and ``q``.
+
+    Raises
+    ------
+    BadValueError
+        As for :func:`characteristic_length`, or an unknown part.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+    """
+    x, condition = _best(chain, norm, PARTS[as_choice("part", part, tuple(PARTS))])
+    result = ConditioningIndex(100.0 / condition)
+    result.q = x[:-1]
+    result.condition_number = condition
+    return result
+
+
+def _best(chain: SerialChain, norm: str, rows: _Rows) -> tuple[Array, float]:
+    """Give joint values and the logarithm of the length (n + 1,) of least condition, and that."""
+    check_chain(chain)
+    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
+    starts = _starts(chain, rows)
+    if not starts:
+        raise BadValueError("chain", chain.name, "one that is not singular in every posture")
+    found = _distinct(chain, rows, [_descent(chain, rows, start) for start in starts])
+    if index == kernels.CONDITION:
+        for powers, count in _FOLLOWED:
+            found = [_followed(chain, rows, x, powers) for x in found[:count]]
+            found.sort(key=lambda x: _evaluate(chain, rows, x, 2.0, index)[0])
+    return found[0], _evaluate(chain, rows, found[0], 2.0, index)[0]
+
+
+def _distinct(chain: SerialChain, rows: _Rows, ends: list[Array]) -> list[Array]:
     """Give the ends of descents, the best first, each minimum once."""
-    ranked = sorted((_evaluate(chain, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends))
+    ranked = sorted(
+        (_evaluate(chain, rows, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends)
+    )
     values = [value for value, _ in ranked]
     return [
         ends[k]
@@ -111,12 +181,14 @@ def _distinct(chain: SerialChain, ends: list[Array]) -> list[Array]:
     ]
 
 
-def _evaluate(chain: SerialChain, x: Array, power: float, index: int) -> tuple[float, Array]:
+def _evaluate(
+    chain: SerialChain, rows: _Rows, x: Array, power: float, index: int
+) -> tuple[float, Array]:
     """Give an index at x, joint values and the logarithm of the length, and its gradient."""
     values, gradient = np.empty((1, kernels.COUNT)), np.empty((1, chain.n + 1))
     q = np.ascontiguousarray(x[None, :-1])
     weights = _weights(math.exp(x[-1]))
-    kernels.index_gradients(chain.packed, q, weights, _ROWS, power, index, values, gradient)
+    kernels.index_gradients(chain.packed, q, weights, rows, power, index, values, gradient)
     return float(values[0, index]), gradient[0]
 
 
@@ -124,18 +196,18 @@ def _weights(length: float) -> Array:
     return np.repeat((1.0, 1.0 / length), 3)
 
 
-def _logarithm(x: Array, chain: SerialChain, power: float) -> tuple[float, Array]:
+def _logarithm(x: Array, chain: SerialChain, rows: _Rows, power: float) -> tuple[float, Array]:
     """Give the logarithm of the condition number by the Schatten norm of this power at x."""
-    value, gradient = _evaluate(chain, x, power, kernels.SCHATTEN)
+    value, gradient = _evaluate(chain, rows, x, power, kernels.SCHATTEN)
     if not math.isfinite(value):
         return _SINGULAR, np.zeros_like(x)
     return math.log(value), gradient / value
 
 
-def _second_derivatives(x: Array, chain: SerialChain, power: float) -> Array:
+def _second_derivatives(x: Array, chain: SerialChain, rows: _Rows, power: float) -> Array:
     steps = _STEP / power * np.eye(len(x))
     ahead, behind = (
-        np.array([_logarithm(x + sign * step, chain, power)[1] for step in steps])
+        np.array([_logarithm(x + sign * step, chain, rows, power)[1] for step in steps])
         for sign in (1.0, -1.0)
     )
     H = (ahead - behind) * (power / (2.0 * _STEP))
@@ -143,28 +215,28 @@ def _second_derivatives(x: Array, chain: SerialChain, power: float) -> Array:
     return symmetric
 
 
-def _descent(chain: SerialChain, start: Array) -> Array:
+def _descent(chain: SerialChain, rows: _Rows, start: Array) -> Array:
     """Descend to a minimum of the condition number by the Frobenius norm."""
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
-    given = (chain, 2.0)
+    given = (chain, rows, 2.0)
     end: Array = minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
     return end
 
 
-def _followed(chain: SerialChain, x: Array, powers: Sequence[float]) -> Array:
+def _followed(chain: SerialChain, rows: _Rows, x: Array, powers: Sequence[float]) -> Array:
     """Follow a minimum from power to power, where the valley becomes ever narrower."""
     from scipy.optimize import minimize
 
     for power in powers:
-        given = (chain, power)
+        given = (chain, rows, power)
         x = minimize(
-            _logarithm, x, given, "trust-exact", True, _second_derivatives, options=_OPTIONS
+            _logarithm, x, given, "trust-exact", True, _second_derivatives, options=_FEWER
         ).x
     return x
 
 
-def _starts(chain: SerialChain) -> list[Array]:
+def _starts(chain: SerialChain, rows: _Rows) -> list[Array]:
     """Give the best conditioned of many postures and lengths, none of them singular."""
     size = reach_bound(chain)
     half = np.where(chain.types == PRISMATIC, size, math.pi)
@@ -172,8 +244,10 @@ def _starts(chain: SerialChain) -> list[Array]:
     q = np.ascontiguousarray((2.0 * cube - 1.0) * half)
     out = np.empty((_POSTURES, kernels.COUNT))
     ranked = []
-    for length in size * np.geomspace(*_LENGTHS):
-        kernels.indices(chain.packed, q, _weights(length), _ROWS, 2.0, out)
+    # Rows of one kind are conditioned alike with any length.
+    lengths = size * np.geomspace(*_LENGTHS) if len(rows) == len(PARTS["pose"]) else [1.0]
+    for length in lengths:
+        kernels.indices(chain.packed, q, _weights(length), rows, 2.0, out)
         for k in np.argsort(out[:, kernels.SCHATTEN])[:_STARTS]:
             ranked.append((out[k, kernels.SCHATTEN], np.append(q[k], math.log(length))))
     ranked.sort(key=lambda start: start[0])

@@ -1,11 +1,13 @@
 """Performance indices of a posture, and their gradients by the joint values."""
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import indices as kernels
+from robomech_ros._kernels._jit import direct
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
@@ -30,6 +32,11 @@ Array = NDArray[np.float64]
 PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
 # Columns of the kernels that hold a condition number.
 NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
+
+
+_indices = direct(kernels.indices)
+_index_gradients = direct(kernels.index_gradients)
+_index_gradient_one = direct(kernels.index_gradient_one)
 
 
 class _Task(NamedTuple):
@@ -114,7 +121,7 @@ def condition_number(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
     """
-    return _value(chain, q, part, length, NORMS[as_choice("norm", norm, tuple(NORMS))])
+    return _value(chain, q, part, length, _norm(norm))
 
 
 def least_singular_value(
@@ -190,8 +197,7 @@ def condition_number_gradient(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`condition_number`.
     """
-    index = NORMS[as_choice("norm", norm, tuple(NORMS))]
-    return _gradient(chain, q, part, length, index)
+    return _gradient(chain, q, part, length, _norm(norm))
 
 
 def least_singular_value_gradient(
@@ -228,9 +234,10 @@ def _value(
 
 def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> Array:
     """Give all indices of the postures q (..., n), one row each as the kernels lay them out."""
-    task, rows = _task(part, length), as_rows(q)
+    task = _task(part, length)
+    rows = q[None] if q.ndim == 1 else as_rows(q)
     out = np.empty((len(rows), kernels.COUNT))
-    if kernels.indices(chain.packed, rows, *task, out):
+    if _indices(chain.packed, rows, *task, out):
         raise_not_finite(chain, q)
     return out
 
@@ -239,10 +246,15 @@ def _gradient(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> Array:
     q, task = as_joint_values(chain, q), _task(part, length)
+    if q.ndim == 1:
+        gradient = np.empty(chain.n + 1)
+        if _index_gradient_one(chain.packed, q, *task, index, gradient):
+            raise_not_finite(chain, q)
+        return gradient[:-1]
     rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
-    if kernels.index_gradients(chain.packed, rows, *task, index, values, out):
+    if _index_gradients(chain.packed, rows, *task, index, values, out):
         raise_not_finite(chain, q)
     return out[:, :-1].reshape(q.shape)
 
@@ -261,7 +273,21 @@ def as_length(length: float) -> float:
     return metres
 
 
+def _norm(norm: str) -> int:
+    found = NORMS.get(norm) if type(norm) is str else None
+    return NORMS[as_choice("norm", norm, tuple(NORMS))] if found is None else found
+
+
 def _task(part: str, length: float | None) -> _Task:
+    if type(part) is str and (length is None or isinstance(length, float)):
+        return _known_task(part, length)
+    return _new_task(part, length)
+
+
+def _new_task(part: str, length: float | None) -> _Task:
     rows = PARTS[as_choice("part", part, tuple(PARTS))]
     metres = 1.0 if length is None else as_length(length)
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)
+
+
+_known_task = functools.lru_cache(maxsize=64)(_new_task)

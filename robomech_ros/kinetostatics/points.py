@@ -3,20 +3,28 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels import jacobian_points as kernels
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
-from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["point_jacobian"]
+__all__ = ["TIP", "as_point", "point_jacobian"]
 
 Array = NDArray[np.float64]
 
+# The origin of the tip, where nobody says another point.
+TIP = (0.0, 0.0, 0.0)
+_ORIGIN = np.zeros(3)
+
 
 def point_jacobian(
-    chain: SerialChain, q: ArrayLike, point: ArrayLike, axes: ArrayLike | None = None
+    chain: SerialChain,
+    q: ArrayLike,
+    point: ArrayLike = TIP,
+    axes: ArrayLike | str | None = None,
 ) -> Array:
     """Compute the matrix that maps joint rates to the twist of a point of the tip link.
 
@@ -26,17 +34,17 @@ def point_jacobian(
     ----------
     chain : SerialChain
         Of n joints.
-    q : array_like, shape (n,)
+    q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
-    point : array_like, shape (3,)
-        P, fixed to the tip link, in the frame of the tip link (m).
-    axes : array_like, shape (3, 3), optional
-        Rotation ``R_base_axes`` of the frame in whose axes the twist is expressed; default the
-        base.
+    point : array_like, shape (3,), optional
+        P, fixed to the tip link, in the frame of the tip link (m); default the tip's origin.
+    axes : str or array_like, shape (3, 3), optional
+        In what axes the twist is expressed: the name of a link, such as ``chain.tip``, or a
+        rotation ``R_base_axes``; default the base.
 
     Returns
     -------
-    ndarray, shape (6, n)
+    ndarray, shape (6, n) or (..., 6, n)
         Angular rows first (1 and m).
 
     Raises
@@ -44,23 +52,47 @@ def point_jacobian(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`jacobian`, and for a point that is not three finite numbers or axes that are
         no rotation.
+    UnknownLinkError
+        The chain has no link with the name of the axes.
 
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 5.
     """
-    J = jacobian(chain, q)
-    if J.ndim != 2:
-        raise WrongSizeError("q", np.shape(q), (chain.n,))
+    q, arm = as_joint_values(chain, q), as_point(point)
+    rows = as_rows(q)
+    matrices, poses = np.empty((len(rows), 6, chain.n)), np.empty((len(rows), 4, 4))
+    if kernels.point_jacobian(chain.packed, rows, arm, matrices, poses):
+        raise_not_finite(chain, q)
+    J: Array = matrices.reshape(*q.shape[:-1], 6, chain.n)
+    if axes is None:
+        return J
+    # Rows of R^T, for each half.
+    turn = np.swapaxes(_rotation(chain, q, axes), -1, -2)
+    return np.concatenate((turn @ J[..., :3, :], turn @ J[..., 3:, :]), axis=-2)
+
+
+def as_point(point: ArrayLike) -> Array:
+    """Check a point (3,) of the tip link, in its frame (m).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+    """
+    if point is TIP:
+        return _ORIGIN
     arm = as_finite("point", point, (3,))
     if arm.ndim != 1:
         raise WrongSizeError("point", arm.shape, (3,))
-    r = forward_kinematics(chain, q)[:3, :3] @ arm
-    omega, v = J[:3], J[3:] + np.cross(J[:3], r, axisa=0, axisc=0)
-    if axes is None:
-        return np.concatenate((omega, v))
+    return np.ascontiguousarray(arm)
+
+
+def _rotation(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
+    """Give the rotation ``R_base_axes``, that of a link for every row of q."""
+    if isinstance(axes, str):
+        part = chain.with_tip(axes)
+        return forward_kinematics(part, q[..., : part.n])[..., :3, :3]
     turn = as_rotation(axes, what="axes")
     if turn.ndim != 2:
         raise WrongSizeError("axes", turn.shape, (3, 3))
-    turn = turn.T
-    return np.concatenate((turn @ omega, turn @ v))
+    return turn

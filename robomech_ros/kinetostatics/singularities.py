@@ -3,26 +3,29 @@
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.posture_report import NUMBERS, posture_report
 from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.points import point_jacobian
-from robomech_ros.kinetostatics.singularity_factors import singularity_factors
+from robomech_ros.kinetostatics.points import TIP, as_point
+from robomech_ros.kinetostatics.singularity_factors import NamedParts, named_parts
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
 __all__ = ["SingularityReport", "regular_rank", "report_length", "singularity_report"]
 
 Array = NDArray[np.float64]
 
-_NONE = np.empty((0, 6))
+_report = direct(posture_report)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +54,7 @@ class SingularityReport:
         Wrenches at the point in base axes that load no joint, a basis, moment first (N m and N),
         orthonormal after division of the moment by the length.
     self_motions : ndarray, shape (s, n)
-        Joint rates of norm 1 that do not move the tip, an orthonormal basis, prismatic ones divided
-        by the length (rad/s and m/s).
+        Joint rates that do not move the tip, an orthonormal basis (rad/s and m/s).
     factors : dict
         From the name of a part of the arm, such as "elbow", to its factor of the determinant, 0
         where that part is singular.
@@ -79,11 +81,21 @@ class SingularityReport:
         return bool(self.kinds)
 
 
-class _Motions(NamedTuple):
-    """The motions that a chain has in one posture or another."""
+class _Known(NamedTuple):
+    """What of an arm is the same in every posture.
+
+    Attributes
+    ----------
+    rank : int
+        Of the Jacobian in nearly all postures.
+    motions : ndarray, shape (r, 6)
+        Twists that span all that it has in one posture or another (1 and m).
+    parts : NamedParts
+    """
 
     rank: int
-    basis: Array
+    motions: Array
+    parts: NamedParts
 
 
 @functools.lru_cache(maxsize=64)
@@ -106,12 +118,11 @@ def report_length(chain: SerialChain, length: float | None) -> float:
 
 def regular_rank(chain: SerialChain) -> int:
     """Give the rank that the Jacobian has in nearly all postures."""
-    return _motions(chain).rank
+    return _known(chain).rank
 
 
 @functools.lru_cache(maxsize=64)
-def _motions(chain: SerialChain) -> _Motions:
-    """Find the largest rank, and a basis (6, r) of all twists, linear parts over the arm's size."""
+def _known(chain: SerialChain) -> _Known:
     size = arm_size(chain)
     q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
     q[:, chain.types == PRISMATIC] *= size
@@ -122,14 +133,14 @@ def _motions(chain: SerialChain) -> _Motions:
     rank = int((values > RANK * values[:, :1]).sum(axis=1).max())
     span: Array = left[:, : int((all_values > RANK * all_values[0]).sum())]
     span[3:] *= size
-    return _Motions(rank, span)
+    return _Known(rank, np.ascontiguousarray(span.T), named_parts(chain))
 
 
 def singularity_report(
     chain: SerialChain,
     q: ArrayLike,
     *,
-    point: ArrayLike = (0.0, 0.0, 0.0),
+    point: ArrayLike = TIP,
     length: float | None = None,
 ) -> SingularityReport:
     """Say what the tip can do in a posture, and what not.
@@ -161,41 +172,34 @@ def singularity_report(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.4 and 5.8.
     """
-    J = point_jacobian(chain, q, point)
-    metres = report_length(chain, length)
-    scale = np.repeat((1.0, 1.0 / metres), 3)[:, None]
-    left, values, right = np.linalg.svd(scale * J)
-    rank = int((values > RANK * values[0]).sum())
-    plain = np.linalg.svd(J, compute_uv=False)
-    factors = singularity_factors(chain, J)
-    best = _motions(chain)
-    singular = rank < best.rank
+    q = as_joint_values(chain, q)
+    if q.ndim != 1:
+        raise WrongSizeError("q", q.shape, (chain.n,))
+    arm, metres, n = as_point(point), report_length(chain, length), chain.n
+    rank, motions, parts = _known(chain)
+    values, numbers, ranks = np.empty(min(6, n)), np.empty(NUMBERS), np.empty(2, dtype=np.int64)
+    lost, idle, free = np.empty((6, 6)), np.empty((6, 6)), np.empty((n, n))
+    constants = (parts.joints, parts.size, motions, rank)
+    found = (ranks, values, numbers, lost, idle, free)
+    if _report(chain.packed, q, arm, metres, *constants, *found):
+        raise_not_finite(chain, q)
+    here, count = ranks.tolist()
+    singular = here < rank
+    manipulability, condition, normalised, *factors = numbers.tolist()
+    named = dict(zip(parts.names, factors, strict=False))
     return SingularityReport(
         singular_values=values,
-        rank=rank,
+        rank=here,
         length=metres,
-        manipulability=float(plain.prod()),
-        condition_number=_condition(plain, RANK if singular else 0.0),
-        normalised_condition_number=_condition(values, RANK),
-        lost_directions=_lost(left[:, :rank], scale * best.basis, scale) if singular else _NONE,
-        idle_wrenches=left[:, rank:].T * np.repeat((metres, 1.0), 3),
-        self_motions=right[rank:],
-        factors=factors,
-        kinds=_kinds(chain, factors, right[rank:]) if singular else (),
+        manipulability=manipulability,
+        condition_number=math.inf if singular else condition,
+        normalised_condition_number=math.inf if here < len(values) else normalised,
+        lost_directions=lost[:count],
+        idle_wrenches=idle[here:],
+        self_motions=free[here:],
+        factors=named,
+        kinds=_kinds(chain, named, free[here:]) if singular else (),
     )
-
-
-def _condition(values: NDArray[np.floating[Any]], least: float) -> float:
-    low, high = float(values[-1]), float(values[0])
-    return high / low if low > least * high else math.inf
-
-
-def _lost(attained: Array, all_motions: Array, scale: Array) -> Array:
-    """Give a basis of what an arm can do elsewhere and not here."""
-    rest = all_motions - attained @ (attained.T @ all_motions)
-    left, values, _ = np.linalg.svd(rest, full_matrices=False)
-    lost: Array = (left[:, values > FACTOR_ZERO * np.linalg.norm(all_motions)] / scale).T
-    return lost
 
 
 def _kinds(chain: SerialChain, factors: dict[str, float], free: Array) -> tuple[str, ...]:
@@ -203,6 +207,10 @@ def _kinds(chain: SerialChain, factors: dict[str, float], free: Array) -> tuple[
     zero = tuple(name for name, value in factors.items() if abs(value) < FACTOR_ZERO)
     if zero:
         return zero
-    moving = np.flatnonzero(np.abs(free).max(axis=0) > FACTOR_ZERO)
-    names = [chain.joint_names[i] for i in moving]
+    rows = free.tolist()
+    names = [
+        name
+        for i, name in enumerate(chain.joint_names)
+        if any(abs(row[i]) > FACTOR_ZERO for row in rows)
+    ]
     return (f"joints {', '.join(names)} depend on each other",)

@@ -13,7 +13,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities import regular_rank, report_length
 from robomech_ros.robots.chain import PRISMATIC, SerialChain
 
-__all__ = ["NearestSingularity", "nearest_singular_posture"]
+__all__ = ["NearestSingularity", "nearest_singular_posture", "singular_posture_from"]
 
 Array = NDArray[np.float64]
 
@@ -78,6 +78,20 @@ def nearest_singular_posture(
         if end is not None and (away := float(np.linalg.norm((end - home) / unit))) < nearest[0]:
             nearest = NearestSingularity(away, end)
     return nearest
+
+
+def singular_posture_from(chain: SerialChain, q: Array, length: float) -> Array | None:
+    """Search for the singular posture (n,) that is nearest to q (n,), from q; None if that fails.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    q : ndarray, shape (n,)
+        Joint values (rad or m).
+    length : float
+        What linear motions and slides are divided by (m).
+    """
+    return _ended(chain, q, q, np.where(chain.types == PRISMATIC, length, 1.0), length)
 
 
 def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float) -> Array | None:

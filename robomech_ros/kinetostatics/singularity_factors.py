@@ -1,53 +1,99 @@
 """Factors of the Jacobian's determinant that have names: shoulder, elbow, wrist.
 
-They are read off the axes of the joints as they stand, for arms with a spherical wrist, with
-parallel axes or with spherical shoulder and wrist.
+Arms with a spherical wrist, with parallel axes or with spherical shoulder and wrist have such.
 """
 
-import functools
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels import posture_factors as kind
 from robomech_ros._kernels.tolerances import ARM_RANK, NAMED_MISFIT
-from robomech_ros.kinematics.decoupled import common_point
+from robomech_ros.kinematics.decoupled import common_point, nearest_points
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
 
-__all__ = ["singularity_factors"]
+__all__ = ["NamedParts", "named_parts"]
 
 Array = NDArray[np.float64]
+_Joints = tuple[int, ...]
+
+# Names of the factors, in the order in which the kernel writes them.
+_NAMES = {
+    kind.SPHERICAL_ENDS: ("shoulder", "wrist"),
+    kind.ONE_ELBOW: ("shoulder", "elbow", "wrist"),
+    kind.ARM_AND_WRIST: ("arm", "wrist"),
+    kind.SHOULDER_ELBOW_WRIST: ("shoulder", "elbow", "wrist"),
+    kind.PARALLEL: ("elbow",),
+    kind.PARALLEL_OUTER: ("elbow", "wrist"),
+    kind.PARALLEL_SIX: ("shoulder", "elbow", "wrist"),
+    kind.WRIST: ("wrist",),
+}
 
 
-@dataclass(frozen=True)
-class _Structure:
-    """What of the geometry is the same in every posture.
+class NamedParts(NamedTuple):
+    """What ``_kernels.posture_factors`` wants to know of an arm, the same in every posture.
 
     Attributes
     ----------
+    names : tuple of str
+        Of the factors: "shoulder", "elbow", "wrist" or "arm"; each is dimensionless, and zero
+        where this part of the arm is singular.  Empty for arms without such parts.
+    joints : ndarray of int, shape (6,)
+        The kind of arm; the first joint of the shoulder, that of the wrist, and three with
+        parallel axes, from 0.
     size : float
         Of the arm (m).
-    parallel : tuple of int
-        The longest run of revolute joints with parallel axes, if it is two or more.
-    first, last : tuple of int
-        The first, or last, three revolute joints, if their axes meet in one point.
-    turning : tuple of int
-        All revolute joints.
     """
 
+    names: tuple[str, ...]
+    joints: NDArray[np.int64]
     size: float
-    parallel: tuple[int, ...]
-    first: tuple[int, ...]
-    last: tuple[int, ...]
-    turning: tuple[int, ...]
 
 
-@functools.lru_cache(maxsize=64)
-def _structure(chain: SerialChain) -> _Structure:
+def named_parts(chain: SerialChain) -> NamedParts:
+    """Find the parts of an arm whose singularities have names.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.
+    """
     links = unpack_chain(chain.packed)
     size = arm_size(chain)
     turning = tuple(i for i in range(chain.n) if chain.types[i] != PRISMATIC)
+    parallel = _parallel(chain, links)
+    first, last = (_concurrent(links, joints, size) for joints in (turning[:3], turning[-3:]))
+    found = _kind(chain, links, size, turning, (first, last, parallel))
+    three = parallel[:3] if len(parallel) > 2 else (0, 0, 0)
+    joints = np.array([found, *(first[:1] or (0,)), *(last[:1] or (0,)), *three])
+    return NamedParts(_NAMES.get(found, ()), joints, size)
+
+
+def _kind(
+    chain: SerialChain,
+    links: Array,
+    size: float,
+    turning: _Joints,
+    parts: tuple[_Joints, _Joints, _Joints],
+) -> int:
+    """Tell what an arm is made of, 0 if of nothing that has a name."""
+    first, last, parallel = parts
+    if last and first and last[0] > first[-1]:
+        return kind.ONE_ELBOW if last[0] - first[-1] == 2 else kind.SPHERICAL_ENDS
+    if last == (3, 4, 5) and chain.n == 6:
+        return kind.SHOULDER_ELBOW_WRIST if parallel[:2] == (1, 2) else kind.ARM_AND_WRIST
+    if len(parallel) >= 3:
+        if turning != (0, 1, 2, 3, 4, 5) or parallel != (1, 2, 3):
+            return kind.PARALLEL
+        outer = nearest_points(links[5])
+        meet = outer is not None and outer[2] <= NAMED_MISFIT * size
+        return kind.PARALLEL_SIX if meet else kind.PARALLEL_OUTER
+    return kind.WRIST if last else 0
+
+
+def _parallel(chain: SerialChain, links: Array) -> _Joints:
+    """Give the longest run of revolute joints with parallel axes, if it is two or more."""
     runs: list[list[int]] = [[]]
     direct = np.eye(3)
     for i in range(chain.n):
@@ -60,128 +106,12 @@ def _structure(chain: SerialChain) -> _Structure:
         runs[-1].append(i)
         direct = np.eye(3)
     longest = max(runs, key=len)
-    return _Structure(
-        size,
-        tuple(longest) if len(longest) > 1 else (),
-        _concurrent(chain, links, turning[:3], size),
-        _concurrent(chain, links, turning[-3:], size),
-        turning,
-    )
+    return tuple(longest) if len(longest) > 1 else ()
 
 
-def _concurrent(
-    chain: SerialChain, links: Array, joints: tuple[int, ...], size: float
-) -> tuple[int, ...]:
+def _concurrent(links: Array, joints: _Joints, size: float) -> _Joints:
     """Give three neighbouring joints if their axes meet in one point, else none."""
     if len(joints) < 3 or joints[2] - joints[0] != 2:
         return ()
     found = common_point(links[joints[1]], links[joints[2]])
     return joints if found is not None and found[2] <= NAMED_MISFIT * size else ()
-
-
-def singularity_factors(chain: SerialChain, J: Array) -> dict[str, float]:
-    """Give those factors of the determinant that have a name.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    J : ndarray, shape (6, n)
-        The Jacobian in a posture (1 and m).
-
-    Returns
-    -------
-    dict
-        From "shoulder", "elbow", "wrist" or "arm" to a dimensionless number that is zero where
-        this part of the arm is singular.  Empty for arms without such parts.
-
-    References
-    ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.
-    """
-    structure = _structure(chain)
-    axes = J[:3].T
-    # The point of every axis that is nearest to the tip, as seen from there.
-    posture = _Posture(structure, axes, np.cross(axes, J[3:].T), J[3:].T)
-    if structure.last and structure.first and structure.last[0] > structure.first[-1]:
-        return posture.spherical_ends()
-    if structure.last == (3, 4, 5) and chain.n == 6:
-        return posture.decoupled()
-    if len(structure.parallel) >= 3:
-        return posture.planar()
-    return {"wrist": posture.volume(structure.last)} if structure.last else {}
-
-
-@dataclass(frozen=True)
-class _Posture:
-    """The axes of an arm in one posture, zero for slides, points on them and the tip's velocities.
-
-    All are seen from the tip, in m.
-    """
-
-    structure: _Structure
-    axes: Array
-    points: Array
-    velocities: Array
-
-    def volume(self, joints: tuple[int, ...]) -> float:
-        """Give the volume that the directions of three axes span."""
-        return float(np.linalg.det(self.axes[list(joints)]))
-
-    def meeting(self, joints: tuple[int, ...]) -> Array:
-        """Give the point nearest to the axes."""
-        lines = self.axes[list(joints)]
-        across = np.eye(3) - lines[:, :, None] * lines[:, None, :]
-        moved = np.einsum("kij,kj->i", across, self.points[list(joints)])
-        point: Array = np.linalg.solve(across.sum(axis=0), moved)
-        return point
-
-    def velocity(self, joint: int, point: Array) -> Array:
-        """Give the velocity that a joint gives to a point of its link; a turn's over the size."""
-        if joint not in self.structure.turning:
-            slid: Array = self.velocities[joint]
-            return slid
-        turned: Array = np.cross(self.axes[joint], point - self.points[joint])
-        return turned / self.structure.size
-
-    def spherical_ends(self) -> dict[str, float]:
-        """Of an arm with spherical shoulder and wrist, and an elbow between them."""
-        first, last = self.structure.first, self.structure.last
-        shoulder, wrist = self.meeting(first), self.meeting(last)
-        found = {"shoulder": self.volume(first), "wrist": self.volume(last)}
-        between = range(first[-1] + 1, last[0])
-        if len(between) == 1:
-            reach = self.velocity(between[0], wrist) @ (wrist - shoulder)
-            found["elbow"] = float(reach / max(float(np.linalg.norm(wrist - shoulder)), 1e-300))
-        return found
-
-    def decoupled(self) -> dict[str, float]:
-        """Of an arm of three joints with a spherical wrist."""
-        wrist = self.volume(self.structure.last)
-        centre = self.meeting(self.structure.last)
-        first, second, third = (self.velocity(i, centre) for i in range(3))
-        if self.structure.parallel[:2] != (1, 2):
-            arm = float(np.cross(first, second) @ third)
-            return {"arm": arm, "wrist": wrist}
-        return {
-            "shoulder": float(first @ self.axes[1]),
-            "elbow": float(np.cross(second, third) @ self.axes[1]),
-            "wrist": wrist,
-        }
-
-    def planar(self) -> dict[str, float]:
-        """Of an arm with three parallel axes, and perhaps joints before and after them."""
-        parallel = self.structure.parallel
-        direction = self.axes[parallel[0]]
-        legs = self.points[list(parallel)] - self.points[parallel[0]]
-        elbow = np.cross(legs[1], legs[2]) @ direction / self.structure.size**2
-        found = {"elbow": float(elbow)}
-        if self.structure.turning == (0, 1, 2, 3, 4, 5) and parallel == (1, 2, 3):
-            outer = np.cross(self.axes[4], self.axes[5])
-            across = float(np.linalg.norm(outer))
-            gap = abs(outer @ (self.points[5] - self.points[4])) / max(across, 1e-300)
-            found["wrist"] = float(outer @ direction)
-            if across > ARM_RANK and gap <= NAMED_MISFIT * self.structure.size:
-                centre = self.meeting((4, 5))
-                found["shoulder"] = float(self.velocity(0, centre) @ direction)
-        return found

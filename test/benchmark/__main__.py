@@ -10,7 +10,7 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
-GROUPS = ("forward", "inverse", "maps", "trajectory", "nodes")
+GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "nodes")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -34,6 +34,10 @@ def main() -> int:
         import bench_forward
 
         rows += bench_forward.rows()
+    if "kinetostatics" in groups:
+        import bench_kinetostatics
+
+        rows += bench_kinetostatics.rows()
     if "inverse" in groups:
         import bench_inverse
 

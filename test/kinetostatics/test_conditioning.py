@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinetostatics import characteristic_length, condition_number
+from robomech_ros.kinetostatics import (
+    characteristic_length,
+    condition_number,
+    conditioning_index,
+)
 from robomech_ros.robots import chain_from_dh, load_robot
 
 
@@ -29,14 +33,15 @@ def test_golden_values_of_the_fanuc_arc_mate(designs):
     assert smooth.condition_number == pytest.approx(case["kappaF_min"], rel=tolerance["kappaF_rel"])
 
 
-def test_golden_values_of_the_puma(designs):
-    case = designs["puma560_b6_0"]
-    chain = chain_from_dh(case["a"], case["b"], np.deg2rad(case["alpha_deg"]))
+@pytest.mark.parametrize(("name", "b6"), [("puma560_b6_0", 0.0), ("puma560_b6_56mm", 0.05625)])
+def test_golden_values_of_the_puma(designs, name, b6):
+    case, table = designs[name], designs["puma560_b6_0"]
+    chain = chain_from_dh(table["a"], [*table["b"][:5], b6], np.deg2rad(table["alpha_deg"]))
     smooth = characteristic_length(chain, norm="frobenius")
     assert smooth.condition_number == pytest.approx(case["kappaF_min"], rel=1e-7)
     assert float(smooth) == pytest.approx(case["LF"], rel=1e-6)
     best = characteristic_length(chain)
-    assert best.condition_number == pytest.approx(case["kappa2_min_approx"], rel=1e-5)
+    assert best.condition_number == pytest.approx(case["kappa2_min_approx"], rel=2e-5)
     assert float(best) == pytest.approx(case["L2_approx"], rel=1e-4)
 
 
@@ -68,7 +73,33 @@ def test_no_posture_is_better_conditioned(robot):
             assert values.min() >= best.condition_number * (1 - 1e-6)
 
 
+def test_the_index_of_positioning_of_orientation_and_of_both(designs):
+    """100 % for the isotropic designs; for others no posture has a better condition number."""
+    two = chain_from_dh([designs["planar2R"]["l1_over_l2"], 1.0], [0.0, 0.0], [0.0, 0.0])
+    best = conditioning_index(two, part="position")
+    assert float(best) == pytest.approx(100.0, abs=1e-7)
+    assert abs(np.rad2deg(best.q[1])) % 360 == pytest.approx(135.0, abs=1e-4)
+    wrist = chain_from_dh(np.zeros(3), np.zeros(3), [np.pi / 2, -np.pi / 2, 0.0])
+    assert conditioning_index(wrist, part="orientation") == pytest.approx(100.0, abs=1e-7)
+    ratio = designs["articulated3R"]["a3_over_a2"]
+    arm = chain_from_dh([0.0, 1.0, ratio], np.zeros(3), [np.pi / 2, 0.0, 0.0])
+    assert conditioning_index(arm, part="position", norm="frobenius") == pytest.approx(100.0)
+    fanuc = load_robot("fanuc_arcmate")
+    both = conditioning_index(fanuc)
+    expected = designs["fanuc_arc_mate"]["KCI2_percent"]
+    assert float(both) == pytest.approx(expected, rel=1e-5)
+    for part in ("position", "orientation"):
+        best = conditioning_index(fanuc, part=part)
+        assert float(best) == pytest.approx(100.0 / best.condition_number)
+        assert condition_number(fanuc, best.q, part=part) == pytest.approx(best.condition_number)
+        q = np.random.default_rng(3).uniform(-3.2, 3.2, (20_000, 6))
+        values = condition_number(fanuc, q, part=part)
+        assert values.min() >= best.condition_number * (1 - 1e-6)
+
+
 def test_what_is_refused():
+    with pytest.raises(BadValueError, match="part .*one of pose, orientation, position"):
+        conditioning_index(load_robot("puma560"), part="tool")
     with pytest.raises(BadValueError, match="norm .*one of 2, frobenius"):
         characteristic_length(load_robot("puma560"), norm="1")
     with pytest.raises(BadValueError, match="a SerialChain"):

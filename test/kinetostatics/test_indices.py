@@ -78,6 +78,33 @@ def test_isotropic_designs(golden):
     assert min(values) == pytest.approx(1.0, abs=1e-12)
 
 
+def test_isotropic_designs_of_positioning_and_orienting(golden):
+    designs = golden("isotropy_kci")
+    two, bent = designs["planar2R"], np.deg2rad(designs["planar2R"]["theta2_deg"])
+    chain = chain_from_dh([two["l1_over_l2"], 1.0], [0.0, 0.0], [0.0, 0.0])
+    three = designs["articulated3R"]
+    articulated = chain_from_dh([0.0, 1.0, three["a3_over_a2"]], np.zeros(3), [np.pi / 2, 0, 0])
+    angles = np.deg2rad(three["theta2_theta3_deg"][0])
+    wrist = chain_from_dh(np.zeros(3), np.zeros(3), [np.pi / 2, -np.pi / 2, 0.0])
+    quarter = np.pi / 2
+    for norm in ("2", "frobenius"):
+        for arm, q, part in (
+            (chain, [0.3, bent[0]], "position"),
+            (chain, [0.3, bent[1]], "position"),
+            (articulated, [0.3, *angles], "position"),
+            (wrist, [0.3, quarter, 0.7], "orientation"),
+            (wrist, [0.3, -quarter, 0.7], "orientation"),
+        ):
+            value = condition_number(arm, q, norm=norm, part=part)
+            assert value == pytest.approx(1.0, abs=1e-7)
+    aside = [[0.3, quarter / 2, 0.7], [0.3, np.deg2rad(10), 0.7]]
+    np.testing.assert_allclose(
+        condition_number(wrist, aside, part="orientation"), [1 + 2**0.5, 11.43005], rtol=1e-6
+    )
+    smooth = condition_number(wrist, aside[0], norm="frobenius", part="orientation")
+    assert smooth == pytest.approx(1.29099445, rel=1e-8)
+
+
 def test_singular_postures_and_shapes():
     chain = load_robot("puma560")
     straight = np.zeros(6)

@@ -1,0 +1,94 @@
+"""The blocks of the Jacobian of an arm with a spherical wrist."""
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import decoupled_layout
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import decoupled
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics.points import point_jacobian
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["DecoupledJacobian", "decoupled_jacobian"]
+
+Array = NDArray[np.float64]
+
+
+class DecoupledJacobian(NamedTuple):
+    """The Jacobian at the wrist centre, ``[[J11, J12], [J21, 0]]``, and where that is.
+
+    Attributes
+    ----------
+    J11, J12 : ndarray, shape (..., 3, 3)
+        Angular rows of the joints 1 to 3 and 4 to 6.
+    J21 : ndarray, shape (..., 3, 3)
+        Linear rows of the joints 1 to 3 (m).
+    centre : ndarray, shape (3,)
+        The wrist centre in the frame of the tip (m).
+    """
+
+    J11: Array
+    J12: Array
+    J21: Array
+    centre: Array
+
+    @property
+    def A(self) -> Array:
+        """Angular rows, shape (..., 3, 6)."""
+        return np.concatenate((self.J11, self.J12), axis=-1)
+
+    @property
+    def B(self) -> Array:
+        """Linear rows at the wrist centre, shape (..., 3, 6) (m)."""
+        return np.concatenate((self.J21, np.zeros_like(self.J21)), axis=-1)
+
+
+def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
+    """Compute the blocks of the Jacobian at the wrist centre, where it is block triangular.
+
+    ``J21 qd_arm = v_C`` gives the rates of the arm, ``J12 qd_wrist = omega - J11 qd_arm`` those of
+    the wrist, and ``det J = -det(J12) det(J21)`` wherever the tip is.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Three joints, and three revolute ones whose axes meet in one point.
+    q : array_like, shape (6,) or (..., 6)
+        Joint values (rad or m).
+
+    Returns
+    -------
+    DecoupledJacobian
+        In the axes of the base.  Where the wrist's axes pass each other by up to 1e-5 of the
+        arm's size, what J22 has of that is left out.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`jacobian`, or the chain has no spherical wrist after three joints.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.
+    """
+    check_chain(chain)
+    centre = _wrist_centre(chain)
+    if centre is None:
+        expected = "three joints that move a point freely, then three revolute ones through it"
+        raise BadValueError("chain", chain.name, expected)
+    J = point_jacobian(chain, q, centre)
+    return DecoupledJacobian(J[..., :3, :3], J[..., :3, 3:], J[..., 3:, :3], centre)
+
+
+@functools.lru_cache(maxsize=64)
+def _wrist_centre(chain: SerialChain) -> Array | None:
+    data = decoupled.match(chain)
+    if data is None:
+        return None
+    centre = data[decoupled_layout.CENTRE : decoupled_layout.CENTRE + 3].copy()
+    centre.setflags(write=False)
+    return centre

@@ -1,0 +1,164 @@
+"""Joint rates from the twist of the tip."""
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import decoupled_layout, rates
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics import decoupled
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinetostatics.indices import as_length
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial import as_rotation
+from robomech_ros.spatial.arrays import as_finite, real_number
+
+__all__ = ["joint_rates"]
+
+Array = NDArray[np.float64]
+
+_LARGEST_DAMPING = 1e9
+
+
+class _Wrist(NamedTuple):
+    """Whether the last three axes meet, and where in the tip frame (m)."""
+
+    spherical: bool
+    centre: Array
+
+
+@functools.lru_cache(maxsize=64)
+def _wrist(chain: SerialChain) -> _Wrist:
+    data = decoupled.match(chain)
+    if data is None or not data[decoupled_layout.EXACT]:
+        return _Wrist(False, np.zeros(3))
+    return _Wrist(True, data[decoupled_layout.CENTRE : decoupled_layout.CENTRE + 3].copy())
+
+
+def joint_rates(
+    chain: SerialChain,
+    q: ArrayLike,
+    twist: ArrayLike,
+    *,
+    point: ArrayLike = (0.0, 0.0, 0.0),
+    axes: ArrayLike | None = None,
+    length: float | None = None,
+    damping: float = 0.0,
+    secondary: ArrayLike | None = None,
+) -> Array:
+    """Compute the joint rates that move a point of the tip link at a twist.
+
+    No inverse is formed.  With six joints ``J qd = [omega; v]`` is solved: with a spherical wrist
+    first the rates of the arm from the velocity of the wrist centre, then those of the wrist from
+    what the arm leaves of the angular velocity; else by elimination.  More joints give the rates
+    of least norm, fewer those of least error.
+
+    Near a singularity every singular value s of J that is less than `damping` d counts with the
+    factor ``s / d^2`` in place of ``1 / s``, as damped least squares with the factor d^2 - s^2
+    have it: rates stay below the twist over d, and only motions that are nearly lost are
+    weakened.  Without damping a singular posture gives the rates of least norm among those of
+    least error.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, one at least.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
+    twist : array_like, shape (6,) or (..., 6)
+        Angular velocity, then the velocity of the point (rad/s and m/s); one for all of a batch
+        or one each.
+    point : array_like, shape (3,), optional
+        Of the tip link, in its frame (m), that has the twist; default the tip's origin.
+    axes : array_like, shape (3, 3), optional
+        Rotation ``R_base_axes`` of the frame in whose axes the twist is expressed; default the
+        base.
+    length : float, optional
+        What linear velocities are divided by where errors and singular values are measured (m),
+        such as the characteristic length; default 1 m.
+    damping : float, optional
+        The singular value below which motions are weakened; 0 = none is.
+    secondary : array_like, of the shape of q, optional
+        Rates that are wished for as far as the tip does not feel them (rad/s or m/s), of use to
+        arms with more joints than six.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Joint rates (rad/s or m/s).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        An argument is not as described, the length is not from 1e-9 to 1e9 m, the damping not from
+        0 to 1e9, or the rates are too large for a number.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.  Chiaverini,
+    Siciliano and Egeland, Review of the damped least-squares inverse kinematics, IEEE Trans. on
+    Control Systems Technology 2(2), 1994.
+    """
+    q = as_joint_values(chain, q)
+    if not chain.n:
+        raise BadValueError("chain", chain.name, "one with a joint")
+    rows = as_rows(q)
+    twists = _twists(twist, q.shape[:-1], axes)
+    metres = 1.0 if length is None else as_length(length)
+    wished = np.empty((0, chain.n)) if secondary is None else _secondary(chain, secondary, q)
+    arm = as_finite("point", point, (3,))
+    if arm.ndim != 1:
+        raise WrongSizeError("point", arm.shape, (3,))
+    wrist = _wrist(chain)
+    out = np.empty(rows.shape)
+    if rates.joint_rates(
+        chain.packed,
+        wrist.spherical,
+        wrist.centre,
+        arm,
+        metres,
+        _damping(damping),
+        rows,
+        twists,
+        wished,
+        out,
+    ):
+        raise_not_finite(chain, q)
+    if not np.isfinite(out).all():
+        largest = float(np.abs(twists).max(initial=0.0))
+        raise BadValueError("largest of the twist", largest, "a twist with finite joint rates")
+    return out.reshape(q.shape)
+
+
+def _twists(twist: ArrayLike, batch: tuple[int, ...], axes: ArrayLike | None) -> Array:
+    """Give the twists in base axes, one row for each row of q."""
+    given = as_finite("twist", twist, (6,))
+    if given.ndim > 1 and given.shape[:-1] != batch:
+        raise WrongSizeError("twist", given.shape, f"(6,) or {(*batch, 6)}, as q")
+    if axes is not None:
+        turn = as_rotation(axes, what="axes")
+        if turn.ndim != 2:
+            raise WrongSizeError("axes", turn.shape, (3, 3))
+        parts = given.reshape(*given.shape[:-1], 2, 3)
+        with np.errstate(over="ignore", invalid="ignore"):
+            given = (parts @ turn.T).reshape(given.shape)
+    return np.ascontiguousarray(as_rows(np.broadcast_to(given, (*batch, 6))))
+
+
+def _secondary(chain: SerialChain, secondary: ArrayLike, q: Array) -> Array:
+    wished = as_joint_values(chain, secondary, "secondary")
+    if wished.shape != q.shape:
+        raise WrongSizeError("secondary", wished.shape, f"{q.shape}, that of q")
+    if not np.isfinite(wished).all():
+        raise_not_finite(chain, wished, "secondary")
+    return as_rows(wished)
+
+
+def _damping(damping: float) -> float:
+    expected = f"a number from 0 to {_LARGEST_DAMPING:g}"
+    value = real_number("damping", damping, expected)
+    if not 0.0 <= value <= _LARGEST_DAMPING:
+        raise BadValueError("damping", value, expected)
+    return value

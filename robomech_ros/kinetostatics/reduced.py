@@ -1,0 +1,170 @@
+"""Jacobians of fewer rows: of a part of the task, and of arms that move in a plane."""
+
+import functools
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import ARM_RANK
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinematics.request import as_flag
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinetostatics.points import TIP, point_jacobian
+from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.spatial.arrays import listed
+
+__all__ = ["planar_jacobian", "planar_rows", "task_jacobian"]
+
+Array = NDArray[np.float64]
+
+_MASK = "six of True or False: x, y, z, rx, ry, rz"
+# More of the base's x axis than this along the normal, and the y axis gives the directions instead.
+_UPRIGHT = 0.9
+
+
+def task_jacobian(
+    chain: SerialChain,
+    q: ArrayLike,
+    mask: Sequence[bool],
+    *,
+    point: ArrayLike = TIP,
+    axes: ArrayLike | str | None = None,
+) -> Array:
+    """Compute those rows of the Jacobian that a task asks for.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    mask : sequence of six bool
+        Whether x, y, z of the velocity and of the angular velocity count, in the order of the
+        task mask of :func:`inverse_kinematics`; one of them at least.
+    point, axes
+        As for :func:`point_jacobian`; the mask is in these axes, such as those of the tool.
+
+    Returns
+    -------
+    ndarray, shape (r, n) or (..., r, n)
+        Angular rows first (1 and m).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
+        As for :func:`point_jacobian`, or a mask that is none or leaves nothing.
+    """
+    given = listed("mask", mask, _MASK)
+    if len(given) != 6:
+        raise WrongSizeError("mask", len(given), "6: x, y, z, rx, ry, rz")
+    entries = [as_flag(f"mask[{i}]", one) for i, one in enumerate(given)]
+    if not any(entries):
+        raise BadValueError("mask", given, "one that leaves a row: not all False")
+    rows = np.flatnonzero([*entries[3:], *entries[:3]])
+    part: Array = point_jacobian(chain, q, point, axes)[..., rows, :]
+    return part
+
+
+def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP) -> Array:
+    """Compute the matrix that maps the joint rates of a planar arm to its twist in the plane.
+
+    ``[omega; v_x; v_y] = J qd`` with column ``[1; E s_i]`` for a revolute joint, E a quarter turn
+    and s_i from the joint to the point, as far as it lies in the plane.  It is
+    ``planar_rows(chain) @ point_jacobian(chain, q, point)``.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, all axes across one plane and all slides along it.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    point : array_like, shape (3,), optional
+        Of the tip link, in its frame (m); default the tip's origin.
+
+    Returns
+    -------
+    ndarray, shape (3, n) or (..., 3, n)
+        The angular row first (1 and m).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`point_jacobian`, or a chain that is not planar.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.7.
+    """
+    rows = planar_rows(chain)
+    J: Array = rows @ point_jacobian(chain, q, point)
+    return J
+
+
+def planar_rows(chain: SerialChain) -> Array:
+    """Find the plane of a planar arm, and what takes twists to it and wrenches from it.
+
+    The normal is the axis of the first joint that turns; the x axis is that of the base, as far
+    as it lies in the plane, or the y axis where that is nearly across it.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        All axes across one plane and all slides along it.
+
+    Returns
+    -------
+    ndarray, shape (3, 6)
+        S: ``S @ t`` is the twist ``[omega; v_x; v_y]`` in the plane of a twist t of the arm, its
+        rate likewise, and ``S.T @ w`` the wrench of ``[n; f_x; f_y]`` in the plane.
+
+    Raises
+    ------
+    BadValueError
+        The arm is not planar: the message tells the joint; or it is one slide alone, or none.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.7.
+    """
+    check_chain(chain)
+    return _planar_rows(chain)
+
+
+@functools.lru_cache(maxsize=64)
+def _planar_rows(chain: SerialChain) -> Array:
+    J = jacobian(chain, np.zeros(chain.n))
+    slides = chain.types == PRISMATIC
+    directions = np.where(slides, J[3:], J[:3]).T
+    normal = _normal(chain, directions, slides)
+    along = np.abs(directions @ normal)
+    across = np.linalg.norm(np.cross(directions, normal), axis=1)
+    leaving = np.flatnonzero(np.where(slides, along, across) > ARM_RANK)
+    if len(leaving):
+        joint = chain.joint_names[leaving[0]]
+        raise BadValueError(
+            "chain", chain.name, f"a planar one: joint '{joint}' moves links out of the plane"
+        )
+    base = np.eye(3)[1 if abs(normal[0]) > _UPRIGHT else 0]
+    x = base - (base @ normal) * normal
+    x /= np.linalg.norm(x)
+    rows = np.zeros((3, 6))
+    rows[0, :3], rows[1, 3:], rows[2, 3:] = normal, x, np.cross(normal, x)
+    rows.setflags(write=False)
+    return rows
+
+
+def _normal(chain: SerialChain, directions: Array, slides: NDArray[np.bool_]) -> Array:
+    """Give the axis of the first joint that turns, else what is across two slides."""
+    turning = np.flatnonzero(~slides)
+    if len(turning):
+        first: Array = directions[turning[0]]
+        return first
+    normals = np.cross(directions[:1], directions)
+    lengths = np.linalg.norm(normals, axis=1)
+    if not (lengths > ARM_RANK).any():
+        raise BadValueError("chain", chain.name, "a planar one: its joints leave the plane open")
+    k = int(np.argmax(lengths))
+    across: Array = normals[k] / lengths[k]
+    return across
