@@ -203,7 +203,7 @@ class TwistResolver:
         last = int(np.argmin(posture.values))
         change = self._change(posture, rates)
         fall = -float(posture.left[:, last] @ change @ posture.right[last])
-        left = max(float(posture.values[last]) - posture.least, 0.0) + 0.5 * posture.least
+        left = max(float(posture.values[last]), posture.least)
         part = _norm(parts[weak]) / _norm(parts)
         scale = min(1.0, self._approach * left / max(fall * part, 1e-300))
         shares = np.where(weak, parts * needed, 0.0)
@@ -211,6 +211,8 @@ class TwistResolver:
         if amount > _NO_RATE * float(parts @ needed):
             u = posture.left @ np.where(weak, parts, 0.0)
             pull = -float(u @ self._change(posture, lost) @ lost) / amount
+            # No wall is where the joints would have to turn by a radian to get there.
+            pull -= posture.least * _norm(lost)
             value = float(shares @ posture.values) / amount
             scale = min(scale, self._before_the_wall(pull, value - posture.least))
         return scale, fall > _LEVEL
