@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 # What a number of periods may be over a whole one by rounding.
 _PERIODS = 1e-9
+# Changes of acceleration in a period that are the same but for this part of its limit are the same.
+_SAME = 1e-9
 
 
 class Advance(NamedTuple):
@@ -216,7 +218,11 @@ class Motion:
         # The mean over one period, in which the acceleration is constant.
         inside = q[:-1] + h * (v[:-1] / 3.0 + v[1:] / 6.0)
         count = len(q) - m
-        positions = np.array([inside[k : k + m].mean(axis=0) for k in range(count)])
-        velocities = (q[m:] - q[:-m]) / (m * h)
+        positions = np.stack([inside[k : k + m].mean(axis=0) for k in range(count)])
+        velocities: Array = (q[m:] - q[:-m]) / (m * h)
         velocities[-1] = 0.0
-        return Samples(h * np.arange(count), positions, velocities)
+        jerks = np.diff(v[m:] - v[:-m], axis=0)
+        told = np.ones(count, dtype=bool)
+        # A cubic goes on where the jerk does not change.
+        told[2:-1] = (np.abs(np.diff(jerks[1:], axis=0)) > _SAME * self._step).any(axis=1)
+        return Samples(h * np.flatnonzero(told), positions[told], velocities[told])

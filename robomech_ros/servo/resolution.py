@@ -225,7 +225,7 @@ class TwistResolver:
         return scale if scale > _HALT else 0.0
 
 
-def _condition(values: Array, rank: int) -> float:
+def _condition(values: NDArray, rank: int) -> float:
     least = float(values[rank - 1])
     return float(values[0]) / least if least > 1e-12 * float(values[0]) else math.inf
 

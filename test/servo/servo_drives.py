@@ -72,7 +72,7 @@ class Drive:
         return np.array(self.positions)
 
     def excess(self, plans_too=True):
-        """How far the stream, and every plan to stop, is over the limits: parts of them, and rad."""
+        """How far the stream and every plan to stop are over the limits: parts of them, and rad."""
         times = np.arange(len(self.positions)) * self.period
         worst = self._excess_of(times, np.array(self.positions), np.array(self.velocities))
         for plan in self.plans if plans_too else ():

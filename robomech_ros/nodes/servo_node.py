@@ -1,0 +1,208 @@
+"""The node that drives the robot by twists and joint velocities, as they come."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_interfaces.msg import ServoStatus
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.controller.motion_clock import MotionClock
+from robomech_ros.nodes.error_codes import NoStateError
+from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.parameters import NodeParameters
+from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.run import run_node
+from robomech_ros.nodes.servo.commands import CommandReader
+from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings, core_settings
+from robomech_ros.nodes.servo.status import status_message
+from robomech_ros.nodes.servo.stream import stream_message
+from robomech_ros.nodes.unattended import Inbox
+from robomech_ros.servo.servo import Command, Report, Servo
+
+Array = NDArray[np.float64]
+
+# Messages of one kind that are looked at in a period; of faster senders the latest.
+_DEPTH = 10
+# A knot that is nearer than this part of a period is too near for the controller to get it in time.
+_IN_TIME = 0.2
+# How often a status is repeated while nothing moves (s).
+_REPEATED = 1.0
+
+
+class ServoNode(Node):
+    """Drives the robot by twists of the tip or joint velocities, within all limits."""
+
+    SETTINGS = ServoNodeSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("servo", **options)
+        self._table = NodeParameters(self, ServoNodeSettings, check=check_settings)
+        check_settings(self._table.settings)
+        self._motion_clock = MotionClock(self)
+        self._monitor = JointStateMonitor(self)
+        when_robot_known(self, self._table.settings, self._serve)
+
+    def _serve(self, model: RobotModel) -> None:
+        settings, self._names = self._table.settings, model.chain.joint_names
+        self._servo = Servo(model.chain, core_settings(settings))
+        self._period = 1.0 / settings.publish_rate
+        self._knot = 0.0
+        self._halts = self._heard = 0
+        self._waits = False
+        self._refusal, self._refused_until = "", -math.inf
+        self._told: tuple[tuple[object, ...], float] = ((), -math.inf)
+        reader = CommandReader(model, self._motion_clock, lambda: self._table.settings)
+        self._readers: list[tuple[Inbox, Callable[[Any], Command]]] = [
+            (Inbox(self, TwistStamped, "~/delta_twist_cmds", _DEPTH), reader.twist),
+            (Inbox(self, JointState, "~/joint_velocity_cmds", _DEPTH), reader.joint_state),
+        ]
+        self._add_joint_jog(reader)
+        self._stream = self.create_publisher(JointTrajectory, settings.command_out_topic, 10)
+        self._status = self.create_publisher(ServoStatus, "~/status", 10)
+        self.create_service(SetBool, "~/pause_servo", self._pause)
+        timer = self.create_timer(self._period, self._tick, clock=self._motion_clock.clock)
+        # A timer that has not fired since it was reset would wait until its old time comes again.
+        self._motion_clock.on_jump(lambda by: timer.reset())
+        self.get_logger().info(
+            f"ready: {model.chain.name}, {len(self._names)} joints, "
+            f"{settings.publish_rate:g} Hz to '{self._stream.topic_name}'"
+        )
+
+    def _add_joint_jog(self, reader: CommandReader) -> None:
+        try:
+            from control_msgs.msg import JointJog
+        except ImportError as error:
+            if getattr(error, "name", "") != "control_msgs":
+                self.get_logger().warning(f"no delta_joint_cmds: {error}")
+            return
+        self._readers.append(
+            (Inbox(self, JointJog, "~/delta_joint_cmds", _DEPTH), reader.joint_jog)
+        )
+
+    def _pause(self, request: Any, response: Any) -> Any:
+        self._servo.paused = bool(request.data)
+        # What was commanded before a pause must not move the robot after it.
+        self._servo.forget()
+        response.success = True
+        response.message = "paused: brakes and holds" if request.data else "follows commands"
+        return response
+
+    def _tick(self) -> None:
+        now = self._motion_clock.now()
+        self._take_commands(now)
+        if not self._servo.active and not self._begin(now):
+            return
+        self._catch_up(now)
+        report = self._servo.step(now)
+        self._publish(self._knot)
+        self._knot += self._period
+        self._publish_status(report, now)
+        idle = self._servo.motion.at_rest and not self._servo.wants_to_move(now)
+        self._halts = self._halts + 1 if idle else 0
+        if self._halts >= self._table.settings.halt_messages:
+            self._servo.end()
+
+    def _take_commands(self, now: float) -> None:
+        for inbox, read in self._readers:
+            for message in inbox.take():
+                try:
+                    self._offer(read(message), inbox.topic, now)
+                except RobomechError as error:
+                    self._refusal = f"command on '{inbox.topic}' refused: {error}"
+                    self._refused_until = now + self._table.settings.command_timeout
+
+    def _offer(self, command: Command, topic: str, now: float) -> None:
+        """Follow a command, unless one of the other kind is being followed."""
+        last = self._servo.command
+        if self._servo.wants_to_move(now) and type(last) is not type(command):
+            text = f"command on '{topic}' refused: commands of the other kind are being followed"
+            self._refusal = f"{text}; one kind at a time"
+            self._refused_until = now + self._table.settings.command_timeout
+            return
+        if not self._servo.paused:
+            self._servo.take(command)
+            if self._refused_until <= now:
+                self._refusal = ""
+
+    def _begin(self, now: float) -> bool:
+        """Begin a stream if there is a reason to; says whether it has begun."""
+        if not self._servo.wants_to_move(now):
+            self._waits = False
+            self._tell_idle(now)
+            return False
+        position = self._monitor.positions(self._names)
+        heard = self._monitor.heard(self._names)
+        if not self._waits:
+            # What was heard before may be old: the next state is the present one.
+            self._waits, self._heard = True, heard
+        if position is None or heard <= self._heard:
+            if self._is_new(("no state",), now):
+                self._publish_status(None, now, self._why_no_state())
+            return False
+        self._servo.start(position, self._monitor.velocities(self._names))
+        self._knot, self._waits, self._halts = now + self._period, False, 0
+        return True
+
+    def _why_no_state(self) -> str:
+        try:
+            self._monitor.require(self._names)
+        except NoStateError as error:
+            return str(error)
+        return "waits for a new state of the joints"
+
+    def _catch_up(self, now: float) -> None:
+        """Where the node was held up, the controller has begun to stop, as it was told."""
+        earliest = now + _IN_TIME * self._period
+        while self._knot < earliest and not self._servo.motion.at_rest:
+            self._servo.motion.brake()
+            self._knot += self._period
+        if self._knot < earliest:
+            self._knot = now + self._period
+
+    def _publish(self, knot: float) -> None:
+        """Publish the stream from a knot on, told one period before its time (s)."""
+        stamp = Time(nanoseconds=max(self._motion_clock.stamp(knot - self._period), 0)).to_msg()
+        samples = self._servo.samples()
+        self._stream.publish(stream_message(self._names, samples, self._period, stamp))
+
+    def _tell_idle(self, now: float) -> None:
+        """Publish the status of a robot that is left alone, where it is new."""
+        if self._is_new((self._servo.paused, self._servo.command is None), now):
+            position = self._monitor.positions(self._names)
+            if position is None:
+                self._publish_status(None, now, self._why_no_state())
+            else:
+                self._publish_status(self._servo.idle(now, position), now)
+
+    def _is_new(self, situation: tuple[object, ...], now: float) -> bool:
+        """Whether a situation, or a refusal in it, was not told in the last second."""
+        situation = (*situation, self._refusal_at(now))
+        if situation == self._told[0] and now < self._told[1] + _REPEATED:
+            return False
+        self._told = (situation, now)
+        return True
+
+    def _refusal_at(self, now: float) -> str:
+        return self._refusal if now <= self._refused_until else ""
+
+    def _publish_status(self, report: Report | None, now: float, no_state: str = "") -> None:
+        stamp = self.get_clock().now().to_msg()
+        self._status.publish(status_message(stamp, report, self._refusal_at(now), no_state))
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(ServoNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
