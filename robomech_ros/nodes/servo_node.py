@@ -53,7 +53,12 @@ class ServoNode(Node):
 
     def _serve(self, model: RobotModel) -> None:
         settings, self._names = self._table.settings, model.chain.joint_names
-        self._servo = Servo(model.chain, core_settings(settings))
+        try:
+            self._servo = Servo(model.chain, core_settings(settings))
+        except RobomechError as error:
+            # Other nodes that were brought up with this one can do without it.
+            self.get_logger().error(f"this robot cannot be driven: {error}")
+            return
         self._period = 1.0 / settings.publish_rate
         self._knot = 0.0
         self._halts = self._heard = 0
