@@ -2,11 +2,14 @@
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from threading import Thread
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from numpy.typing import NDArray
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -15,6 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.errors import RobomechError
+from robomech_ros.kinetostatics.singularities import report_length
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.error_codes import NoStateError
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
@@ -26,6 +30,7 @@ from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings,
 from robomech_ros.nodes.servo.status import status_message
 from robomech_ros.nodes.servo.stream import stream_message
 from robomech_ros.nodes.unattended import Inbox
+from robomech_ros.robots import SerialChain
 from robomech_ros.servo.servo import Command, Report, Servo
 
 Array = NDArray[np.float64]
@@ -34,6 +39,8 @@ Array = NDArray[np.float64]
 _DEPTH = 10
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.
 _IN_TIME = 0.2
+# How often it is looked whether the robot's length is found (s).
+_LOOK = 0.05
 # How often a status is repeated while nothing moves (s).
 _REPEATED = 1.0
 
@@ -52,6 +59,21 @@ class ServoNode(Node):
         when_robot_known(self, self._table.settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
+        """Find the characteristic length, which takes some seconds, while others are served."""
+        if self._table.settings.characteristic_length:
+            self._drive(model)
+            return
+        search = Thread(target=_find_length, args=(model.chain,), daemon=True)
+        search.start()
+
+        def look() -> None:
+            if not search.is_alive():
+                timer.cancel()
+                self._drive(model)
+
+        timer = self.create_timer(_LOOK, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _drive(self, model: RobotModel) -> None:
         settings, self._names = self._table.settings, model.chain.joint_names
         try:
             self._servo = Servo(model.chain, core_settings(settings))
@@ -202,6 +224,12 @@ class ServoNode(Node):
     def _publish_status(self, report: Report | None, now: float, no_state: str = "") -> None:
         stamp = self.get_clock().now().to_msg()
         self._status.publish(status_message(stamp, report, self._refusal_at(now), no_state))
+
+
+def _find_length(chain: SerialChain) -> None:
+    """Have the length kept for who asks next; what is wrong with the chain is told then."""
+    with suppress(RobomechError):
+        report_length(chain, None)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -218,7 +218,7 @@ class Motion:
         # The mean over one period, in which the acceleration is constant.
         inside = q[:-1] + h * (v[:-1] / 3.0 + v[1:] / 6.0)
         count = len(q) - m
-        positions = np.stack([inside[k : k + m].mean(axis=0) for k in range(count)])
+        positions: Array = np.stack([inside[k : k + m].mean(axis=0) for k in range(count)])
         velocities: Array = (q[m:] - q[:-m]) / (m * h)
         velocities[-1] = 0.0
         jerks = np.diff(v[m:] - v[:-m], axis=0)

@@ -91,7 +91,9 @@ class Drive:
         speed = np.abs(slope0 + 2 * b * x + 3 * c * x**2) / h
         acceleration = np.abs(2 * b + 6 * c * np.array([0.0, 1.0])[:, None, None]) / h**2
         jerk = np.abs(6 * c) / h**3
-        low, high = np.minimum(limits.lower, self.start), np.maximum(limits.upper, self.start)
+        start = np.atleast_2d(self.start)
+        low = np.minimum(limits.lower, start.min(axis=0))
+        high = np.maximum(limits.upper, start.max(axis=0))
         outside = np.maximum(low - place, place - high)
         finite = np.isfinite(limits.jerk)
         # What rounding of positions of some rad makes of differences.
@@ -109,4 +111,9 @@ class Drive:
 
     def assert_limits(self, plans_too=True):
         for what, excess in self.excess(plans_too).items():
+            assert excess <= 1e-8, f"{what} over its limit by {excess}"
+
+    def assert_rates(self):
+        """Limits of velocities, accelerations and jerks only."""
+        for what, excess in list(self.excess().items())[1:]:
             assert excess <= 1e-8, f"{what} over its limit by {excess}"
