@@ -124,16 +124,31 @@ class Motion:
         begin, end, or are slowed down.
         """
         wanted = np.clip(wanted, -self._velocity_limit, self._velocity_limit)
-        before = self.velocity
-        change = wanted - before
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            followed = float(np.fmin(1.0, np.fmin.reduce(self._step / np.abs(change))))
-        target = wanted if followed == 1.0 else before + followed * change
+        target, followed = self._target(wanted)
         least = self._braked()
         allowed, periods, bound = self._allowed(least, target - least)
         velocity = target if allowed == 1.0 else least + allowed * (target - least)
         self._go(velocity, periods)
         return Advance(followed, allowed, bound)
+
+    def _target(self, wanted: Array) -> tuple[Array, float]:
+        """Give the velocity next to the wanted one that can be had in a period.
+
+        That is a part of it where one can be had, which keeps the direction; else a part of the
+        change.  The part comes with it.
+        """
+        before, change = self.velocity, wanted - self.velocity
+        if (np.abs(change) <= self._step).all():
+            return wanted, 1.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (before - self._step) / wanted, (before + self._step) / wanted
+            followed = float(np.fmin.reduce(self._step / np.abs(change)))
+        moved = wanted != 0.0
+        least = np.max(np.minimum(one, other)[moved], initial=0.0)
+        most = float(np.min(np.maximum(one, other)[moved], initial=1.0))
+        if least <= most and (np.abs(before[~moved]) <= self._step[~moved]).all():
+            return most * wanted, most
+        return before + followed * change, followed
 
     def brake(self) -> None:
         """Go on by one period on the plan to stop."""

@@ -133,10 +133,10 @@ class TwistResolver:
         scaled = self._scale * twist
         parts = posture.left.T @ scaled
         size = _norm(scaled)
-        possible = _norm(parts) > _SOMETHING * size
-        needed = parts / np.maximum(posture.values, least)
+        possible = size == 0.0 or _norm(parts) > _SOMETHING * size
+        needed = parts / np.maximum(posture.values, least) if possible else np.zeros(rank)
         weak = posture.values < lower
-        if not weak.any() or size == 0.0:
+        if not weak.any() or size == 0.0 or not possible:
             rates = _without_rounding(right[:rank].T @ needed)
             return Resolution(rates, 1.0, False, condition, possible)
         sound, lost = self._split(posture, parts, needed, velocity)

@@ -206,9 +206,11 @@ class Servo:
         if isinstance(command, JointCommand):
             resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
         else:
-            axes = command.axes(motion.position)
+            # The velocity that is looked for is that at the next knot.
+            position = motion.position + self._period * motion.velocity
+            axes = command.axes(position)
             twist = command.twist if axes is None else _turned(axes, command.twist)
-            resolution = self._resolver.resolve(motion.position, twist, motion.velocity)
+            resolution = self._resolver.resolve(position, twist, motion.velocity)
         speed, fastest = self._within_rates(resolution.rates)
         scale = min(speed, resolution.scale)
         advance = motion.advance(scale * resolution.rates)
@@ -275,10 +277,13 @@ class Servo:
 
     def _carried(self, rates: Array) -> float:
         """Give what part of the commanded rates the joints have now."""
-        square = float(rates @ rates)
-        if square == 0.0:
+        largest = float(np.abs(rates).max())
+        if largest == 0.0:
             return 1.0
-        return min(max(float(self.motion.velocity @ rates) / square, 0.0), 1.0)
+        # Not their square, which would overflow.
+        along = rates / largest
+        part = float(self.motion.velocity @ along) / float(along @ along) / largest
+        return min(max(part, 0.0), 1.0)
 
 
 def _turned(axes: Array, twist: Array) -> Array:
