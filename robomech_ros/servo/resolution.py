@@ -203,6 +203,9 @@ class TwistResolver:
         last = int(np.argmin(posture.values))
         change = self._change(posture, rates)
         fall = -float(posture.left[:, last] @ change @ posture.right[last])
+        if posture.values[last] < _UNCERTAIN * posture.least:
+            # Every way leads out of a singular posture.
+            fall = -abs(fall)
         left = max(float(posture.values[last]), posture.least)
         part = _norm(parts[weak]) / _norm(parts)
         scale = min(1.0, self._approach * left / max(fall * part, 1e-300))

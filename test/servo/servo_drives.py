@@ -117,3 +117,8 @@ class Drive:
         """Limits of velocities, accelerations and jerks only."""
         for what, excess in list(self.excess().items())[1:]:
             assert excess <= 1e-8, f"{what} over its limit by {excess}"
+
+    def assert_plans(self):
+        """Limits of the plans to stop that were kept."""
+        for plan in self.plans:
+            assert (self._excess_of(*plan) <= 1e-8).all()
