@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 _DEPTH = 10
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.
 _IN_TIME = 0.2
+# How long the next state of the joints may take before it is missed (s).
+_STATE_DUE = 0.2
 # How often it is looked whether the robot's length is found (s).
 _LOOK = 0.05
 # How often a status is repeated while nothing moves (s).
@@ -84,7 +86,7 @@ class ServoNode(Node):
         self._period = 1.0 / settings.publish_rate
         self._knot = 0.0
         self._halts = self._heard = 0
-        self._waits = False
+        self._waits_from: float | None = None
         self._refusal, self._refused_until = "", -math.inf
         self._told: tuple[tuple[object, ...], float] = ((), -math.inf)
         reader = CommandReader(model, self._motion_clock, lambda: self._table.settings)
@@ -163,20 +165,21 @@ class ServoNode(Node):
     def _begin(self, now: float) -> bool:
         """Begin a stream if there is a reason to; says whether it has begun."""
         if not self._servo.wants_to_move(now):
-            self._waits = False
+            self._waits_from = None
             self._tell_idle(now)
             return False
         position = self._monitor.positions(self._names)
         heard = self._monitor.heard(self._names)
-        if not self._waits:
+        if self._waits_from is None:
             # What was heard before may be old: the next state is the present one.
-            self._waits, self._heard = True, heard
+            self._waits_from, self._heard = now, heard
         if position is None or heard <= self._heard:
-            if self._is_new(("no state",), now):
+            overdue = position is None or now > self._waits_from + _STATE_DUE
+            if overdue and self._is_new(("no state",), now):
                 self._publish_status(None, now, self._why_no_state())
             return False
         self._servo.start(position, self._monitor.velocities(self._names))
-        self._knot, self._waits, self._halts = now + self._period, False, 0
+        self._knot, self._waits_from, self._halts = now + self._period, None, 0
         return True
 
     def _why_no_state(self) -> str:
