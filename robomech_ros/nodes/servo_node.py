@@ -43,7 +43,8 @@ _IN_TIME = 0.2
 _STATE_DUE = 0.2
 # How often it is looked whether the robot's length is found (s).
 _LOOK = 0.05
-# How often a status is repeated while nothing moves (s).
+# How often a status is repeated while nothing moves, and how long it is looked for commands after
+# the last one (s); after that the executor waits for them.
 _REPEATED = 1.0
 
 
@@ -87,24 +88,27 @@ class ServoNode(Node):
         self._knot = 0.0
         self._halts = self._heard = 0
         self._waits_from: float | None = None
+        self._awake_until = 0.0
         self._refusal, self._refused_until = "", -math.inf
         self._told: tuple[tuple[object, ...], float] = ((), -math.inf)
         reader = CommandReader(model, self._motion_clock, lambda: self._table.settings)
         self._readers: list[tuple[Inbox, Callable[[Any], Command]]] = [
-            (Inbox(self, TwistStamped, "~/delta_twist_cmds", _DEPTH), reader.twist),
-            (Inbox(self, JointState, "~/joint_velocity_cmds", _DEPTH), reader.joint_state),
+            (self._inbox(TwistStamped, "~/delta_twist_cmds"), reader.twist),
+            (self._inbox(JointState, "~/joint_velocity_cmds"), reader.joint_state),
         ]
         self._add_joint_jog(reader)
         self._stream = self.create_publisher(JointTrajectory, settings.command_out_topic, 10)
         self._status = self.create_publisher(ServoStatus, "~/status", 10)
         self.create_service(SetBool, "~/pause_servo", self._pause)
-        timer = self.create_timer(self._period, self._tick, clock=self._motion_clock.clock)
+        self._timer = self.create_timer(self._period, self._tick, clock=self._motion_clock.clock)
+        self._timer.cancel()
         # A timer that has not fired since it was reset would wait until its old time comes again.
-        self._motion_clock.on_jump(lambda by: timer.reset())
+        self._motion_clock.on_jump(lambda by: self._timer.is_canceled() or self._timer.reset())
         self.get_logger().info(
             f"ready: {model.chain.name}, {len(self._names)} joints, "
             f"{settings.publish_rate:g} Hz to '{self._stream.topic_name}'"
         )
+        self._wake()
 
     def _add_joint_jog(self, reader: CommandReader) -> None:
         try:
@@ -113,22 +117,42 @@ class ServoNode(Node):
             if getattr(error, "name", "") != "control_msgs":
                 self.get_logger().warning(f"no delta_joint_cmds: {error}")
             return
-        self._readers.append(
-            (Inbox(self, JointJog, "~/delta_joint_cmds", _DEPTH), reader.joint_jog)
-        )
+        self._readers.append((self._inbox(JointJog, "~/delta_joint_cmds"), reader.joint_jog))
+
+    def _inbox(self, kind: type, topic: str) -> Inbox:
+        return Inbox(self, kind, topic, _DEPTH, self._wake)
+
+    def _wake(self) -> None:
+        """Look again and again, from now on until nothing is to be seen for a while."""
+        self._awake_until = self._motion_clock.now() + _REPEATED
+        if self._timer.is_canceled():
+            for inbox, _ in self._readers:
+                inbox.attend(False)
+            self._timer.reset()
+            self._tick()
+
+    def _sleep(self, now: float) -> None:
+        if now > self._awake_until and not self._servo.active:
+            self._timer.cancel()
+            for inbox, _ in self._readers:
+                inbox.attend(True)
 
     def _pause(self, request: Any, response: Any) -> Any:
         self._servo.paused = bool(request.data)
-        # What was commanded before a pause must not move the robot after it.
+        # What was commanded before must not move the robot after a pause.
         self._servo.forget()
+        for inbox, _ in self._readers:
+            list(inbox.take())
         response.success = True
         response.message = "paused: brakes and holds" if request.data else "follows commands"
+        self._wake()
         return response
 
     def _tick(self) -> None:
         now = self._motion_clock.now()
         self._take_commands(now)
         if not self._servo.active and not self._begin(now):
+            self._sleep(now)
             return
         self._catch_up(now)
         report = self._servo.step(now)
@@ -143,6 +167,7 @@ class ServoNode(Node):
     def _take_commands(self, now: float) -> None:
         for inbox, read in self._readers:
             for message in inbox.take():
+                self._awake_until = now + _REPEATED
                 try:
                     self._offer(read(message), inbox.topic, now)
                 except RobomechError as error:

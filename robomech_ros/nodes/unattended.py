@@ -11,15 +11,25 @@ __all__ = ["Inbox", "Unattended"]
 
 
 class Unattended(CallbackGroup):
-    """Keeps a subscription out of the executor: its messages are taken by hand."""
+    """Keeps a subscription out of the executor: its messages are taken by hand.
+
+    Attributes
+    ----------
+    attended : bool
+        Whether the executor looks after it all the same.
+    """
+
+    def __init__(self, attended: bool = False) -> None:
+        super().__init__()
+        self.attended = attended
 
     def can_execute(self, entity: Any) -> bool:
-        """Nothing is executed."""
-        return False
+        """Say whether the executor may call back."""
+        return self.attended
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Nothing is begun."""
-        return False
+        """Say the same."""
+        return self.attended
 
     def ending_execution(self, entity: Any) -> None:
         """Nothing was begun."""
@@ -27,6 +37,9 @@ class Unattended(CallbackGroup):
 
 class Inbox:
     """The latest messages of a topic, however fast they come.
+
+    It is read by hand while somebody looks again and again; else the executor says when there is
+    a message.
 
     Parameters
     ----------
@@ -38,21 +51,35 @@ class Inbox:
         Its name.
     depth : int
         How many are kept, the latest.
+    wake : callable
+        Called when a message has come while the executor looks after it, as it does at first.
     """
 
-    def __init__(self, node: Node, kind: type, topic: str, depth: int) -> None:
-        self._kind, self._depth = kind, depth
+    def __init__(
+        self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
+    ) -> None:
+        self._kind, self._depth, self._wake = kind, depth, wake
+        self._group = Unattended(attended=True)
         self._early: list[Any] = []
         qos = QoSProfile(
             depth=depth,
             history=HistoryPolicy.KEEP_LAST,
             reliability=ReliabilityPolicy.BEST_EFFORT,
         )
-        # The callback serves executors that do not honour callback groups.
-        callback: Callable[[Any], None] = self._early.append
         self._subscription = node.create_subscription(
-            kind, topic, callback, qos, callback_group=Unattended()
+            kind, topic, self._receive, qos, callback_group=self._group
         )
+
+    def attend(self, attended: bool) -> None:
+        """Have the executor look after it, or not."""
+        self._group.attended = attended
+
+    def _receive(self, message: Any) -> None:
+        # Some executors do not honour callback groups.
+        self._early.append(message)
+        del self._early[: -self._depth]
+        if self._group.attended:
+            self._wake()
 
     @property
     def topic(self) -> str:
@@ -61,8 +88,7 @@ class Inbox:
 
     def take(self) -> Iterator[Any]:
         """Give what has come since the last look, the oldest first."""
-        early = self._early[-self._depth :]
-        self._early.clear()
+        early, self._early = self._early, []
         yield from early
         subscription = self._subscription
         with subscription.handle:

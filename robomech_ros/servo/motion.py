@@ -240,4 +240,5 @@ class Motion:
         told = np.ones(count, dtype=bool)
         # A cubic goes on where the jerk does not change.
         told[2:-1] = (np.abs(np.diff(jerks[1:], axis=0)) > _SAME * self._step).any(axis=1)
-        return Samples(h * np.flatnonzero(told), positions[told], velocities[told])
+        times: Array = h * np.flatnonzero(told)
+        return Samples(times, positions[told], velocities[told])

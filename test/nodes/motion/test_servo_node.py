@@ -277,8 +277,9 @@ def test_pause_brakes_and_what_was_commanded_before_moves_nothing_after(operator
     hand.repeat(send, lambda: hand.has_code(ServoStatus.PAUSED, "paused"))
     hand.until_still()
     place, streamed = hand.arm.position, len(hand.streamed)
-    for _ in range(5):
-        send()
+    deadline = time.monotonic() + 0.3
+    send()
+    hand.wait_for(lambda: time.monotonic() > deadline)
     assert hand.pause(False).message == "follows commands"
     hand.wait_for(lambda: hand.has_code(ServoStatus.NO_WARNING))
     assert len(hand.streamed) == streamed
