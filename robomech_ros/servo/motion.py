@@ -240,5 +240,5 @@ class Motion:
         told = np.ones(count, dtype=bool)
         # A cubic goes on where the jerk does not change.
         told[2:-1] = (np.abs(np.diff(jerks[1:], axis=0)) > _SAME * self._step).any(axis=1)
-        times: Array = h * np.flatnonzero(told)
+        times = np.flatnonzero(told).astype(np.float64) * h
         return Samples(times, positions[told], velocities[told])
