@@ -214,6 +214,8 @@ class TwistResolver:
         if amount > _NO_RATE * float(parts @ needed):
             u = posture.left @ np.where(weak, parts, 0.0)
             pull = -float(u @ self._change(posture, lost) @ lost) / amount
+            # Nothing is a wall that the motion as a whole leads away from.
+            pull = min(pull, -float(u @ change @ lost) / amount)
             # No wall is where the joints would have to turn by a radian to get there.
             pull -= posture.least * _norm(lost)
             value = float(shares @ posture.values) / amount
