@@ -60,6 +60,7 @@ setup(
             "trajectory_planner_node = robomech_ros.nodes.start:trajectory_planner_node",
             "trajectory_publisher_node = robomech_ros.nodes.start:trajectory_publisher_node",
             "joint_state_simulator_node = robomech_ros.nodes.start:joint_state_simulator_node",
+            "servo_node = robomech_ros.nodes.start:servo_node",
             "robomech = robomech_ros.nodes.cli:main",
         ],
     },

@@ -7,11 +7,10 @@ robot spends nothing while it is idle.
 import math
 import time
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -19,6 +18,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.pauses import pause
+from robomech_ros.nodes.unattended import Unattended
 
 __all__ = ["JointStateMonitor"]
 
@@ -33,19 +33,6 @@ _LOOK = 0.02
 # Joints that are remembered, whoever publishes them.
 _MOST_JOINTS = 1000
 _MOST_LISTED = 10
-
-
-class _Unattended(CallbackGroup):
-    """Keeps a subscription out of the executor: its messages are taken by hand."""
-
-    def can_execute(self, entity: Any) -> bool:
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing was begun."""
 
 
 class _Seen(NamedTuple):
@@ -71,7 +58,7 @@ class JointStateMonitor:
         self._heard_in: dict[str, int] = {}
         self._fault = ""
         self._subscription = node.create_subscription(
-            JointState, TOPIC, self._store, _QOS, callback_group=_Unattended(), raw=True
+            JointState, TOPIC, self._store, _QOS, callback_group=Unattended(), raw=True
         )
 
     def positions(self, joint_names: Sequence[str]) -> NDArray[np.float64] | None:
@@ -82,6 +69,15 @@ class JointStateMonitor:
         except KeyError:
             return None
         return np.array(states, dtype=np.float64)
+
+    def velocities(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+        """Give the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
+
+        A joint whose velocity is not known stands.
+        """
+        unknown = _Seen(math.nan, math.nan)
+        speeds = np.array([self._states.get(name, unknown).velocity for name in joint_names])
+        return np.where(np.isfinite(speeds), speeds, 0.0)
 
     def heard(self, joint_names: Sequence[str]) -> int:
         """Give a number that has grown when every one of the joints was heard of anew.

@@ -36,6 +36,8 @@ _SHUTS_DOWN = "the controller shuts down; the robot holds"
 # How long the robot may take to slow down when the node ends, s; then it holds at once.
 _LONGEST_STOP = 2.0
 _STEADY = ClockType.STEADY_TIME
+# A stream replaces its trajectory a hundred times a second: that is said this often at the most, s.
+_SELDOM = 5.0
 
 
 class JointStateSimulatorNode(Node):
@@ -126,7 +128,9 @@ class JointStateSimulatorNode(Node):
 
     def _log_end(self, outcome: Outcome) -> None:
         if outcome.code:
-            self.get_logger().warning(f"trajectory ended early: {outcome.text}")
+            self.get_logger().warning(
+                f"trajectory ended early: {outcome.text}", throttle_duration_sec=_SELDOM
+            )
 
     def _hold(self, request: Any, response: Any) -> Any:
         assert self._robot is not None

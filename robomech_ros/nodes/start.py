@@ -18,6 +18,7 @@ __all__ = [
     "kinematics_node",
     "leave_on_signals",
     "main",
+    "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
 ]
@@ -28,6 +29,7 @@ NODE_MODULES = {
     "kinematics": "robomech_ros.nodes.kinematics_node",
     "trajectory_planner": "robomech_ros.nodes.trajectory_planner_node",
     "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher_node",
+    "servo": "robomech_ros.nodes.servo_node",
 }
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -57,6 +59,11 @@ def trajectory_publisher_node() -> int:
 def joint_state_simulator_node() -> int:
     """Run the node joint_trajectory_controller; returns the exit code of the process."""
     return _run("joint_trajectory_controller", sys.argv)
+
+
+def servo_node() -> int:
+    """Run the node servo; returns the exit code of the process."""
+    return _run("servo", sys.argv)
 
 
 def leave_on_signals() -> None:

@@ -17,6 +17,7 @@ BATCH_LIMIT = 3.0
 MEMORY_LIMIT = 200.0
 IDLE_LIMIT = 5.0
 CONTROLLER_LIMIT = 15.0
+SERVO_LIMIT = 15_000.0
 CONTROLLER = "joint_trajectory_controller"
 FIRST_DOMAIN, DOMAINS = 50, 10
 
@@ -74,6 +75,9 @@ def rows(ros_python: Path) -> list[Row]:
             limit=BATCH_LIMIT),
         Row("the same, largest memory of the node", batch["megabytes"], "MB"),
         *cycle_rows(cycles),
+        Row("servo, 100 Hz, from a command to the stream that follows it",
+            1e6 * figures["servo"]["median"], limit=SERVO_LIMIT),
+        Row("the same, 99th percentile", 1e6 * figures["servo"]["largest_of_99"]),
     ]  # fmt: skip
     for name, load in figures["idle"].items():
         limit = CONTROLLER_LIMIT if name == CONTROLLER else IDLE_LIMIT

@@ -24,6 +24,7 @@ from typing import Any
 import controller_cycles
 import numpy as np
 import rclpy
+import servo_latency
 from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -54,6 +55,7 @@ SERVICES = {
     "trajectory_planner": "plan_joint",
     "trajectory_publisher": "execute",
     "joint_trajectory_controller": "reset",
+    "servo": "pause_servo",
 }
 EXECUTABLES = {name: f"{name}_node" for name in SERVICES} | {
     "joint_trajectory_controller": "joint_state_simulator_node"
@@ -260,6 +262,14 @@ def watched(
     return stamps, (cpu_seconds(process.pid) - before) / (time.monotonic() - begin)
 
 
+def servo(caller: Caller) -> dict[str, float]:
+    """Return how fast the servo follows commands, with the simulated robot beside it."""
+    controller = node_command(controller_cycles.CONTROLLER)
+    with running(*controller), running(*node_command("servo")) as process:
+        operator = servo_latency.Operator(caller.node, caller.executor)
+        return asdict(operator.measure(lambda: process.poll() is None))
+
+
 def batch_chunks() -> list[SolveIKBatch.Request]:
     """Return requests for all solutions of BATCH_POSES poses, CHUNK in each."""
     chain = load_robot(ROBOT)
@@ -348,6 +358,7 @@ def main() -> None:
         starts = start_seconds(caller)
         trips = all_round_trips(caller)
         regularity = cycles(caller)
+        latency = servo(caller)
         batch = batches(caller)
         loads = idle_loads(caller)
     finally:
@@ -359,6 +370,7 @@ def main() -> None:
                 "start_seconds": starts,
                 "round_trips": trips,
                 "cycles": regularity,
+                "servo": latency,
                 "batch": batch,
                 "idle": {name: asdict(load) for name, load in loads.items()},
             }

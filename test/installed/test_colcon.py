@@ -16,6 +16,7 @@ NODES = {
     "joint_state_simulator_node",
     "kinematics_node",
     "robomech",
+    "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
 }

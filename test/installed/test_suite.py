@@ -32,6 +32,7 @@ PATIENCE = 60.0
 NODES = {
     "/joint_trajectory_controller",
     "/kinematics",
+    "/servo",
     "/trajectory_planner",
     "/trajectory_publisher",
 }
@@ -365,6 +366,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
     [
         "joint_state_simulator_node",
         "kinematics_node",
+        "servo_node",
         "trajectory_planner_node",
         "trajectory_publisher_node",
     ],
@@ -390,7 +392,8 @@ def test_every_node_ends_with_0_on_a_signal(suite, node, number):
 
 
 def test_every_node_explains_its_parameters(suite):
-    for node in ("kinematics_node", "joint_state_simulator_node", "trajectory_planner_node"):
+    names = "kinematics_node", "joint_state_simulator_node", "trajectory_planner_node", "servo_node"
+    for node in names:
         done = suite.run(node, "--help")
         assert done.returncode == 0
         assert "robot_description (default ''; a string)" in done.stdout

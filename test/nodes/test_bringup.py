@@ -22,13 +22,19 @@ def parsed(*arguments):
 
 
 def commands(*arguments):
-    return bringup._commands(bringup._ros_arguments(parsed(*arguments)))
+    return bringup._commands(parsed(*arguments))
 
 
 def test_every_node_gets_the_robot_and_its_own_file():
     for node, command in commands("--robot", "puma560").items():
         assert command[-2:] == ["-p", 'robot_description:="puma560"']
         assert command[command.index("--params-file") + 1] == str(CONFIG / f"{node}.yaml")
+
+
+def test_the_servo_may_be_left_out():
+    every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
+    assert every - without == {"servo"} and every == set(NODE_MODULES)
+    assert set(bringup.node_commands("scara")) == without
 
 
 def test_paths_are_made_absolute(tmp_path, monkeypatch):

@@ -63,6 +63,7 @@ sys.argv = ["robomech", "bringup", "--robot", "puma560"]
         ("start", "kinematics_node", "numpy"),
         ("start", "trajectory_planner_node", "rclpy"),
         ("start", "trajectory_publisher_node", "rclpy"),
+        ("start", "servo_node", "numpy"),
         ("start", "joint_state_simulator_node", "rclpy"),
         ("cli", "main", "numpy"),
     ],

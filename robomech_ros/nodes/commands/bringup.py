@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "joint_limits.yaml",
     )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
+    parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
         "--in-one-process", action="store_true", help="all nodes in one process and one executor"
     )
@@ -60,10 +61,11 @@ def run(args: argparse.Namespace) -> int:
     if args.in_one_process:
         from robomech_ros.nodes.run import run_nodes
 
-        everything = [argument for node in NODE_MODULES for argument in _config_file(node)]
+        nodes = _nodes(args)
+        everything = [argument for node in nodes for argument in _config_file(node)]
         arguments = ["robomech", "--ros-args", *everything, *_ros_arguments(args)]
-        return run_nodes([_factory(node) for node in NODE_MODULES], arguments)
-    return _supervise(_commands(_ros_arguments(args)))
+        return run_nodes([_factory(node) for node in nodes], arguments)
+    return _supervise(_commands(args))
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -78,7 +80,7 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def node_commands(robot: str) -> dict[str, list[str]]:
-    """Give the command lines of all nodes for a robot, as `robomech bringup --robot` starts them.
+    """Give the command lines of all nodes but the servo, as `robomech bringup` starts them.
 
     Parameters
     ----------
@@ -87,11 +89,17 @@ def node_commands(robot: str) -> dict[str, list[str]]:
     """
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    return _commands(_ros_arguments(parser.parse_args(["--robot", robot])))
+    return _commands(parser.parse_args(["--robot", robot, "--no-servo"]))
 
 
-def _commands(arguments: list[str]) -> dict[str, list[str]]:
-    return {node: node_command(node, [*_config_file(node), *arguments]) for node in NODE_MODULES}
+def _nodes(args: argparse.Namespace) -> list[str]:
+    """List the nodes that are wanted."""
+    return [node for node in NODE_MODULES if not (args.no_servo and node == "servo")]
+
+
+def _commands(args: argparse.Namespace) -> dict[str, list[str]]:
+    arguments = _ros_arguments(args)
+    return {node: node_command(node, [*_config_file(node), *arguments]) for node in _nodes(args)}
 
 
 def _ros_arguments(args: argparse.Namespace) -> list[str]:

@@ -76,7 +76,9 @@ def findings() -> Iterator[Finding]:
         _domain,
         _sourced,
         lambda: _optional("matplotlib", "plots of robomech demo"),
-        lambda: _optional("control_msgs", "FollowJointTrajectory, so that MoveIt can drive us"),
+        lambda: _optional(
+            "control_msgs", "FollowJointTrajectory, so that MoveIt can drive us; JointJog"
+        ),
     )
     for check in checks:
         yield check()

@@ -8,11 +8,13 @@ import yaml
 
 from robomech_ros.nodes.controller.settings import ControllerSettings
 from robomech_ros.nodes.publisher.settings import PublisherSettings
+from robomech_ros.nodes.servo.settings import ServoNodeSettings
 
 CONFIG = Path(__file__).parents[3] / "config"
 TABLES = {
     "joint_trajectory_controller": ControllerSettings,
     "trajectory_publisher": PublisherSettings,
+    "servo": ServoNodeSettings,
 }
 
 

@@ -1,0 +1,186 @@
+"""Commands as they arrive: checked, in units of the core, with the time until they are stale."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    UnknownJointError,
+    WrongSizeError,
+)
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.controller.motion_clock import MotionClock
+from robomech_ros.nodes.reference_axes import reference_axes
+from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
+from robomech_ros.servo.servo import JointCommand, TwistCommand
+
+__all__ = ["CommandReader"]
+
+Array = NDArray[np.float64]
+Axes = Callable[[Array], Array | None]
+
+# No robot moves faster: rad/s or m/s.
+_FASTEST = 1e3
+# A unitless command may exceed 1 by rounding.
+_UNIT = 1.0 + 1e-9
+_UNITS = ("rad/s",) * 3 + ("m/s",) * 3
+_COMPONENTS = ("angular.x", "angular.y", "angular.z", "linear.x", "linear.y", "linear.z")
+
+
+class CommandReader:
+    """Reads commands for one robot.
+
+    Parameters
+    ----------
+    model : RobotModel
+        The robot.
+    clock : MotionClock
+        Its time decides what is stale.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self, model: RobotModel, clock: MotionClock, settings: Callable[[], ServoNodeSettings]
+    ) -> None:
+        self._model, self._chain = model, model.chain
+        self._clock, self._settings = clock, settings
+        self._axes: dict[str, Axes] = {}
+
+    def twist(self, message: TwistStamped) -> TwistCommand:
+        """Read a twist of the tip's origin, in the axes of the frame of its header.
+
+        Raises
+        ------
+        FrameUnavailableError, NonFiniteError, BadValueError
+        """
+        settings, linear, angular = self._settings(), message.twist.linear, message.twist.angular
+        twist = np.array([angular.x, angular.y, angular.z, linear.x, linear.y, linear.z])
+        scales = np.repeat((settings.rotational_scale, settings.linear_scale), 3)
+        names = [f"twist.{component}" for component in _COMPONENTS]
+        rates = self._speeds(twist, scales, names, _UNITS)
+        axes = self._axes_of(message.header.frame_id)
+        return TwistCommand(rates, axes, self._until(message.header))
+
+    def joint_state(self, message: JointState) -> JointCommand:
+        """Read velocities of joints by name; the others stand.
+
+        Raises
+        ------
+        UnknownJointError, WrongSizeError, NonFiniteError, BadValueError
+        """
+        rates = self._joint_speeds(message.name, message.velocity, "velocity", scaled=True)
+        return JointCommand(rates, self._until(message.header))
+
+    def joint_jog(self, message: Any) -> JointCommand:
+        """Read a control_msgs/JointJog: velocities, or displacements within its duration.
+
+        Raises
+        ------
+        UnknownJointError, WrongSizeError, NonFiniteError, BadValueError
+        """
+        duration = float(message.duration)
+        if not (math.isfinite(duration) and duration >= 0.0):
+            raise BadValueError("duration", duration, "a time of 0 s (not given) or more")
+        until = self._until(message.header)
+        if duration:
+            until = min(until, self._clock.now() + duration)
+        names = message.joint_names
+        if not message.displacements:
+            rates = self._joint_speeds(names, message.velocities, "velocities", scaled=True)
+            return JointCommand(rates, until)
+        if message.velocities:
+            raise BadValueError("velocities", list(message.velocities), "none beside displacements")
+        if not duration:
+            raise BadValueError("duration", duration, "more than 0 s, for displacements")
+        ways = np.array(message.displacements, dtype=np.float64)
+        with np.errstate(over="ignore"):
+            speeds = ways / duration
+        if np.isfinite(ways).all() and not np.isfinite(speeds).all():
+            raise BadValueError("duration", duration, "a time in which the displacements can be")
+        return JointCommand(
+            self._joint_speeds(names, speeds.tolist(), "displacements", scaled=False), until
+        )
+
+    def _joint_speeds(
+        self, names: Sequence[str], values: Sequence[float], what: str, *, scaled: bool
+    ) -> Array:
+        """Give the speeds of all joints of the chain (rad/s or m/s)."""
+        known = self._chain.joint_names
+        if len(names) != len(values):
+            raise WrongSizeError(what, len(values), f"{len(names)}, one for every name")
+        if not names:
+            raise WrongSizeError("joint names", 0, f"one at least of {', '.join(known)}")
+        for name in names:
+            if name not in known:
+                raise UnknownJointError(name, known)
+        if len(set(names)) < len(names):
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            raise WrongSizeError("joint names", len(names), f"each once; '{twice}' is repeated")
+        given = np.array(values, dtype=np.float64)
+        shown = [f"{what} of joint '{name}'" for name in names]
+        scale = np.full(len(names), self._settings().joint_scale)
+        units = ["rad/s or m/s"] * len(names)
+        speeds = self._speeds(given, scale, shown, units, scaled=scaled)
+        rates = np.zeros(len(known))
+        rates[[known.index(name) for name in names]] = speeds
+        return rates
+
+    def _speeds(
+        self,
+        given: Array,
+        scales: Array,
+        names: Sequence[str],
+        units: Sequence[str],
+        *,
+        scaled: bool = True,
+    ) -> Array:
+        """Check numbers, and give them as speeds."""
+        bad = np.flatnonzero(~np.isfinite(given))
+        if len(bad):
+            raise NonFiniteError(names[bad[0]], float(given[bad[0]]))
+        unitless = scaled and self._settings().command_in_type != SPEED_UNITS
+        largest = _UNIT if unitless else _FASTEST
+        over = np.flatnonzero(np.abs(given) > largest)
+        if len(over):
+            expected = "from -1 to 1, as command_in_type is unitless"
+            if not unitless:
+                expected = f"at most {_FASTEST:g} {units[over[0]]}"
+            raise BadValueError(names[over[0]], float(given[over[0]]), expected)
+        return given * scales if unitless else given
+
+    def _until(self, header: Any) -> float:
+        """Give until when (s) a command counts that was made at the stamp of its header."""
+        timeout = self._settings().command_timeout
+        ahead = self._clock.until(header.stamp)
+        if ahead < -timeout:
+            what = f"made {-ahead:.3g} s ago"
+        elif ahead > timeout:
+            what = f"{ahead:.3g} s in the future"
+        else:
+            return self._clock.now() + timeout + min(ahead, 0.0)
+        expected = f"a command from the last {timeout:g} s, the parameter command_timeout"
+        stamp = header.stamp
+        raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)
+
+    def _axes_of(self, frame: str) -> Axes:
+        if frame not in self._axes:
+            self._axes[frame] = self._find_axes(frame)
+        return self._axes[frame]
+
+    def _find_axes(self, frame: str) -> Axes:
+        model, chain = self._model, self._chain
+        at_first = reference_axes(model, frame, chain, chain.midrange())
+        links = [link.name for link in chain.frames]
+        if frame not in links or frame in model.fixed_frames:
+            return lambda q: at_first
+        part = chain.with_tip(frame)
+        return lambda q: forward_kinematics(part, q[: part.n])[:3, :3]

@@ -1,0 +1,97 @@
+"""Parameters of the servo."""
+
+from dataclasses import dataclass
+
+from robomech_ros.nodes.parameters import ParameterError, parameter
+from robomech_ros.nodes.robot_description import RobotSettings
+from robomech_ros.servo.servo import ServoSettings
+
+__all__ = ["SPEED_UNITS", "UNITLESS", "ServoNodeSettings", "check_settings", "core_settings"]
+
+SPEED_UNITS = "speed_units"
+UNITLESS = "unitless"
+
+
+@dataclass(frozen=True)
+class ServoNodeSettings(RobotSettings):
+    """Parameters of the node."""
+
+    command_out_topic: str = parameter(
+        "joint_trajectory_controller/joint_trajectory",
+        "Where the controller listens (trajectory_msgs/JointTrajectory)",
+    )
+    publish_rate: float = parameter(
+        100.0, "How often the stream is continued while there is motion", 20.0, 1000.0, "Hz"
+    )
+    command_timeout: float = parameter(
+        0.1,
+        "How long a command is followed without another one; then the robot brakes",
+        0.01,
+        1.0,
+        "s",
+        read_only=False,
+    )
+    command_in_type: str = parameter(
+        SPEED_UNITS,
+        "What commands mean: speed_units = rad/s and m/s, unitless = parts, -1 to 1, of the three "
+        "scales below",
+        choices=(SPEED_UNITS, UNITLESS),
+        read_only=False,
+    )
+    linear_scale: float = parameter(
+        0.4, "Largest linear speed of unitless commands", 1e-6, 100.0, "m/s", read_only=False
+    )
+    rotational_scale: float = parameter(
+        0.8, "Largest angular speed of unitless commands", 1e-6, 100.0, "rad/s", read_only=False
+    )
+    joint_scale: float = parameter(
+        0.5,
+        "Largest joint speed of unitless commands, rad/s or m/s",
+        1e-6,
+        100.0,
+        read_only=False,
+    )
+    lower_singularity_threshold: float = parameter(
+        30.0,
+        "Condition number, over the characteristic length, from which on motions towards a "
+        "singularity are slowed down",
+        1.0,
+        1e5,
+    )
+    hard_stop_singularity_threshold: float = parameter(
+        90.0, "Condition number at which motions into a singularity stand", 1.0, 1e5
+    )
+    characteristic_length: float = parameter(
+        0.0,
+        "By which linear motions are divided in condition numbers; 0 = that of the robot, which "
+        "takes some seconds to find at the start",
+        0.0,
+        1e3,
+        "m",
+    )
+    halt_messages: int = parameter(
+        4, "How many trajectories are published after the robot stands", 1, 1000, "messages"
+    )
+
+
+def check_settings(settings: ServoNodeSettings) -> None:
+    """Refuse what does not fit together.
+
+    Raises
+    ------
+    ParameterError
+    """
+    slow, stop = settings.lower_singularity_threshold, settings.hard_stop_singularity_threshold
+    if not slow < stop:
+        allowed = f"less than hard_stop_singularity_threshold, {stop:g}"
+        raise ParameterError("lower_singularity_threshold", slow, allowed)
+
+
+def core_settings(settings: ServoNodeSettings) -> ServoSettings:
+    """Pick what the core needs."""
+    return ServoSettings(
+        period=1.0 / settings.publish_rate,
+        slow_from=settings.lower_singularity_threshold,
+        stop_at=settings.hard_stop_singularity_threshold,
+        length=settings.characteristic_length or None,
+    )

@@ -1,0 +1,48 @@
+"""The servo's status as a message."""
+
+from typing import Any
+
+from robomech_interfaces.msg import ServoStatus
+from robomech_ros.servo.servo import Condition, Report
+
+__all__ = ["status_message"]
+
+_CODES = {
+    Condition.NO_WARNING: ServoStatus.NO_WARNING,
+    Condition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,
+    Condition.SINGULARITY: ServoStatus.HALT_FOR_SINGULARITY,
+    Condition.LEAVING_SINGULARITY: ServoStatus.DECELERATE_FOR_LEAVING_SINGULARITY,
+    Condition.JOINT_BOUND: ServoStatus.JOINT_BOUND,
+    Condition.RATE_BOUND: ServoStatus.RATE_BOUND,
+    Condition.IMPOSSIBLE: ServoStatus.INVALID,
+    Condition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
+    Condition.PAUSED: ServoStatus.PAUSED,
+}
+
+
+def status_message(stamp: Any, report: Report | None, refusal: str, no_state: str) -> ServoStatus:
+    """Make the message.
+
+    Parameters
+    ----------
+    stamp : builtin_interfaces.msg.Time
+        By the clock of the node.
+    report : Report or None
+        What was made of the command; None where the state of the joints is not known.
+    refusal : str
+        Why the last command was refused; empty if it was not.
+    no_state : str
+        Why the state of the joints is not known; empty if it is.
+    """
+    status = ServoStatus(code=ServoStatus.NO_STATE, message=no_state)
+    status.header.stamp = stamp
+    status.condition_number = float("nan")
+    if report is not None:
+        status.code = _CODES[report.condition]
+        status.message = report.text
+        status.scale = report.scale
+        status.condition_number = report.condition_number
+        status.joint_names = list(report.joints)
+    if refusal:
+        status.code, status.message = ServoStatus.INVALID, refusal
+    return status

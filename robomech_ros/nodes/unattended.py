@@ -1,0 +1,99 @@
+"""Subscriptions that are read when somebody looks, and keep the executor idle until then."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+__all__ = ["Inbox", "Unattended"]
+
+
+class Unattended(CallbackGroup):
+    """Keeps a subscription out of the executor: its messages are taken by hand.
+
+    Attributes
+    ----------
+    attended : bool
+        Whether the executor looks after it all the same.
+    """
+
+    def __init__(self, attended: bool = False) -> None:
+        super().__init__()
+        self.attended = attended
+
+    def can_execute(self, entity: Any) -> bool:
+        """Say whether the executor may call back."""
+        return self.attended
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Say the same."""
+        return self.attended
+
+    def ending_execution(self, entity: Any) -> None:
+        """Nothing was begun."""
+
+
+class Inbox:
+    """The latest messages of a topic, however fast they come.
+
+    It is read by hand while somebody looks again and again; else the executor says when there is
+    a message.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    kind : type
+        Of the messages.
+    topic : str
+        Its name.
+    depth : int
+        How many are kept, the latest.
+    wake : callable
+        Called when a message has come while the executor looks after it, as it does at first.
+    """
+
+    def __init__(
+        self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
+    ) -> None:
+        self._kind, self._depth, self._wake = kind, depth, wake
+        self._group = Unattended(attended=True)
+        self._early: list[Any] = []
+        qos = QoSProfile(
+            depth=depth,
+            history=HistoryPolicy.KEEP_LAST,
+            reliability=ReliabilityPolicy.BEST_EFFORT,
+        )
+        self._subscription = node.create_subscription(
+            kind, topic, self._receive, qos, callback_group=self._group
+        )
+
+    def attend(self, attended: bool) -> None:
+        """Have the executor look after it, or not."""
+        self._group.attended = attended
+
+    def _receive(self, message: Any) -> None:
+        # Some executors do not honour callback groups.
+        self._early.append(message)
+        del self._early[: -self._depth]
+        if self._group.attended:
+            self._wake()
+
+    @property
+    def topic(self) -> str:
+        """The full name of the topic."""
+        return str(self._subscription.topic_name)
+
+    def take(self) -> Iterator[Any]:
+        """Give what has come since the last look, the oldest first."""
+        early, self._early = self._early, []
+        yield from early
+        subscription = self._subscription
+        with subscription.handle:
+            for _ in range(self._depth):
+                taken = subscription.handle.take_message(self._kind, False)
+                if taken is None:
+                    return
+                yield taken[0]

@@ -1,0 +1,244 @@
+"""Joint rates for a twist, slowed down where they lead into a singularity.
+
+With the singular values s, vectors u and v of the Jacobian, its linear rows over the
+characteristic length, the part ``c = u . twist`` of a twist needs the rates ``c / s v``.  Below a
+least value s0 they are ``c / s0 v``, which is what makes them finite in a singular posture and
+still leads out of it; damped least squares would stand there.
+
+How fast such rates change s is ``u . J'(rates) v``, with J' the rate of the Jacobian.  Where they
+make it smaller, as at the boundary of the workspace, no scale would carry the motion out: it is
+slowed down like a motion towards a wall at s0, and stands there.  Where s becomes smaller for
+another reason, as for a wrist that passes its singularity, the motion is slowed down in proportion
+to the part of it that is about to be lost, but never stands.  Nothing is slowed down that makes s
+larger.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinetostatics.accelerations import jacobian_rate
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.kinetostatics.singularities import regular_rank, report_length
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["Resolution", "TwistResolver"]
+
+Array = NDArray[np.float64]
+
+# A rate of s (1/s) that counts as none: along a path on which s is constant rounding decides.
+_LEVEL = 1e-4
+# A scale below this is a halt: what is left of the motion only creeps.
+_HALT = 1e-2
+# Singular values below this part of s0 say nothing of the direction in which they grow.
+_UNCERTAIN = 1e-3
+# Rates below this part of the largest are rounding, which must not touch a joint at its limit.
+_NO_RATE = 1e-9
+# The part of a twist that an arm can carry out must be this much of it.
+_SOMETHING = 1e-6
+
+
+class Resolution(NamedTuple):
+    """Joint rates for a twist.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (n,)
+        For the whole twist, before scaling (rad/s or m/s).
+    scale : float
+        Part of it, 0 to 1, with which a singularity is approached at most.
+    leaving : bool
+        Whether the posture is near a singularity that the motion leaves.
+    condition_number : float
+        Of the Jacobian over the characteristic length.
+    possible : bool
+        Whether the arm can carry out any part of the twist.
+    """
+
+    rates: Array
+    scale: float
+    leaving: bool
+    condition_number: float
+    possible: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Posture:
+    """The Jacobian of a posture by its singular values, lengths over the characteristic length."""
+
+    q: Array
+    left: Array
+    values: Array
+    right: Array
+    lower: float
+    least: float
+
+
+class TwistResolver:
+    """Finds joint rates for twists of one chain.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, one at least.
+    slow_from, stop_at : float
+        Condition numbers from which on motions into a singularity are slowed down, and at which
+        they stand.
+    approach : float
+        How fast a singular value may fall, in parts of its distance from where it must stop (1/s).
+    length : float, optional
+        By which linear motions are divided (m); default the characteristic length.
+
+    Raises
+    ------
+    BadValueError
+        The chain has no joint, or is singular in every posture.
+    """
+
+    def __init__(
+        self,
+        chain: SerialChain,
+        slow_from: float,
+        stop_at: float,
+        approach: float,
+        length: float | None = None,
+    ) -> None:
+        self._chain, self._approach = chain, approach
+        self._slow_from, self._stop_at = slow_from, stop_at
+        self._scale = np.repeat((1.0, 1.0 / report_length(chain, length)), 3)
+        self._rank = min(regular_rank(chain), chain.n, 6)
+
+    def condition_number(self, q: Array) -> float:
+        """Give that of a posture (rad or m)."""
+        return _condition(np.linalg.svd(self._jacobian(q), compute_uv=False), self._rank)
+
+    def resolve(self, q: Array, twist: Array, velocity: Array) -> Resolution:
+        """Find the rates for a twist.
+
+        Parameters
+        ----------
+        q, velocity : ndarray, shape (n,)
+            Where the joints are, and how they move (rad or m, and per s).
+        twist : ndarray, shape (6,)
+            Of the tip in base axes, angular first (rad/s and m/s).
+        """
+        rank = self._rank
+        left, values, right = np.linalg.svd(self._jacobian(q))
+        condition = _condition(values, rank)
+        lower, least = values[0] / self._slow_from, values[0] / self._stop_at
+        posture = _Posture(q, left[:, :rank], values[:rank], right, lower, least)
+        scaled = self._scale * twist
+        parts = posture.left.T @ scaled
+        size = _norm(scaled)
+        possible = size == 0.0 or _norm(parts) > _SOMETHING * size
+        needed = parts / np.maximum(posture.values, least) if possible else np.zeros(rank)
+        weak = posture.values < lower
+        if not weak.any() or size == 0.0 or not possible:
+            rates = _without_rounding(right[:rank].T @ needed)
+            return Resolution(rates, 1.0, False, condition, possible)
+        sound, lost = self._split(posture, parts, needed, velocity)
+        rates = _without_rounding(sound + lost)
+        scale, falling = self._slowed(posture, parts, needed, lost, rates)
+        return Resolution(rates, scale, not falling, condition, possible)
+
+    def _jacobian(self, q: Array) -> Array:
+        scaled: Array = self._scale[:, None] * jacobian(self._chain, q)
+        return scaled
+
+    def _change(self, posture: _Posture, rates: Array) -> Array:
+        """Give the rate of the scaled Jacobian at joint rates."""
+        scaled: Array = self._scale[:, None] * jacobian_rate(self._chain, posture.q, rates)
+        return scaled
+
+    def _split(
+        self, posture: _Posture, parts: Array, needed: Array, velocity: Array
+    ) -> tuple[Array, Array]:
+        """Give the rates of what is not in danger of being lost, and of what is."""
+        rank = len(parts)
+        weak = posture.values < posture.lower
+        none = posture.values < _UNCERTAIN * posture.least
+        sound = posture.right[:rank].T @ np.where(weak, 0.0, needed)
+        lost = posture.right[:rank].T @ np.where(weak & ~none, needed, 0.0)
+        amount = _norm(parts[none])
+        if amount <= _SOMETHING * _norm(parts):
+            return sound, lost
+        u = posture.left[:, none] @ parts[none] / amount
+        null = np.append(np.flatnonzero(none), np.arange(rank, len(posture.q)))
+        way = self._way_out(posture, u, posture.right[null], sound + lost, velocity)
+        return sound, lost + amount / posture.least * way
+
+    def _way_out(
+        self, posture: _Posture, u: Array, null: Array, rates: Array, velocity: Array
+    ) -> Array:
+        """Find the motion of the joints, of those that the tip does not feel, that regains u.
+
+        Its direction is that in which other rates lead out, or in which the joints move already,
+        or in which they have more room.
+        """
+        changes = [u @ self._change(posture, v) for v in null]
+        bends = np.array([[a @ v for v in null] for a in changes])
+        way: Array = np.linalg.eigh(0.5 * (bends + bends.T))[1][:, -1] @ null
+        along = float(u @ self._change(posture, rates) @ way)
+        if abs(along) < _LEVEL:
+            along = float(velocity @ way)
+        if abs(along) < _LEVEL:
+            along = self._room(posture.q, way) - self._room(posture.q, -way)
+        return way if along >= 0.0 else -way
+
+    def _room(self, q: Array, way: Array) -> float:
+        """Give how far the joints can go in a direction (rad or m)."""
+        bound = np.where(way > 0.0, self._chain.upper, self._chain.lower)
+        moved = np.abs(way) > _NO_RATE
+        room = np.abs(bound - q)[moved] / np.abs(way)[moved]
+        return float(min(np.min(room, initial=math.inf), 1e9))
+
+    def _slowed(
+        self, posture: _Posture, parts: Array, needed: Array, lost: Array, rates: Array
+    ) -> tuple[float, bool]:
+        """Give the scale, and whether the posture comes nearer to a singularity."""
+        weak = posture.values < posture.lower
+        last = int(np.argmin(posture.values))
+        change = self._change(posture, rates)
+        fall = -float(posture.left[:, last] @ change @ posture.right[last])
+        if posture.values[last] < _UNCERTAIN * posture.least:
+            # Every way leads out of a singular posture.
+            fall = -abs(fall)
+        left = max(float(posture.values[last]), posture.least)
+        part = _norm(parts[weak]) / _norm(parts)
+        scale = min(1.0, self._approach * left / max(fall * part, 1e-300))
+        shares = np.where(weak, parts * needed, 0.0)
+        amount = float(shares.sum())
+        if amount > _NO_RATE * float(parts @ needed):
+            u = posture.left @ np.where(weak, parts, 0.0)
+            pull = -float(u @ self._change(posture, lost) @ lost) / amount
+            # Nothing is a wall that the motion as a whole leads away from.
+            pull = min(pull, -float(u @ change @ lost) / amount)
+            # No wall is where the joints would have to turn by a radian to get there.
+            pull -= posture.least * _norm(lost)
+            value = float(shares @ posture.values) / amount
+            scale = min(scale, self._before_the_wall(pull, value - posture.least))
+        return scale, fall > _LEVEL
+
+    def _before_the_wall(self, pull: float, distance: float) -> float:
+        """Give the scale of a motion that takes away from itself what it needs."""
+        if pull <= _LEVEL:
+            return 1.0
+        scale = min(1.0, (self._approach * max(distance, 0.0) + _LEVEL) / pull)
+        return scale if scale > _HALT else 0.0
+
+
+def _condition(values: NDArray, rank: int) -> float:
+    least = float(values[rank - 1])
+    return float(values[0]) / least if least > 1e-12 * float(values[0]) else math.inf
+
+
+def _norm(vector: Array) -> float:
+    return math.sqrt(float(vector @ vector))
+
+
+def _without_rounding(rates: Array) -> Array:
+    cleaned: Array = np.where(np.abs(rates) < _NO_RATE * np.abs(rates).max(), 0.0, rates)
+    return cleaned

@@ -1,0 +1,290 @@
+"""The servo itself: the last command, how old it is, and what becomes of it in the next period."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.motion import Advance, Motion, Samples
+from robomech_ros.servo.resolution import Resolution, TwistResolver
+
+__all__ = [
+    "Command",
+    "Condition",
+    "JointCommand",
+    "Report",
+    "Servo",
+    "ServoSettings",
+    "TwistCommand",
+]
+
+Array = NDArray[np.float64]
+
+# Changes of velocity that take longer than this many periods are worth a word.
+_NEARLY_ONE = 1.0 - 1e-6
+
+
+class Condition(Enum):
+    """What limits the motion."""
+
+    NO_WARNING = "no warning"
+    APPROACHING_SINGULARITY = "approaching a singularity"
+    SINGULARITY = "singularity"
+    LEAVING_SINGULARITY = "leaving a singularity"
+    JOINT_BOUND = "joint bound"
+    RATE_BOUND = "rate bound"
+    IMPOSSIBLE = "impossible"
+    STALE_COMMAND = "stale command"
+    PAUSED = "paused"
+
+
+@dataclass(frozen=True)
+class ServoSettings:
+    """How a servo behaves.
+
+    Attributes
+    ----------
+    period : float
+        Time between knots of the stream (s).
+    slow_from, stop_at : float
+        Condition numbers, over the characteristic length, from which on motions into a
+        singularity are slowed down, and at which they stand.
+    length : float or None
+        By which linear motions are divided (m); None for the characteristic length.
+    """
+
+    period: float = 0.01
+    slow_from: float = 30.0
+    stop_at: float = 90.0
+    length: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TwistCommand:
+    """Move the tip.
+
+    Attributes
+    ----------
+    twist : ndarray, shape (6,)
+        Angular velocity, then velocity of the tip's origin (rad/s and m/s).
+    axes : callable
+        Gives for q the rotation ``R_base_axes`` of the axes in which the twist is expressed, or
+        None for the base.
+    until : float
+        When it is stale (s).
+    """
+
+    twist: Array
+    axes: Callable[[Array], Array | None]
+    until: float
+
+
+@dataclass(frozen=True, eq=False)
+class JointCommand:
+    """Move the joints.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (n,)
+        rad/s or m/s.
+    until : float
+        When it is stale (s).
+    """
+
+    rates: Array
+    until: float
+
+
+Command = TwistCommand | JointCommand
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What was made of the command in one period.
+
+    Attributes
+    ----------
+    condition : Condition
+        What limits the motion.
+    scale : float
+        Part of the commanded speed at which the motion is carried out, 0 to 1; 1 without command.
+    condition_number : float
+        Of the Jacobian over the characteristic length.
+    joints : tuple of str
+        The joints that limit the motion.
+    text : str
+        The same in words; empty where nothing limits it.
+    """
+
+    condition: Condition
+    scale: float
+    condition_number: float
+    joints: tuple[str, ...] = ()
+    text: str = ""
+
+
+class Servo:
+    """Turns commands into a stream of joint positions for one chain.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints with velocity limits.
+    settings : ServoSettings
+        How it behaves.
+
+    Raises
+    ------
+    MissingLimitsError
+        A joint has no velocity limit.
+    BadValueError
+        The chain has no joint, or is singular in every posture.
+
+    Attributes
+    ----------
+    paused : bool
+        Whether it brakes and holds, whatever is commanded.
+    """
+
+    def __init__(self, chain: SerialChain, settings: ServoSettings) -> None:
+        self.limits = ServoLimits.of(chain)
+        self._period = settings.period
+        approach = float(np.min(self.limits.acceleration / self.limits.velocity))
+        self._resolver = TwistResolver(
+            chain, settings.slow_from, settings.stop_at, approach, settings.length
+        )
+        self._motion: Motion | None = None
+        self._command: Command | None = None
+        self.paused = False
+
+    @property
+    def active(self) -> bool:
+        """Whether the stream has begun and not been let go."""
+        return self._motion is not None
+
+    @property
+    def motion(self) -> Motion:
+        """The stream; only while active."""
+        assert self._motion is not None
+        return self._motion
+
+    @property
+    def command(self) -> Command | None:
+        """The last command, unless it was forgotten."""
+        return self._command
+
+    def wants_to_move(self, now: float) -> bool:
+        """Whether there is a command that is neither stale (time in s) nor paused."""
+        return self._command is not None and now <= self._command.until and not self.paused
+
+    def take(self, command: Command) -> None:
+        """Follow a command from now on."""
+        self._command = command
+
+    def forget(self) -> None:
+        """Follow no command."""
+        self._command = None
+
+    def start(self, position: Array, velocity: Array) -> None:
+        """Begin a stream where the joints are (rad or m, and per s)."""
+        self._motion = Motion(self.limits, self._period, position, velocity)
+
+    def end(self) -> None:
+        """Let the joints go."""
+        self._motion = None
+
+    def step(self, now: float) -> Report:
+        """Go on by one period; the time (s) decides whether the command is stale."""
+        motion, command = self.motion, self._command
+        if command is None or now > command.until or self.paused:
+            motion.advance(np.zeros_like(motion.velocity))
+            return self._standing(now)
+        if isinstance(command, JointCommand):
+            resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
+        else:
+            # The velocity that is looked for is that at the next knot.
+            position = motion.position + self._period * motion.velocity
+            axes = command.axes(position)
+            twist = command.twist if axes is None else _turned(axes, command.twist)
+            resolution = self._resolver.resolve(position, twist, motion.velocity)
+        speed, fastest = self._within_rates(resolution.rates)
+        scale = min(speed, resolution.scale)
+        advance = motion.advance(scale * resolution.rates)
+        return self._judged(resolution, scale, speed, fastest, advance)
+
+    def samples(self) -> Samples:
+        """Give the stream from the last knot but one on, at rest at the end."""
+        return self.motion.samples()
+
+    def idle(self, now: float, position: Array) -> Report:
+        """Report without a stream, for joints somewhere (rad or m)."""
+        return self._standing(now, self._resolver.condition_number(position))
+
+    def _condition_number(self) -> float:
+        return self._resolver.condition_number(self.motion.position)
+
+    def _standing(self, now: float, condition: float | None = None) -> Report:
+        number = self._condition_number() if condition is None else condition
+        if self.paused:
+            return Report(Condition.PAUSED, 0.0, number, (), "paused")
+        if self._command is None:
+            return Report(Condition.NO_WARNING, 1.0, number)
+        age = now - self._command.until
+        text = f"the last command is stale, for {max(age, 0.0):.3g} s"
+        return Report(Condition.STALE_COMMAND, 0.0, number, (), text)
+
+    def _within_rates(self, rates: Array) -> tuple[float, int]:
+        """Give the scale that velocity limits allow, and the joint that needs it most."""
+        share = np.abs(rates) / self.limits.velocity
+        fastest = int(np.argmax(share))
+        return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
+
+    def _judged(
+        self, found: Resolution, scale: float, speed: float, fastest: int, advance: Advance
+    ) -> Report:
+        """Say what limits the motion most."""
+        number = found.condition_number
+        carried = self._carried(found.rates)
+        if not found.possible:
+            text = "the arm cannot move in the direction of the twist, whatever its posture"
+            return Report(Condition.IMPOSSIBLE, 0.0, number, (), text)
+        if scale == 0.0:
+            text = f"the motion leads into a singularity (condition number {number:.4g})"
+            return Report(Condition.SINGULARITY, carried, number, (), text)
+        if advance.bound and advance.allowed < _NEARLY_ONE:
+            text = f"{', '.join(advance.bound)} near the end of the range"
+            return Report(Condition.JOINT_BOUND, carried, number, advance.bound, text)
+        if found.scale < min(speed, _NEARLY_ONE):
+            text = f"slowed down to {found.scale:.3g} before a singularity"
+            text += f" (condition number {number:.4g})"
+            return Report(Condition.APPROACHING_SINGULARITY, carried, number, (), text)
+        if speed < _NEARLY_ONE:
+            name, limit = self.limits.names[fastest], float(self.limits.velocity[fastest])
+            text = (
+                f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
+            )
+            leaving = found.leaving
+            what = Condition.LEAVING_SINGULARITY if leaving else Condition.RATE_BOUND
+            return Report(what, carried, number, (name,), text)
+        if advance.followed < _NEARLY_ONE:
+            text = "the acceleration limits are used up"
+            return Report(Condition.RATE_BOUND, carried, number, (), text)
+        return Report(Condition.NO_WARNING, carried, number)
+
+    def _carried(self, rates: Array) -> float:
+        """Give what part of the commanded rates the joints have now."""
+        largest = float(np.abs(rates).max())
+        if largest == 0.0:
+            return 1.0
+        # Not their square, which would overflow.
+        along = rates / largest
+        part = float(self.motion.velocity @ along) / float(along @ along) / largest
+        return min(max(part, 0.0), 1.0)
+
+
+def _turned(axes: Array, twist: Array) -> Array:
+    return np.concatenate((axes @ twist[:3], axes @ twist[3:]))
