@@ -1,6 +1,7 @@
 """Decoding of PlanCartesian requests, and encoding of what came of them."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,10 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.cartesian_planning import FollowedPath, PathBounds
-from robomech_ros.nodes.conversions import joint_trajectory, matrix_from_pose
+from robomech_ros.nodes.conversions import TrajectoryPoints, matrix_from_pose
+from robomech_ros.nodes.plan_messages import encode_waypoints
 from robomech_ros.nodes.planning import check_waypoints
 from robomech_ros.nodes.robot_description import RobotModel
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import SampledPlan, TipSpeeds
 
 __all__ = ["encode_path_plan", "path_bounds", "path_profile", "tip_speeds", "waypoint_poses"]
@@ -110,20 +111,15 @@ def _positive(request: Any, name: str) -> float:
 
 
 def encode_path_plan(
-    followed: FollowedPath, plan: SampledPlan | None, chain: SerialChain, response: Any
+    followed: FollowedPath,
+    plan: SampledPlan | None,
+    joint_names: Sequence[str],
+    messages: TrajectoryPoints,
+    response: Any,
 ) -> Any:
     """Fill a PlanCartesian response with what can be followed, and why not more."""
     if plan is not None:
-        points = plan.waypoints
-        assert points.velocities is not None
-        assert points.accelerations is not None
-        response.trajectory = joint_trajectory(
-            chain.joint_names,
-            points.times,
-            points.positions,
-            points.velocities,
-            points.accelerations,
-        )
+        response.trajectory = encode_waypoints(plan.waypoints, joint_names, messages)
     response.fraction = float(followed.fraction)
     response.stop_index = followed.stop_index
     response.stop_reason = followed.tracking.reason

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.planning import fitting_plan
@@ -39,6 +39,7 @@ __all__ = [
     "PathBounds",
     "PathCheck",
     "follow",
+    "load_inverse_kinematics",
     "last_before",
     "path_through",
     "plan_along",
@@ -281,7 +282,15 @@ def plan_along(
     )
 
 
+def load_inverse_kinematics() -> None:
+    """Load what the first path of a process waits for otherwise: compiled code, some seconds."""
+    import robomech_ros.kinematics.inverse  # noqa: F401
+
+
 def _arm(chain: SerialChain) -> SerialArm:
+    # Loaded here, since a planner begins to serve before all of it is there.
+    from robomech_ros.kinematics import inverse_kinematics
+
     def inverse(T: Array, near: Array) -> Array | None:
         seed = np.clip(near, chain.lower, chain.upper)
         found = inverse_kinematics(chain, T, seed=seed, max_solutions=1).q

@@ -1,16 +1,19 @@
 """Decoding of PlanJoint requests, encoding of plans, and the path that a plan lets the tip take."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.conversions import (
+    TrajectoryPoints,
     duration_from_seconds,
     fill_pose,
     floats,
@@ -19,13 +22,14 @@ from robomech_ros.nodes.conversions import (
 )
 from robomech_ros.nodes.planning import check_duration, check_waypoints
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan
+from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 
 __all__ = [
     "OFFERED",
     "SHORTEST_PERIOD",
     "TipPath",
     "encode_plan",
+    "encode_waypoints",
     "plan_options",
     "profile_name",
     "via_points",
@@ -86,13 +90,13 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def via_points(request: Any, chain: SerialChain, most: int) -> NDArray[np.float64]:
+def via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
     """Read the points to pass on the way, shape (m, n).
 
     Parameters
     ----------
     request : PlanJoint.Request
-    chain : SerialChain
+    limits : Limits
         Of n joints.
     most : int
         How many there may be.
@@ -107,14 +111,14 @@ def via_points(request: Any, chain: SerialChain, most: int) -> NDArray[np.float6
         A point is outside the position limits.
     """
     check_waypoints("via", len(request.via), most)
-    points = np.empty((len(request.via), chain.n))
-    limits = Limits.of(chain)
+    n = len(limits.joint_names)
+    points = np.empty((len(request.via), n))
     for k, point in enumerate(request.via):
         for what in ("velocities", "accelerations", "effort"):
             if getattr(point, what):
                 raise BadValueError(f"via[{k}].{what}", list(getattr(point, what)), "none")
-        if len(point.positions) != chain.n:
-            raise WrongSizeError(f"via[{k}].positions", len(point.positions), chain.n)
+        if len(point.positions) != n:
+            raise WrongSizeError(f"via[{k}].positions", len(point.positions), n)
         points[k] = point.positions
         if not np.isfinite(points[k]).all():
             raise NonFiniteError(f"via[{k}].positions", points[k])
@@ -154,22 +158,38 @@ def wanted_period(request: Any) -> float:
 
 
 def encode_plan(
-    plan: SampledPlan, chain: SerialChain, options: dict[str, Any], response: Any
+    plan: SampledPlan,
+    limits: Limits,
+    options: dict[str, Any],
+    messages: TrajectoryPoints,
+    response: Any,
 ) -> Any:
     """Fill a PlanJoint response; ratios are relative to the limits of the joints, not scaled."""
     points, peaks = plan.waypoints, plan.verification
-    assert points.velocities is not None
-    assert points.accelerations is not None
-    response.trajectory = joint_trajectory(
-        chain.joint_names, points.times, points.positions, points.velocities, points.accelerations
-    )
+    response.trajectory = encode_waypoints(points, limits.joint_names, messages)
     response.duration = duration_from_seconds(float(points.times[-1]))
     velocity, acceleration, jerk = (options[name] for name in _SCALES)
     response.peak_velocity_ratio = floats(peaks.peak_velocity_ratio * velocity)
     response.peak_acceleration_ratio = floats(peaks.peak_acceleration_ratio * acceleration)
-    if np.isfinite(chain.jerk).any():
+    if np.isfinite(limits.jerk).any():
         response.peak_jerk_ratio = floats(peaks.peak_jerk_ratio * jerk)
     return response
+
+
+def encode_waypoints(
+    points: Waypoints, joint_names: Sequence[str], messages: TrajectoryPoints
+) -> JointTrajectory:
+    """Make the trajectory message of waypoints that have velocities and accelerations."""
+    assert points.velocities is not None
+    assert points.accelerations is not None
+    return joint_trajectory(
+        joint_names,
+        points.times,
+        points.positions,
+        points.velocities,
+        points.accelerations,
+        messages,
+    )
 
 
 class TipPath:

@@ -19,12 +19,24 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["RATES", "SMALLEST_LIMIT", "JointLimits", "Limits", "Rate"]
+__all__ = [
+    "JERK_MARGIN",
+    "MARGIN",
+    "RATES",
+    "SMALLEST_LIMIT",
+    "JointLimits",
+    "Limits",
+    "Rate",
+]
 
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
 # Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.
 SMALLEST_LIMIT = 1e-12
+# Planned within the limits less these parts, samples stay within the limits despite the rounding
+# of numbers and of times to nanoseconds.
+MARGIN = 1e-7
+JERK_MARGIN = 1e-5
 
 
 class JointLimits(Protocol):
@@ -187,6 +199,11 @@ class Limits:
     def tools(self) -> "Tools":
         """What planners keep for the next plan within these limits."""
         return Tools()
+
+    @cached_property
+    def with_margin(self) -> "Limits":
+        """These limits less the room that the rounding of samples needs."""
+        return self.scaled(velocity=1.0 - MARGIN, acceleration=1.0 - MARGIN, jerk=1.0 - JERK_MARGIN)
 
     @cached_property
     def ranges(self) -> FloatArray:
