@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.cartesian_planning import FollowedPath, PathBounds
 from robomech_ros.nodes.conversions import TrajectoryPoints, matrix_from_pose
@@ -25,6 +26,7 @@ _PROFILES = {
 }
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
+_MOST = {"max_linear_speed": LARGEST_LENGTH, "max_angular_speed": LARGEST_LENGTH}
 _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
 
 
@@ -56,6 +58,10 @@ def waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.flo
     for k, waypoint in enumerate(request.waypoints):
         frame = model.frame_in_base(waypoint.header.frame_id)
         pose = matrix_from_pose(waypoint.pose, f"waypoints[{k}]")
+        far = float(np.abs(pose[:3, 3]).max())
+        if far > LARGEST_LENGTH:
+            expected = f"coordinates of at most {LARGEST_LENGTH:g} m"
+            raise BadValueError(f"waypoints[{k}].position", far, expected)
         poses[k] = pose if frame is None else frame @ pose
     return poses
 
@@ -107,6 +113,9 @@ def _positive(request: Any, name: str) -> float:
     if (value and not value >= least) or value < 0.0:
         expected = f"at least {least:g}" if least else "a positive number"
         raise BadValueError(name, value, f"{expected}, or 0 for the default")
+    most = _MOST.get(name, math.inf)
+    if value > most:
+        raise BadValueError(name, value, f"at most {most:g}, or 0 for no limit of its own")
     return value
 
 

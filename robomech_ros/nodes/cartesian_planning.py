@@ -1,5 +1,6 @@
 """Motions of the tip along paths in space: where they can go, and why not farther."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -143,28 +144,53 @@ def path_through(start: Array, waypoints: Array, kind: int) -> PosePath | None:
     if _KINDS[kind] == "ARC":
         if len(waypoints) % 2:
             raise WrongSizeError("waypoints", len(waypoints), "pairs of poses (through, to)")
-        return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
+        try:
+            return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
+        except BadValueError as error:
+            raise _of_arc(error) from None
     poses = np.concatenate([start[None], waypoints])
     apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
     kept = np.flatnonzero(np.append(True, apart > _SAME))
     distinct = poses[kept]
     if len(distinct) == 1:
         return None
-    if _KINDS[kind] == "STRAIGHT":
-        return straight_path(distinct)
+    lay = straight_path if _KINDS[kind] == "STRAIGHT" else spline_path
     try:
-        return spline_path(distinct)
+        return lay(distinct)
     except BadValueError as error:
-        raise _in_waypoints(error, kept) from None
+        raise _in_waypoints(error, kept, _KINDS[kind]) from None
 
 
-def _in_waypoints(error: BadValueError, kept: NDArray[np.int64]) -> BadValueError:
-    """Name the waypoint, of which the start is none, instead of a pose of the path."""
-    for k in range(1, len(kept)):
-        if error.what == f"poses[{k}]":
-            expected = f"{error.expected}; a STRAIGHT path (0) rests there instead"
-            return BadValueError(f"waypoints[{kept[k] - 1}]", error.value, expected)
-    return error
+def _waypoint(k: int) -> str:
+    """Name a pose in words of a request, whose waypoints come after the start."""
+    return f"waypoints[{k - 1}]" if k else "the start"
+
+
+def _in_waypoints(error: BadValueError, kept: NDArray[np.int64], kind: str) -> BadValueError:
+    """Name waypoints instead of poses of a path."""
+    what = re.sub(r"poses\[(\d+)\]", lambda k: _waypoint(int(kept[int(k[1])])), error.what)
+    expected = error.expected
+    if kind == "SPLINE" and re.fullmatch(r"poses\[\d+\]", error.what):
+        expected = f"{expected}; a STRAIGHT path (0) rests there instead"
+    return BadValueError(what, error.value, expected)
+
+
+def _of_arc(error: BadValueError) -> BadValueError:
+    """Name waypoints instead of an arc and its three points or orientations."""
+    arc = re.match(r"arc (\d+): ", error.what)
+    if arc is None:
+        return error
+    names = [_waypoint(2 * int(arc[1]) + k) for k in range(3)]
+    numbers = [int(k) for k in re.findall(r"\[(\d)\]", error.what)]
+    if "rotations" in error.what:
+        what = f"angle (rad) from {names[numbers[0]]} to {names[numbers[1]]}"
+        return BadValueError(what, error.value, error.expected)
+    if not numbers:
+        return BadValueError(f"positions of {', '.join(names)}", error.value, error.expected)
+    # The point after the last one of three is the first again.
+    before, there = names[numbers[0] - 1], names[min(numbers[0], 2)]
+    other = names[0] if numbers[0] > 2 else before
+    return BadValueError(f"position of {there}", error.value, f"apart from that of {other}")
 
 
 def follow(

@@ -47,6 +47,7 @@ from robomech_ros.nodes.plan_messages import (
     TipPath,
     encode_plan,
     plan_options,
+    plan_points,
     via_points,
     wanted_period,
 )
@@ -221,11 +222,12 @@ class TrajectoryPlannerNode(Node):
         goal = self._joints.given(self._chain, request.goal, "goal")
         period = wanted_period(request)
         start = await self._start(request.start, settings)
+        points = plan_points(start, via, goal, self._limits)
 
         def planned() -> SampledPlan:
             return plan_that_fits(
                 self._limits,
-                np.vstack([start, *via, goal]),
+                points,
                 wanted_period=period,
                 usual_period=settings.sample_period,
                 max_points=settings.max_points,
@@ -251,7 +253,8 @@ class TrajectoryPlannerNode(Node):
         start = await self._start(request.start, settings)
         path = path_through(forward_kinematics(self._chain, start), poses, request.path)
         if path is None:
-            raise BadValueError("waypoints", len(poses), "at least one other than the start")
+            given, expected = f"{len(poses)} poses equal to the start", "at least one other pose"
+            raise BadValueError("waypoints", given, expected)
 
         def planned() -> tuple[FollowedPath, SampledPlan | None]:
             followed = follow(self._chain, path, poses, start, bounds)

@@ -1,9 +1,11 @@
-"""Guaranteed extremes of piecewise polynomials, between the samples as well.
+"""Guaranteed bounds of piecewise polynomials, between the samples as well.
 
 On an interval a polynomial lies within the hull of its Bernstein coefficients, and the hull
-shrinks onto it quadratically as the interval is divided.  So the pieces whose hull cannot hold an
-extreme are dropped at once, those of all joints and derivatives together, and the few others are
-divided until the hull is as narrow as wanted.
+shrinks onto it quadratically as the interval is divided.  So the pieces whose hull cannot go over
+a bound are dropped at once, all pieces together, and the few others are divided until it is clear.
+
+How large extremes and steps are is found by compiled code, for planners; where a bound is exceeded
+first is found without, since a controller asks for that, too.
 
 References
 ----------
@@ -12,24 +14,20 @@ Geometric Design 29, 2012, sections 3.3 and 3.5.
 """
 
 import math
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["extremes", "extremes_by_order", "first_above", "hull", "steps"]
+__all__ = ["extremes", "first_above", "hull", "largest_steps", "steps"]
 
 # A piece is divided into so many: each time the hull becomes narrower by their square.
 _PARTS = 16
 # A hull still too wide after these divisions is rounding.
 _DIVISIONS = 8
-# Segments looked at together: their coefficients fit into the cache.
-_BLOCK = 512
 
 
 def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
@@ -48,7 +46,12 @@ def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
         d is the degree of the derivative.  The first and last coefficients are the values at the
         ends of the segment; all values in between lie between the smallest and the largest.
     """
-    coefficients: FloatArray = _hulls(curve, (order,))[0]
+    powers = _on_unit_spans(curve)
+    size, segments, joints = powers.shape
+    flat = _to_bernstein(size, order) @ powers.reshape(size, -1)
+    coefficients: FloatArray = flat.reshape(-1, segments, joints)
+    if order:
+        coefficients *= _rate_scales(curve, (order,))
     return coefficients
 
 
@@ -78,41 +81,46 @@ def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
     return after - before * _rate_scales(curve, orders)[:, :-1]
 
 
-def extremes(curve: PiecewisePolynomial, order: int) -> tuple[FloatArray, FloatArray]:
-    """Find the smallest and the largest value (n,) of a derivative, as `extremes_by_order`."""
-    low, high = extremes_by_order(curve, (order,))
-    return low[0], high[0]
-
-
-def extremes_by_order(
-    curve: PiecewisePolynomial, orders: tuple[int, ...], slack: FloatArray | None = None
+def extremes(
+    curve: PiecewisePolynomial, slack: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Find the smallest and the largest value of some derivatives for every joint.
+    """Find the smallest and the largest position, velocity, acceleration and jerk of each joint.
 
     Parameters
     ----------
     curve : PiecewisePolynomial
-        Of n joints.
-    orders : tuple of int
-        k of them: 0 position, 1 velocity, 2 acceleration, 3 jerk.
-    slack : ndarray, shape (k, s, n), optional
+        s segments, n joints.
+    slack : ndarray, shape (4, max(s, 1), n), optional
         By how much the values in each segment may be wrong; they count only as far as they are
         certain.
 
     Returns
     -------
-    low, high : ndarray, shape (k, n)
+    low, high : ndarray, shape (4, n)
         Over the whole curve, rad or m over s to the power of the order, exact to a part in 1e11
-        of the largest coefficient.
+        of the largest coefficient of a segment.
     """
-    best = np.full((2, len(orders), curve.joints), -np.inf)
-    for first, block in _blocks(curve):
-        coefficients = _hulls(block, orders)
-        both = np.stack([coefficients, -coefficients])
-        if slack is not None:
-            both -= slack[:, None, first : first + _BLOCK]
-        best = _maxima(both, best)
-    return -best[1], best[0]
+    # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
+    from robomech_ros._kernels.time_peaks import piece_extremes
+
+    low, high = np.empty((2, 4, curve.joints))
+    piece_extremes(*_for_kernels(curve, slack, 4), low, high)
+    return low, high
+
+
+def largest_steps(curve: PiecewisePolynomial, slack: FloatArray | None = None) -> FloatArray:
+    """Find how far position, velocity and acceleration step at most, shape (3, n); see `steps`.
+
+    Parameters
+    ----------
+    curve, slack
+        As for `extremes`.
+    """
+    from robomech_ros._kernels import time_peaks
+
+    largest = np.empty((3, curve.joints))
+    time_peaks.largest_steps(*_for_kernels(curve, slack, 3), largest)
+    return largest
 
 
 def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, int] | None:
@@ -144,31 +152,26 @@ def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, in
     return int(segments[found[0]]), int(joints[found[0]])
 
 
+def _for_kernels(
+    curve: PiecewisePolynomial, slack: FloatArray | None, orders: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give breaks, coefficients and slack of a curve as compiled code takes them."""
+    if slack is None:
+        slack = np.zeros((orders, *curve.coefficients.shape[1:]))
+    breaks, coefficients = np.ascontiguousarray(curve.breaks), curve.coefficients
+    return breaks, np.ascontiguousarray(coefficients), np.ascontiguousarray(slack)
+
+
 @cache
-def _to_bernstein(size: int, orders: tuple[int, ...]) -> FloatArray:
-    """Build the matrix from powers on [0, 1] to the coefficients of derivatives, of one degree."""
-    degree = max(size - 1 - min(orders), 0)
-    matrix = np.zeros((len(orders), degree + 1, size))
-    for row, order in enumerate(orders):
-        for i in range(order, size):
-            for k in range(i - order, degree + 1):
-                share = math.comb(k, i - order) / math.comb(degree, i - order)
-                matrix[row, k, i] = math.perm(i, order) * share
+def _to_bernstein(size: int, order: int) -> FloatArray:
+    """Build the matrix from powers on [0, 1] to the coefficients of a derivative."""
+    degree = max(size - 1 - order, 0)
+    matrix = np.zeros((degree + 1, size))
+    for i in range(order, size):
+        for k in range(i - order, degree + 1):
+            share = math.comb(k, i - order) / math.comb(degree, i - order)
+            matrix[k, i] = math.perm(i, order) * share
     return matrix
-
-
-def _hulls(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
-    """Bernstein coefficients of k derivatives, all of the degree of the first of them.
-
-    Of shape (k, d + 1, max(s, 1), n).
-    """
-    powers = _on_unit_spans(curve)
-    size, segments, joints = powers.shape
-    flat = _to_bernstein(size, orders).reshape(-1, size) @ powers.reshape(size, -1)
-    values: FloatArray = flat.reshape(len(orders), -1, segments, joints)
-    if any(orders):
-        values *= _rate_scales(curve, orders)[:, None]
-    return values
 
 
 @cache
@@ -230,54 +233,6 @@ def _divided(pieces: FloatArray) -> FloatArray:
     """Divide m pieces (d + 1, m): the first parts of all, then the second ones, and so on."""
     parts: FloatArray = (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
     return parts
-
-
-def _blocks(curve: PiecewisePolynomial) -> Iterator[tuple[int, PiecewisePolynomial]]:
-    """Cut a curve into parts that fit into a processor's cache; yield first segment and part."""
-    segments = curve.coefficients.shape[1]
-    if segments <= _BLOCK:
-        yield 0, curve
-        return
-    for first in range(0, segments, _BLOCK):
-        last = min(first + _BLOCK, segments)
-        breaks = curve.breaks[first : last + 1]
-        yield first, PiecewisePolynomial(breaks, curve.coefficients[:, first:last])
-
-
-def _maxima(coefficients: FloatArray, known: FloatArray) -> FloatArray:
-    """Find the largest values over all segments, or the known ones where they are larger.
-
-    Parameters
-    ----------
-    coefficients : ndarray, shape (2, k, d + 1, s, n)
-        Those of k derivatives, and with the sign changed.
-    known : ndarray, shape (2, k, n)
-    """
-    upper = coefficients.max(axis=2)
-    ends = np.maximum(coefficients[:, :, 0], coefficients[:, :, -1])
-    best = np.maximum(known, _over_segments(ends))
-    scale = np.maximum(_over_segments(upper).max(axis=0), 0.0) * tolerances.PEAK_ACCURACY
-    places = np.nonzero(upper > (best + scale)[:, :, None])
-    sign, which, segments, joints = places
-    owner = np.ravel_multi_index((sign, which, joints), best.shape)
-    pieces = coefficients[sign, which, :, segments, joints].T
-    flat, threshold = best.ravel(), np.broadcast_to(scale, best.shape).ravel()
-    for _ in range(_DIVISIONS):
-        if not len(owner):
-            return best
-        # Each part begins where the one before it ends, and the ends of the pieces are known.
-        pieces, owner = _divided(pieces), np.concatenate([owner] * _PARTS)
-        np.maximum.at(flat, owner, pieces[0])
-        kept = pieces.max(axis=0) > (flat + threshold)[owner]
-        pieces, owner = pieces[:, kept], owner[kept]
-    np.maximum.at(flat, owner, pieces.max(axis=0))
-    return best
-
-
-def _over_segments(values: FloatArray) -> FloatArray:
-    """Largest of the values (..., s, n) of each joint; joint by joint in memory, it is faster."""
-    largest: FloatArray = np.ascontiguousarray(values.swapaxes(-1, -2)).max(axis=-1)
-    return largest
 
 
 def _goes_above(pieces: FloatArray, bounds: FloatArray) -> npt.NDArray[np.bool_]:

@@ -212,9 +212,15 @@ class Limits:
         return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
+    def rates(self) -> FloatArray:
+        """Limits of velocity, acceleration and jerk, (3, n)."""
+        return np.stack([self.velocity, self.acceleration, self.jerk])
+
+    @cached_property
     def inverses(self) -> FloatArray:
         """One over the limits of velocity, acceleration and jerk, (3, n)."""
-        return np.stack([1.0 / getattr(self, rate) for rate in RATES])
+        inverses: FloatArray = 1.0 / self.rates
+        return inverses
 
     def check_start(self, position: FloatArray) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""

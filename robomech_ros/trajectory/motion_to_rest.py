@@ -75,7 +75,7 @@ def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limi
 
     A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
     """
-    low, high = extremes(pieces, 0)
+    low, high = (values[0] for values in extremes(pieces))
     for values, edge, bound in (
         (-low, -np.minimum(limits.lower, start), limits.lower),
         (high, np.maximum(limits.upper, start), limits.upper),

@@ -10,14 +10,14 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.bounds import extremes_by_order, first_above, hull, steps
+from robomech_ros.trajectory.bounds import extremes, first_above, hull, largest_steps, steps
 from robomech_ros.trajectory.given_pieces import checked_pieces
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 
-__all__ = ["Verification", "Violation", "verify"]
+__all__ = ["Verification", "Violation", "first_violation", "verify"]
 
 QUANTITIES = ("position", *RATES)
 # Of piecewise polynomials, as they are documented.
@@ -141,31 +141,89 @@ def verify(
         If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
     """
     known = Limits.of(limits)
-    curve, rounding = _curve_of(trajectory)
-    if curve.joints != len(known.joint_names):
-        raise WrongSizeError("joints of the trajectory", curve.joints, len(known.joint_names))
-    doubts = _rounding(curve) if rounding else np.zeros((4, *curve.coefficients.shape[1:]))
-    low, high = extremes_by_order(curve, (1, 2, 3), doubts[1:])
-    peaks = np.maximum(np.maximum(-low, high), 0.0)
-    ratios = {rate: peaks[k] / getattr(known, rate) for k, rate in enumerate(RATES)}
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    low, high = extremes(curve, doubts)
+    largest = largest_steps(curve, doubts)
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / known.rates
+    checked = [k for k, rate in enumerate(RATES) if rate in rates]
     found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
-    found += _position_violations(curve, known)
-    certain = _steps(curve, doubts)
-    largest = certain.max(axis=1, initial=0.0)
     allowed = _allowed_steps(trajectory, curve, known, rates)
-    if not (largest <= allowed).all():
-        found += _step_violations(curve, known, certain, allowed)
-    for order, rate in enumerate(RATES, 1):
-        if rate in rates and (ratios[rate] > 1.0 + tolerances.LIMIT_SLACK).any():
-            found += _rate_violations(curve, known, order, rate, doubts[order])
-    first = min(found, key=lambda violation: violation.time, default=None)
-    return Verification(
-        ratios["velocity"],
-        ratios["acceleration"],
-        ratios["jerk"],
-        first,
-        largest[2],
+    good = (
+        (low[0] >= known.lower - tolerances.POSITION_SLACK).all()
+        and (high[0] <= known.upper + tolerances.POSITION_SLACK).all()
+        and (largest <= allowed).all()
+        and (ratios[checked] <= 1.0 + tolerances.LIMIT_SLACK).all()
     )
+    if not good:
+        found += _violations(curve, known, doubts, allowed, rates)
+    return Verification(*ratios, _first(found), largest[2])
+
+
+def first_violation(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
+    limits: JointLimits | Any,
+    *,
+    start: npt.ArrayLike | None = None,
+    start_tolerance: float = tolerances.POSITION_SLACK,
+    from_zero: bool = True,
+    to_rest: bool = True,
+    rates: Sequence[Rate] = RATES,
+) -> Violation | None:
+    """Find what is wrong first with a trajectory, if anything is, without compiled code.
+
+    Parameters
+    ----------
+    trajectory, limits, start, start_tolerance, from_zero, to_rest, rates
+        As for `verify`.
+
+    Returns
+    -------
+    Violation or None
+
+    Raises
+    ------
+    BadValueError, NonFiniteError, WrongSizeError
+        As `verify` does.
+    """
+    known = Limits.of(limits)
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
+    allowed = _allowed_steps(trajectory, curve, known, rates)
+    return _first(found + _violations(curve, known, doubts, allowed, rates))
+
+
+def _first(found: list[Violation]) -> Violation | None:
+    return min(found, key=lambda violation: violation.time, default=None)
+
+
+def _curve_and_doubts(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial, limits: Limits
+) -> tuple[PiecewisePolynomial, FloatArray]:
+    """Find the curve, and by how much its rates 0 to 3 may be rounded, (4, s, n)."""
+    curve, rounded = _curve_of(trajectory)
+    if curve.joints != len(limits.joint_names):
+        raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
+    if rounded:
+        return curve, _rounding(curve)
+    return curve, np.zeros((4, *curve.coefficients.shape[1:]))
+
+
+def _violations(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    doubts: FloatArray,
+    allowed: FloatArray,
+    rates: Sequence[Rate],
+) -> list[Violation]:
+    """List what is wrong between start and end, the first of each kind."""
+    found = [
+        *_position_violations(curve, limits),
+        *_step_violations(curve, limits, _steps(curve, doubts), allowed),
+    ]
+    for order, rate in enumerate(RATES, 1):
+        if rate in rates:
+            found += _rate_violations(curve, limits, order, rate, doubts[order])
+    return found
 
 
 def _curve_of(
