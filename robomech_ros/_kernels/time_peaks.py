@@ -10,18 +10,22 @@ R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Com
 Geometric Design 29, 2012, sections 3.3 and 3.5.
 """
 
+import math
+
 import numpy as np
 
 from robomech_ros._kernels._jit import IN1, IN3, OUT2, f8, i8, inline, kernel
 from robomech_ros._kernels.time_bernstein import to_bernstein
 from robomech_ros._kernels.tolerances import PEAK_ACCURACY
 
-__all__ = ["largest_steps", "peak_above", "piece_extremes"]
+__all__ = ["peak_above", "piece_extremes"]
 
 # Each halving narrows the hull four times; what is left after these is far below any tolerance.
 _HALVINGS = 24
 # Intervals looked at in one piece at most; a polynomial with three extremes needs a hundred.
 _MOST = 2000
+# Derivative d of x^(i + d) is _FACTORS[d, i] x^i.
+_FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in range(4)])
 
 
 @inline
@@ -71,10 +75,7 @@ def _derivative(coefficients, k, j, order, span, scale, control):
     power, largest = scale, 0.0
     control[0] = 0.0
     for i in range(coefficients.shape[0] - order):
-        factor = power
-        for r in range(order):
-            factor *= i + order - r
-        control[i] = coefficients[i + order, k, j] * factor
+        control[i] = coefficients[i + order, k, j] * _FACTORS[order, i] * power
         power *= span
         largest += abs(control[i])
     return largest
@@ -119,37 +120,50 @@ def peak_above(times, coefficients, scales, order, floor):
 
 
 @inline
-def _raise_to_ends(spans, coefficients, order, slack, control, low, high):
-    """Let low and high (n,) be no tighter than the values at the ends of all pieces."""
-    for j in range(coefficients.shape[2]):
-        low[j], high[j] = np.inf, -np.inf
-    for k in range(coefficients.shape[1]):
-        for j in range(coefficients.shape[2]):
-            _derivative(coefficients, k, j, order, spans[k], 1.0, control)
-            value = 0.0
-            for i in range(coefficients.shape[0] - order):
-                value += control[i]
-            first, doubt = control[0], slack[order, k, j]
-            high[j] = max(high[j], max(first, value) - doubt)
-            low[j] = min(low[j], min(first, value) + doubt)
+def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
+    """Give the largest value of joint j in piece k, with a sign, or the best if it is less."""
+    size = coefficients.shape[0] - order
+    total = _derivative(coefficients, k, j, order, span, sign, control)
+    # No power on [0, 1] is larger than 1.
+    above = control[0] - doubt
+    for i in range(1, size):
+        above += max(control[i], 0.0)
+    if not above > best:
+        return best
+    to_bernstein(control, max(size - 1, 0))
+    for i in range(max(size, 1)):
+        control[i] -= doubt
+    return _highest(control, max(size - 1, 0), best, 0.0, PEAK_ACCURACY * total, stack)
 
 
 @inline
-def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
-    """Give the largest value of joint j in piece k, with a sign, or the best if it is less."""
-    total = _derivative(coefficients, k, j, order, span, sign, control)
-    if not total - doubt > best:
-        return best
-    degree = max(coefficients.shape[0] - 1 - order, 0)
-    to_bernstein(control, degree)
-    for i in range(degree + 1):
-        control[i] -= doubt
-    return _highest(control, degree, best, 0.0, PEAK_ACCURACY * total, stack)
+def _look_at_ends(spans, coefficients, order, slack, control, before, low, high):
+    """Give the extremes at the ends of all pieces as low and high (n,), and the largest step.
+
+    The steps are written in place of `before` (2, n), which holds the last piece's end as well.
+    """
+    for j in range(coefficients.shape[2]):
+        low[j], high[j] = np.inf, -np.inf
+        before[1, j] = 0.0
+    for k in range(coefficients.shape[1]):
+        for j in range(coefficients.shape[2]):
+            _derivative(coefficients, k, j, order, spans[k], 1.0, control)
+            last = control[0]
+            for i in range(1, coefficients.shape[0] - order):
+                last += control[i]
+            first, doubt = control[0], slack[order, k, j]
+            high[j] = max(high[j], max(first, last) - doubt)
+            low[j] = min(low[j], min(first, last) + doubt)
+            if k > 0:
+                step = abs(first - before[0, j]) - max(doubt, slack[order, k - 1, j])
+                if not step <= before[1, j]:
+                    before[1, j] = step if step == step else np.inf
+            before[0, j] = last
 
 
-@kernel(i8(IN1, IN3, IN3, OUT2, OUT2))
-def piece_extremes(breaks, coefficients, slack, low, high):
-    """Find the smallest and the largest values of the joints and of their first derivatives.
+@kernel(i8(IN1, IN3, IN3, OUT2, OUT2, OUT2))
+def piece_extremes(breaks, coefficients, slack, low, high, steps):
+    """Find the extremes of the joints and of their first derivatives, and their largest steps.
 
     Parameters
     ----------
@@ -157,54 +171,31 @@ def piece_extremes(breaks, coefficients, slack, low, high):
         Where the pieces begin and the last one ends, increasing.
     coefficients : ndarray, shape (c, max(s, 1), n)
         Powers of the time since the beginning of the piece, lowest first.
-    slack : ndarray, shape (k, max(s, 1), n)
+    slack : ndarray, shape (d, max(s, 1), n)
         By how much position, velocity and so on may be wrong in each piece; they count only as
-        far as they are certain.
-    low, high : ndarray, shape (k, n)
+        far as they are certain.  d is 4 at most.
+    low, high : ndarray, shape (d, n)
         Filled with extremes, to a part in 1e11 of the coefficients.
+    steps : ndarray, shape (d, n)
+        Filled with the largest magnitudes of steps from one piece to the next; infinite where
+        one is no number.
     """
     spans = np.ones(coefficients.shape[1])
     for k in range(breaks.shape[0] - 1):
         spans[k] = breaks[k + 1] - breaks[k]
     size = coefficients.shape[0]
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
+    before = np.empty((2, coefficients.shape[2]))
     for order in range(low.shape[0]):
-        _raise_to_ends(spans, coefficients, order, slack, control, low[order], high[order])
+        lows, highs = low[order], high[order]
+        _look_at_ends(spans, coefficients, order, slack, control, before, lows, highs)
+        for j in range(low.shape[1]):
+            steps[order, j] = before[1, j]
         for k in range(coefficients.shape[1]):
             span = spans[k]
             for j in range(low.shape[1]):
-                doubt, least, most = slack[order, k, j], -low[order, j], high[order, j]
+                doubt, least, most = slack[order, k, j], -lows[j], highs[j]
                 given = coefficients, k, j, order, span
-                high[order, j] = _raised(*given, 1.0, doubt, most, control, stack)
-                low[order, j] = -_raised(*given, -1.0, doubt, least, control, stack)
-    return 0
-
-
-@kernel(i8(IN1, IN3, IN3, OUT2))
-def largest_steps(breaks, coefficients, slack, steps):
-    """Find how far position, velocity and so on step at most from one piece to the next.
-
-    Parameters
-    ----------
-    breaks, coefficients, slack
-        As for `piece_extremes`.
-    steps : ndarray, shape (k, n)
-        Filled with magnitudes, as far as they are certain; infinite where one is no number.
-    """
-    control = np.empty(coefficients.shape[0] + 1)
-    for order in range(steps.shape[0]):
-        for j in range(steps.shape[1]):
-            steps[order, j] = 0.0
-        for k in range(coefficients.shape[1] - 1):
-            span = breaks[k + 1] - breaks[k]
-            for j in range(steps.shape[1]):
-                _derivative(coefficients, k, j, order, span, 1.0, control)
-                before = 0.0
-                for i in range(coefficients.shape[0] - order):
-                    before += control[i]
-                _derivative(coefficients, k + 1, j, order, 1.0, 1.0, control)
-                doubt = max(slack[order, k, j], slack[order, k + 1, j])
-                step = abs(control[0] - before) - doubt
-                if not step <= steps[order, j]:
-                    steps[order, j] = step if step == step else np.inf
+                highs[j] = _raised(*given, 1.0, doubt, most, control, stack)
+                lows[j] = -_raised(*given, -1.0, doubt, least, control, stack)
     return 0

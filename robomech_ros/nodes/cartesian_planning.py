@@ -40,8 +40,8 @@ __all__ = [
     "PathBounds",
     "PathCheck",
     "follow",
-    "load_inverse_kinematics",
     "last_before",
+    "load_inverse_kinematics",
     "path_through",
     "plan_along",
 ]

@@ -28,6 +28,7 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.quaternions import matrix_from_quaternion
 
 __all__ = [
+    "TrajectoryPoints",
     "append_numbers",
     "duration_from_seconds",
     "floats",
@@ -41,7 +42,6 @@ __all__ = [
     "positions_by_name",
     "seconds_from_duration",
     "stamped_pose",
-    "TrajectoryPoints",
 ]
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["extremes", "first_above", "hull", "largest_steps", "steps"]
+__all__ = ["extremes", "extremes_and_steps", "first_above", "hull", "steps"]
 
 # A piece is divided into so many: each time the hull becomes narrower by their square.
 _PARTS = 16
@@ -100,27 +100,36 @@ def extremes(
         Over the whole curve, rad or m over s to the power of the order, exact to a part in 1e11
         of the largest coefficient of a segment.
     """
-    # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
-    from robomech_ros._kernels.time_peaks import piece_extremes
-
-    low, high = np.empty((2, 4, curve.joints))
-    piece_extremes(*_for_kernels(curve, slack, 4), low, high)
+    low, high, _ = extremes_and_steps(curve, slack)
     return low, high
 
 
-def largest_steps(curve: PiecewisePolynomial, slack: FloatArray | None = None) -> FloatArray:
-    """Find how far position, velocity and acceleration step at most, shape (3, n); see `steps`.
+def extremes_and_steps(
+    curve: PiecewisePolynomial, slack: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Find extremes, and how far position and its rates step at most between segments.
 
     Parameters
     ----------
     curve, slack
         As for `extremes`.
-    """
-    from robomech_ros._kernels import time_peaks
 
-    largest = np.empty((3, curve.joints))
-    time_peaks.largest_steps(*_for_kernels(curve, slack, 3), largest)
-    return largest
+    Returns
+    -------
+    low, high : ndarray, shape (4, n)
+        As `extremes` gives them.
+    largest : ndarray, shape (4, n)
+        Magnitudes; see `steps`.
+    """
+    # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
+    from robomech_ros._kernels.time_peaks import piece_extremes
+
+    if slack is None:
+        slack = np.zeros((4, *curve.coefficients.shape[1:]))
+    low, high, largest = np.empty((3, 4, curve.joints))
+    given = (np.ascontiguousarray(one) for one in (curve.breaks, curve.coefficients, slack))
+    piece_extremes(*given, low, high, largest)
+    return low, high, largest
 
 
 def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, int] | None:
@@ -150,16 +159,6 @@ def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, in
     if not len(found):
         return None
     return int(segments[found[0]]), int(joints[found[0]])
-
-
-def _for_kernels(
-    curve: PiecewisePolynomial, slack: FloatArray | None, orders: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give breaks, coefficients and slack of a curve as compiled code takes them."""
-    if slack is None:
-        slack = np.zeros((orders, *curve.coefficients.shape[1:]))
-    breaks, coefficients = np.ascontiguousarray(curve.breaks), curve.coefficients
-    return breaks, np.ascontiguousarray(coefficients), np.ascontiguousarray(slack)
 
 
 @cache
