@@ -155,7 +155,8 @@ def verify(
     )
     if not good:
         found += _violations(curve, known, doubts, allowed, rates)
-    return Verification(*ratios, _first(found), largest[2])
+    velocity, acceleration, jerk = ratios
+    return Verification(velocity, acceleration, jerk, _first(found), largest[2])
 
 
 def first_violation(
