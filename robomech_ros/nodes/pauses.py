@@ -3,6 +3,7 @@
 import queue
 import threading
 import time
+import weakref
 from collections.abc import Callable, Generator
 from contextlib import suppress
 from typing import Any, TypeVar
@@ -59,7 +60,8 @@ class Worker:
     """
 
     def __init__(self, node: Node) -> None:
-        self._node = node
+        # The thread may outlive the node by what it is at.
+        self._node = weakref.ref(node)
         self._pieces: queue.SimpleQueue[tuple[Callable[[], Any], Future] | None]
         self._pieces = queue.SimpleQueue()
         self._closed = False
@@ -95,7 +97,8 @@ class Worker:
 
     def _tell(self, tell: Callable[[Any], None], what: object) -> None:
         """Have the waiting coroutine told by the executor."""
-        executor = self._node.executor
+        node = self._node()
+        executor = None if node is None else node.executor
         if executor is None or self._closed:
             return
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -190,7 +191,7 @@ class TrajectoryPlannerNode(Node):
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
             f"{', compute_cartesian_path' if moveit else ''}"
         )
-        self._worker.begin(self._warm_up)
+        self._warm_up()
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the thread for long work."""
@@ -200,9 +201,9 @@ class TrajectoryPlannerNode(Node):
     def _warm_up(self) -> None:
         """Load what later requests would wait for, while the first ones are served."""
         for profile in PROFILES:
-            self._plan_once(profile)
-        load_inverse_kinematics()
-        release_compiler_pages()
+            self._worker.begin(partial(self._plan_once, profile))
+        self._worker.begin(load_inverse_kinematics)
+        self._worker.begin(release_compiler_pages)
 
     def _plan_once(self, profile: str) -> None:
         """Plan, so that the next request finds all in memory."""
