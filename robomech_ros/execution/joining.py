@@ -12,7 +12,7 @@ from robomech_ros.execution.smoothing import fading_time, with_braking, with_fad
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.verification import Violation, verify
+from robomech_ros.trajectory.verification import Violation, first_violation
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["join", "join_in_steps"]
@@ -205,9 +205,9 @@ def _smoothed(
 
 
 def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
-    return verify(
+    return first_violation(
         curve, joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
-    ).violation
+    )
 
 
 def _refusal(violation: Violation, joined: float) -> LimitExceededError:

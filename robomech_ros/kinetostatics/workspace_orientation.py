@@ -1,6 +1,5 @@
 """Which orientations the tip can take at a point."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,18 +9,14 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics.rotation_sets import even_rotations
 from robomech_ros.kinetostatics.workspace_postures import solved
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.quaternions import matrix_from_quaternion
 
 __all__ = ["OrientationWorkspace", "orientation_workspace"]
 
 Array = NDArray[np.float64]
-
-_MOST = 10_000_000
-# Of x^4 = x + 4, of which the spiral takes its second step.
-_PSI = 1.533751168755204288118041
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +65,7 @@ def orientation_workspace(
 ) -> OrientationWorkspace:
     """Find which orientations the tip can take at a point.
 
-    The samples are the super-Fibonacci spiral on the unit quaternions, as even as any and the
-    same every time; the error of the share falls about as ``samples ** (-2 / 3)``.
+    The samples are those of :func:`even_rotations`, the same every time; the error of the share falls about as ``samples ** (-2 / 3)``.
 
     Parameters
     ----------
@@ -80,7 +74,7 @@ def orientation_workspace(
     position : array_like, shape (3,)
         Of the tip in the base (m).
     samples : int, optional
-        From 1 to ten million.
+        From 1 to 1,000,000.
     respect_limits : bool, optional
         Whether solutions outside the joint limits count.
 
@@ -92,10 +86,6 @@ def orientation_workspace(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a chain of six joints or more, not a point, or a number of samples out of range.
-
-    References
-    ----------
-    M. Alexa, Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3), CVPR 2022.
     """
     check_chain(chain)
     if chain.n < 6:
@@ -103,10 +93,7 @@ def orientation_workspace(
     point = as_finite("position", position, (3,))
     if point.ndim != 1:
         raise WrongSizeError("position", point.shape, (3,))
-    whole = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
-    if not whole or not 1 <= samples <= _MOST:
-        raise BadValueError("samples", samples, f"an integer from 1 to {_MOST}")
-    rotations = _spiral(int(samples))
+    rotations = even_rotations(samples)
     T = np.zeros((len(rotations), 4, 4))
     T[:, :3, :3] = rotations
     T[:, :3, 3] = point
@@ -117,17 +104,3 @@ def orientation_workspace(
     else:
         _, count, _ = inverse_kinematics_batch(chain, T, respect_limits=respect_limits)
     return OrientationWorkspace(point, rotations, count, float((count > 0).mean()))
-
-
-def _spiral(samples: int) -> Array:
-    """Give rotations (m, 3, 3) along the super-Fibonacci spiral."""
-    s = np.arange(samples) + 0.5
-    t = s / samples
-    d = 2.0 * math.pi * s
-    r, big = np.sqrt(t), np.sqrt(1.0 - t)
-    alpha, beta = d / math.sqrt(2.0), d / _PSI
-    return matrix_from_quaternion(
-        np.column_stack(
-            (r * np.sin(alpha), r * np.cos(alpha), big * np.sin(beta), big * np.cos(beta))
-        )
-    )

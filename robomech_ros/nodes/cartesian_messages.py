@@ -1,6 +1,7 @@
 """Decoding of PlanCartesian requests, and encoding of what came of them."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,13 @@ from numpy.typing import NDArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.cartesian_planning import FollowedPath, PathBounds
-from robomech_ros.nodes.conversions import joint_trajectory, matrix_from_pose
+from robomech_ros.nodes.conversions import TrajectoryPoints, matrix_from_pose
+from robomech_ros.nodes.plan_messages import encode_waypoints
 from robomech_ros.nodes.planning import check_waypoints
 from robomech_ros.nodes.robot_description import RobotModel
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import SampledPlan, TipSpeeds
 
 __all__ = ["encode_path_plan", "path_bounds", "path_profile", "tip_speeds", "waypoint_poses"]
@@ -24,6 +26,7 @@ _PROFILES = {
 }
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
+_MOST = {"max_linear_speed": LARGEST_LENGTH, "max_angular_speed": LARGEST_LENGTH}
 _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
 
 
@@ -55,6 +58,10 @@ def waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.flo
     for k, waypoint in enumerate(request.waypoints):
         frame = model.frame_in_base(waypoint.header.frame_id)
         pose = matrix_from_pose(waypoint.pose, f"waypoints[{k}]")
+        far = float(np.abs(pose[:3, 3]).max())
+        if far > LARGEST_LENGTH:
+            expected = f"coordinates of at most {LARGEST_LENGTH:g} m"
+            raise BadValueError(f"waypoints[{k}].position", far, expected)
         poses[k] = pose if frame is None else frame @ pose
     return poses
 
@@ -106,24 +113,22 @@ def _positive(request: Any, name: str) -> float:
     if (value and not value >= least) or value < 0.0:
         expected = f"at least {least:g}" if least else "a positive number"
         raise BadValueError(name, value, f"{expected}, or 0 for the default")
+    most = _MOST.get(name, math.inf)
+    if value > most:
+        raise BadValueError(name, value, f"at most {most:g}, or 0 for no limit of its own")
     return value
 
 
 def encode_path_plan(
-    followed: FollowedPath, plan: SampledPlan | None, chain: SerialChain, response: Any
+    followed: FollowedPath,
+    plan: SampledPlan | None,
+    joint_names: Sequence[str],
+    messages: TrajectoryPoints,
+    response: Any,
 ) -> Any:
     """Fill a PlanCartesian response with what can be followed, and why not more."""
     if plan is not None:
-        points = plan.waypoints
-        assert points.velocities is not None
-        assert points.accelerations is not None
-        response.trajectory = joint_trajectory(
-            chain.joint_names,
-            points.times,
-            points.positions,
-            points.velocities,
-            points.accelerations,
-        )
+        response.trajectory = encode_waypoints(plan.waypoints, joint_names, messages)
     response.fraction = float(followed.fraction)
     response.stop_index = followed.stop_index
     response.stop_reason = followed.tracking.reason

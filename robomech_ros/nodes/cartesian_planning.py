@@ -1,5 +1,6 @@
 """Motions of the tip along paths in space: where they can go, and why not farther."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.planning import fitting_plan
@@ -40,6 +41,7 @@ __all__ = [
     "PathCheck",
     "follow",
     "last_before",
+    "load_inverse_kinematics",
     "path_through",
     "plan_along",
 ]
@@ -142,28 +144,53 @@ def path_through(start: Array, waypoints: Array, kind: int) -> PosePath | None:
     if _KINDS[kind] == "ARC":
         if len(waypoints) % 2:
             raise WrongSizeError("waypoints", len(waypoints), "pairs of poses (through, to)")
-        return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
+        try:
+            return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
+        except BadValueError as error:
+            raise _of_arc(error) from None
     poses = np.concatenate([start[None], waypoints])
     apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
     kept = np.flatnonzero(np.append(True, apart > _SAME))
     distinct = poses[kept]
     if len(distinct) == 1:
         return None
-    if _KINDS[kind] == "STRAIGHT":
-        return straight_path(distinct)
+    lay = straight_path if _KINDS[kind] == "STRAIGHT" else spline_path
     try:
-        return spline_path(distinct)
+        return lay(distinct)
     except BadValueError as error:
-        raise _in_waypoints(error, kept) from None
+        raise _in_waypoints(error, kept, _KINDS[kind]) from None
 
 
-def _in_waypoints(error: BadValueError, kept: NDArray[np.int64]) -> BadValueError:
-    """Name the waypoint, of which the start is none, instead of a pose of the path."""
-    for k in range(1, len(kept)):
-        if error.what == f"poses[{k}]":
-            expected = f"{error.expected}; a STRAIGHT path (0) rests there instead"
-            return BadValueError(f"waypoints[{kept[k] - 1}]", error.value, expected)
-    return error
+def _waypoint(k: int) -> str:
+    """Name a pose in words of a request, whose waypoints come after the start."""
+    return f"waypoints[{k - 1}]" if k else "the start"
+
+
+def _in_waypoints(error: BadValueError, kept: NDArray[np.int64], kind: str) -> BadValueError:
+    """Name waypoints instead of poses of a path."""
+    what = re.sub(r"poses\[(\d+)\]", lambda k: _waypoint(int(kept[int(k[1])])), error.what)
+    expected = error.expected
+    if kind == "SPLINE" and re.fullmatch(r"poses\[\d+\]", error.what):
+        expected = f"{expected}; a STRAIGHT path (0) rests there instead"
+    return BadValueError(what, error.value, expected)
+
+
+def _of_arc(error: BadValueError) -> BadValueError:
+    """Name waypoints instead of an arc and its three points or orientations."""
+    arc = re.match(r"arc (\d+): ", error.what)
+    if arc is None:
+        return error
+    names = [_waypoint(2 * int(arc[1]) + k) for k in range(3)]
+    numbers = [int(k) for k in re.findall(r"\[(\d)\]", error.what)]
+    if "rotations" in error.what:
+        what = f"angle (rad) from {names[numbers[0]]} to {names[numbers[1]]}"
+        return BadValueError(what, error.value, error.expected)
+    if not numbers:
+        return BadValueError(f"positions of {', '.join(names)}", error.value, error.expected)
+    # The point after the last one of three is the first again.
+    before, there = names[numbers[0] - 1], names[min(numbers[0], 2)]
+    other = names[0] if numbers[0] > 2 else before
+    return BadValueError(f"position of {there}", error.value, f"apart from that of {other}")
 
 
 def follow(
@@ -281,7 +308,15 @@ def plan_along(
     )
 
 
+def load_inverse_kinematics() -> None:
+    """Load what the first path of a process waits for otherwise: compiled code, some seconds."""
+    import robomech_ros.kinematics.inverse  # noqa: F401
+
+
 def _arm(chain: SerialChain) -> SerialArm:
+    # Loaded here, since a planner begins to serve before all of it is there.
+    from robomech_ros.kinematics import inverse_kinematics
+
     def inverse(T: Array, near: Array) -> Array | None:
         seed = np.clip(near, chain.lower, chain.upper)
         found = inverse_kinematics(chain, T, seed=seed, max_solutions=1).q

@@ -28,6 +28,7 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.quaternions import matrix_from_quaternion
 
 __all__ = [
+    "TrajectoryPoints",
     "append_numbers",
     "duration_from_seconds",
     "floats",
@@ -47,6 +48,8 @@ Array = NDArray[np.float64]
 
 _NANO = 1_000_000_000
 _POSE_NUMBERS = 7
+# Point messages that are kept from one trajectory to the next, 1 kB each.
+_POINTS_KEPT = 2000
 
 
 def positions_by_name(
@@ -288,12 +291,43 @@ def duration_from_seconds(seconds: float) -> Duration:
     return Duration(sec=int(whole), nanosec=int(nano))
 
 
+class TrajectoryPoints:
+    """Trajectory points that are used again for one trajectory after the other.
+
+    To make a point message takes longer than to fill it.  Who uses them must have sent one
+    trajectory before the next is made: rclpy copies what it sends.
+    """
+
+    def __init__(self) -> None:
+        self._points: list[JointTrajectoryPoint] = []
+
+    def filled(
+        self, times: Array, positions: Array, velocities: Array, accelerations: Array
+    ) -> list[JointTrajectoryPoint]:
+        """Give m points; times (m,) in s, the others (m, n) in rad or m, per s and s^2."""
+        new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
+        points = self._points[: len(times)] + new
+        self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
+        # A part of Python's array is copied faster than a row of numpy's.
+        q, v, a = floats(positions), floats(velocities), floats(accelerations)
+        whole, nano = np.divmod(np.rint(times * _NANO).astype(np.int64), _NANO)
+        end, n = 0, positions.shape[1]
+        for point, sec, nanosec in zip(points, whole.tolist(), nano.tolist(), strict=True):
+            begin, end = end, end + n
+            point.positions, point.velocities = q[begin:end], v[begin:end]
+            point.accelerations = a[begin:end]
+            time = point.time_from_start
+            time.sec, time.nanosec = sec, nanosec
+        return points
+
+
 def joint_trajectory(
     joint_names: Sequence[str],
     times: Array,
     positions: Array,
     velocities: Array,
     accelerations: Array,
+    points: TrajectoryPoints | None = None,
 ) -> JointTrajectory:
     """Make a trajectory message from sampled curves.
 
@@ -305,19 +339,13 @@ def joint_trajectory(
         Times from start (s).
     positions, velocities, accelerations : ndarray, shape (m, n)
         rad or m, and per s and s^2.
+    points : TrajectoryPoints, optional
+        To be filled; default new ones.
 
     Returns
     -------
     JointTrajectory
         With stamp 0: start when received.
     """
-    points = [
-        JointTrajectoryPoint(
-            positions=floats(q),
-            velocities=floats(v),
-            accelerations=floats(a),
-            time_from_start=duration_from_seconds(t),
-        )
-        for t, q, v, a in zip(times.tolist(), positions, velocities, accelerations, strict=True)
-    ]
-    return JointTrajectory(joint_names=list(joint_names), points=points)
+    filled = (points or TrajectoryPoints()).filled(times, positions, velocities, accelerations)
+    return JointTrajectory(joint_names=list(joint_names), points=filled)

@@ -1,19 +1,26 @@
 """Pauses of a coroutine in which its node goes on serving others."""
 
+import queue
 import threading
 import time
+import weakref
 from collections.abc import Callable, Generator
 from contextlib import suppress
+from typing import Any, TypeVar
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["Turns", "beside", "pause", "wake"]
+__all__ = ["Turns", "Worker", "beside", "pause", "wake"]
+
+_T = TypeVar("_T")
 
 _STEADY = ClockType.STEADY_TIME
 # How often it is looked whether work done beside is over, s.
 _LOOK = 0.02
+# How long work that nobody waits for any more may go on at the end, s.
+_LAST_WORK = 1.0
 # Others are served after so long at the most, s, and one step of the work.
 _TURN = 0.005
 
@@ -47,6 +54,66 @@ def wake(node: Node) -> None:
     """Let coroutines go on that wait for what a thread other than the executor's has done."""
     if node.executor is not None:
         node.executor.wake()
+
+
+class Worker:
+    """Does long work in a thread of its own, one piece after the other, while others are served.
+
+    Parameters
+    ----------
+    node : Node
+        Whose callbacks have work to be done.
+    """
+
+    def __init__(self, node: Node) -> None:
+        # The thread may outlive the node by what it is at.
+        self._node = weakref.ref(node)
+        self._pieces: queue.SimpleQueue[tuple[Callable[[], Any], Future] | None]
+        self._pieces = queue.SimpleQueue()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
+        self._thread.start()
+
+    def begin(self, work: Callable[[], _T]) -> Future:
+        """Have work done when all that came before is; gives what will hold its result."""
+        done: Future = Future()
+        self._pieces.put((work, done))
+        return done
+
+    async def do(self, work: Callable[[], _T]) -> _T:
+        """Give the result of work, or raise what it raises."""
+        result: _T = await self.begin(work)
+        return result
+
+    def close(self) -> None:
+        """Do no more; what is being done gets a moment to end, and nobody is told of it."""
+        self._closed = True
+        self._pieces.put(None)
+        self._thread.join(_LAST_WORK)
+
+    def _run(self) -> None:
+        while (piece := self._pieces.get()) is not None and not self._closed:
+            work, done = piece
+            try:
+                result = work()
+            except Exception as error:
+                self._tell(done.set_exception, error)
+            else:
+                self._tell(done.set_result, result)
+
+    def _tell(self, tell: Callable[[Any], None], what: object) -> None:
+        """Have the waiting coroutine told by the executor."""
+        node = self._node()
+        executor = None if node is None else node.executor
+        if executor is None or self._closed:
+            return
+
+        def told() -> None:
+            tell(what)
+            # Tasks that wait are looked at before new ones are, and then only when it is woken.
+            executor.wake()
+
+        executor.create_task(told)
 
 
 class _NextTurn:

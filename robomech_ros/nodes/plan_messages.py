@@ -1,16 +1,20 @@
 """Decoding of PlanJoint requests, encoding of plans, and the path that a plan lets the tip take."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanJoint
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.conversions import (
+    TrajectoryPoints,
     duration_from_seconds,
     fill_pose,
     floats,
@@ -19,14 +23,17 @@ from robomech_ros.nodes.conversions import (
 )
 from robomech_ros.nodes.planning import check_duration, check_waypoints
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan
+from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
+from robomech_ros.trajectory.via_polynomials import MOST_VIAS
 
 __all__ = [
     "OFFERED",
     "SHORTEST_PERIOD",
     "TipPath",
     "encode_plan",
+    "encode_waypoints",
     "plan_options",
+    "plan_points",
     "profile_name",
     "via_points",
     "wanted_period",
@@ -43,6 +50,11 @@ _NAMES = {
 }
 # The profiles a request may ask for, with their numbers, in words.
 OFFERED = ", ".join(f"{name} ({number})" for number, name in _NAMES.items())
+# The profiles that pass a few points, and any number.
+_MOST_VIAS = {"poly345": MOST_VIAS, "poly4567": MOST_VIAS}
+_ANY_VIAS = [name for name in VIA_PROFILES if name not in _MOST_VIAS]
+# Those that find the instants at which points are passed themselves.
+_OWN_INSTANTS = ("ruckig", "time_optimal")
 _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
 
 
@@ -80,19 +92,23 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
         able = ", ".join(name.upper() for name in VIA_PROFILES)
         expected = f"none for {_NAMES[request.profile]}; {able} take some"
         raise BadValueError("via", f"{len(request.via)} points", expected)
+    if len(request.via) > _MOST_VIAS.get(options["profile"], len(request.via)):
+        able = ", ".join(_NAMES[k] for k in _NAMES if _NAMES[k].lower() in _ANY_VIAS)
+        expected = f"at most {MOST_VIAS} points for {_NAMES[request.profile]}; {able} take more"
+        raise BadValueError("via", f"{len(request.via)} points", expected)
     options["duration"] = seconds_from_duration(request.duration, "duration") or None
     check_duration(options["duration"] or 0.0, max_duration)
-    options["at"] = _instants(request, options["duration"])
+    options["at"] = _instants(request, options["profile"], options["duration"])
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def via_points(request: Any, chain: SerialChain, most: int) -> NDArray[np.float64]:
+def via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
     """Read the points to pass on the way, shape (m, n).
 
     Parameters
     ----------
     request : PlanJoint.Request
-    chain : SerialChain
+    limits : Limits
         Of n joints.
     most : int
         How many there may be.
@@ -107,32 +123,70 @@ def via_points(request: Any, chain: SerialChain, most: int) -> NDArray[np.float6
         A point is outside the position limits.
     """
     check_waypoints("via", len(request.via), most)
-    points = np.empty((len(request.via), chain.n))
-    limits = Limits.of(chain)
+    n = len(limits.joint_names)
+    points = np.empty((len(request.via), n))
     for k, point in enumerate(request.via):
         for what in ("velocities", "accelerations", "effort"):
             if getattr(point, what):
                 raise BadValueError(f"via[{k}].{what}", list(getattr(point, what)), "none")
-        if len(point.positions) != chain.n:
-            raise WrongSizeError(f"via[{k}].positions", len(point.positions), chain.n)
+        if len(point.positions) != n:
+            raise WrongSizeError(f"via[{k}].positions", len(point.positions), n)
         points[k] = point.positions
         if not np.isfinite(points[k]).all():
             raise NonFiniteError(f"via[{k}].positions", points[k])
         limits.check_goal(points[k], f"via[{k}].positions")
+        _check_size(points[k], f"via[{k}].positions", limits)
     return points
 
 
-def _instants(request: Any, duration: float | None) -> list[float] | None:
+def plan_points(
+    start: NDArray[np.float64],
+    via: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    limits: Limits,
+) -> NDArray[np.float64]:
+    """Put start (n,), via points (m, n) and goal (n,), rad or m, together.
+
+    Raises
+    ------
+    SeedOutsideLimitsError, LimitExceededError, BadValueError
+        Start or goal is outside the position limits, or beyond all sense.
+    """
+    limits.check_start(start)
+    limits.check_goal(goal)
+    _check_size(start, "start", limits)
+    _check_size(goal, "goal", limits)
+    return np.vstack([start, via, goal])
+
+
+def _check_size(values: NDArray[np.float64], what: str, limits: Limits) -> None:
+    """Refuse positions (n,) of joints without limits with which nothing can be computed."""
+    k = int(np.argmax(np.abs(values)))
+    if abs(values[k]) > LARGEST_LENGTH:
+        name, expected = limits.joint_names[k], f"a magnitude of at most {LARGEST_LENGTH:g}"
+        raise BadValueError(f"{what} of joint '{name}'", float(values[k]), expected)
+
+
+def _instants(request: Any, profile: str, duration: float | None) -> list[float] | None:
     """Read which part of the duration is over at each via point; None where none says."""
+    names = [f"via[{k}].time_from_start" for k in range(len(request.via))]
     seconds = [
-        seconds_from_duration(point.time_from_start, f"via[{k}].time_from_start")
-        for k, point in enumerate(request.via)
+        seconds_from_duration(point.time_from_start, name)
+        for point, name in zip(request.via, names, strict=True)
     ]
     if not any(seconds):
         return None
+    first = next(k for k, instant in enumerate(seconds) if instant)
+    if profile in _OWN_INSTANTS:
+        expected = f"0: {profile.upper()} finds the instants itself"
+        raise BadValueError(names[first], seconds[first], expected)
     if duration is None:
         expected = "0, or a duration of the motion as well"
-        raise BadValueError("via[0].time_from_start", seconds[0], expected)
+        raise BadValueError(names[first], seconds[first], expected)
+    for name, before, instant in zip(names, [0.0, *seconds], seconds, strict=False):
+        if not before < instant < duration:
+            expected = f"more than {before:.9g} s and less than the duration, {duration:.9g} s"
+            raise BadValueError(name, instant, f"{expected}; or 0 at all via points")
     return [instant / duration for instant in seconds]
 
 
@@ -154,22 +208,38 @@ def wanted_period(request: Any) -> float:
 
 
 def encode_plan(
-    plan: SampledPlan, chain: SerialChain, options: dict[str, Any], response: Any
+    plan: SampledPlan,
+    limits: Limits,
+    options: dict[str, Any],
+    messages: TrajectoryPoints,
+    response: Any,
 ) -> Any:
     """Fill a PlanJoint response; ratios are relative to the limits of the joints, not scaled."""
     points, peaks = plan.waypoints, plan.verification
-    assert points.velocities is not None
-    assert points.accelerations is not None
-    response.trajectory = joint_trajectory(
-        chain.joint_names, points.times, points.positions, points.velocities, points.accelerations
-    )
+    response.trajectory = encode_waypoints(points, limits.joint_names, messages)
     response.duration = duration_from_seconds(float(points.times[-1]))
     velocity, acceleration, jerk = (options[name] for name in _SCALES)
     response.peak_velocity_ratio = floats(peaks.peak_velocity_ratio * velocity)
     response.peak_acceleration_ratio = floats(peaks.peak_acceleration_ratio * acceleration)
-    if np.isfinite(chain.jerk).any():
+    if np.isfinite(limits.jerk).any():
         response.peak_jerk_ratio = floats(peaks.peak_jerk_ratio * jerk)
     return response
+
+
+def encode_waypoints(
+    points: Waypoints, joint_names: Sequence[str], messages: TrajectoryPoints
+) -> JointTrajectory:
+    """Make the trajectory message of waypoints that have velocities and accelerations."""
+    assert points.velocities is not None
+    assert points.accelerations is not None
+    return joint_trajectory(
+        joint_names,
+        points.times,
+        points.positions,
+        points.velocities,
+        points.accelerations,
+        messages,
+    )
 
 
 class TipPath:

@@ -7,8 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import SampledPlan, sampled_through_points, through_points
+from robomech_ros.trajectory import (
+    JointLimits,
+    SampledPlan,
+    sampled_through_points,
+    through_points,
+)
 
 __all__ = ["check_duration", "check_waypoints", "fitting_plan", "plan_that_fits"]
 
@@ -16,7 +20,7 @@ _SHORTEST = "shortest duration within the scaled limits"
 
 
 def plan_that_fits(
-    chain: SerialChain,
+    limits: JointLimits,
     points: NDArray[np.float64],
     *,
     wanted_period: float,
@@ -29,8 +33,8 @@ def plan_that_fits(
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    limits : JointLimits
+        A chain model or `Limits` of n joints; kept `Limits` spare their making.
     points : ndarray, shape (m, n)
         Start, via points and goal, rad or m.
     wanted_period : float
@@ -52,9 +56,9 @@ def plan_that_fits(
     """
     return fitting_plan(
         lambda period: sampled_through_points(
-            points, limits=chain, period=period, max_points=max_points, **options
+            points, limits=limits, period=period, max_points=max_points, **options
         ),
-        lambda: through_points(points, limits=chain, **options).duration,
+        lambda: through_points(points, limits=limits, **options).duration,
         wanted_period=wanted_period,
         usual_period=usual_period,
         max_points=max_points,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,19 +26,29 @@ from robomech_ros.nodes.cartesian_messages import (
     tip_speeds,
     waypoint_poses,
 )
-from robomech_ros.nodes.cartesian_planning import follow, path_through, plan_along
+from robomech_ros.nodes.cartesian_planning import (
+    FollowedPath,
+    follow,
+    load_inverse_kinematics,
+    path_through,
+    plan_along,
+)
+from robomech_ros.nodes.compiler_pages import release_compiler_pages
+from robomech_ros.nodes.conversions import TrajectoryPoints
 from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is_empty
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.moveit import add_cartesian_path_service
 from robomech_ros.nodes.parameters import NodeParameters, parameter
+from robomech_ros.nodes.pauses import Worker
 from robomech_ros.nodes.plan_messages import (
     OFFERED,
     SHORTEST_PERIOD,
     TipPath,
     encode_plan,
     plan_options,
+    plan_points,
     via_points,
     wanted_period,
 )
@@ -46,6 +57,7 @@ from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.trajectory import (
     PROFILES,
+    Limits,
     SampledPlan,
     sampled_through_points,
 )
@@ -90,7 +102,7 @@ class PlannerSettings(StateSettings):
     max_waypoints: int = parameter(
         200,
         "Most via points, or waypoints of a Cartesian path; planning takes up to some 20 ms for "
-        "each of them, time-optimal planning 60 ms, in which nobody else is served",
+        "each of them, time-optimal planning 60 ms, in which other such requests wait",
         1,
         100_000,
         "points",
@@ -148,15 +160,20 @@ class TrajectoryPlannerNode(Node):
         super().__init__("trajectory_planner", **options)
         self._table = NodeParameters(self, PlannerSettings)
         self._monitor = JointStateMonitor(self)
+        # Plans through many points, and paths, take seconds.
+        self._worker = Worker(self)
         settings = self._table.settings
         limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
         when_robot_known(self, settings, self._serve, limits.on if limits else None)
 
     def _serve(self, model: RobotModel) -> None:
         self._model, self._chain = model, model.chain
+        self._limits = Limits.of(model.chain)
         self._joints = JointPositions(model, self._monitor)
         self._tip_path = TipPath(model.chain)
-        self._warm_up()
+        self._points = TrajectoryPoints()
+        self._unpublished: tuple[JointTrajectory, SampledPlan] | None = None
+        self._plan_once("poly345")
         self._trajectories = self.create_publisher(
             JointTrajectory, "~/planned_trajectory", _LATCHED
         )
@@ -174,39 +191,57 @@ class TrajectoryPlannerNode(Node):
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
             f"{', compute_cartesian_path' if moveit else ''}"
         )
+        self._warm_up()
+
+    def destroy_node(self) -> None:
+        """Take leave of ROS, and of the thread for long work."""
+        self._worker.close()
+        super().destroy_node()
 
     def _warm_up(self) -> None:
-        """Plan once with every profile, so that the first request finds all in memory."""
+        """Load what later requests would wait for, while the first ones are served."""
+        for profile in PROFILES:
+            self._worker.begin(partial(self._plan_once, profile))
+        self._worker.begin(load_inverse_kinematics)
+        self._worker.begin(release_compiler_pages)
+
+    def _plan_once(self, profile: str) -> None:
+        """Plan, so that the next request finds all in memory."""
         here = self._chain.midrange()
         near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
-        ways = [(profile, [here, here]) for profile in PROFILES]
-        for profile, points in (*ways, ("time_optimal", [here, near, here])):
+        for points in ([here, near], [here, near, here]):
             with suppress(RobomechError):  # limits that are missing are told to who asks
-                plan = sampled_through_points(
-                    points, limits=self._chain, profile=profile, period=0.1, max_points=10_000
+                sampled_through_points(
+                    points, limits=self._limits, profile=profile, period=0.1, max_points=10_000
                 )
-                self._tip_path.along(plan.waypoints.positions)
 
     @guarded
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         options = plan_options(request, settings.max_duration)
-        via = via_points(request, self._chain, settings.max_waypoints)
+        via = via_points(request, self._limits, settings.max_waypoints)
         goal = self._joints.given(self._chain, request.goal, "goal")
+        period = wanted_period(request)
         start = await self._start(request.start, settings)
-        try:
-            plan = plan_that_fits(
-                self._chain,
-                np.vstack([start, *via, goal]),
-                wanted_period=wanted_period(request),
+        points = plan_points(start, via, goal, self._limits)
+
+        def planned() -> SampledPlan:
+            return plan_that_fits(
+                self._limits,
+                points,
+                wanted_period=period,
                 usual_period=settings.sample_period,
                 max_points=settings.max_points,
                 max_duration=settings.max_duration,
                 **options,
             )
+
+        try:
+            plan = await self._worker.do(planned) if len(via) else planned()
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
-        encode_plan(plan, self._chain, options, response)
+        self._publish()
+        encode_plan(plan, self._limits, options, self._points, response)
         self._publish_soon(response.trajectory, plan)
         return answer(response)
 
@@ -219,21 +254,28 @@ class TrajectoryPlannerNode(Node):
         start = await self._start(request.start, settings)
         path = path_through(forward_kinematics(self._chain, start), poses, request.path)
         if path is None:
-            raise BadValueError("waypoints", len(poses), "at least one other than the start")
-        followed = follow(self._chain, path, poses, start, bounds)
-        try:
-            plan = plan_along(
+            given, expected = f"{len(poses)} poses equal to the start", "at least one other pose"
+            raise BadValueError("waypoints", given, expected)
+
+        def planned() -> tuple[FollowedPath, SampledPlan | None]:
+            followed = follow(self._chain, path, poses, start, bounds)
+            return followed, plan_along(
                 self._chain,
                 followed,
                 profile=profile,
                 speeds=speeds,
+                limits=self._limits,
                 usual_period=settings.sample_period,
                 max_points=settings.max_points,
                 max_duration=settings.max_duration,
             )
+
+        try:
+            followed, plan = await self._worker.do(planned)
         except MissingLimitsError as error:
             raise NoLimitsForPlanError(error) from None
-        encode_path_plan(followed, plan, self._chain, response)
+        self._publish()
+        encode_path_plan(followed, plan, self._chain.joint_names, self._points, response)
         # What ends on the way is for who asked to judge, not to be executed as it comes.
         if plan is not None and response.error_code == ErrorCode.NONE:
             self._publish_soon(response.trajectory, plan)
@@ -247,16 +289,21 @@ class TrajectoryPlannerNode(Node):
         )
 
     def _publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
-        """Publish the plan after the answer has left."""
-
-        def publish() -> None:
-            self._trajectories.publish(trajectory)
-            self._paths.publish(self._tip_path.along(plan.waypoints.positions))
-
+        """Publish the plan after the answer has left, before the next one is encoded."""
+        self._unpublished = (trajectory, plan)
         if self.executor is None:
-            publish()
+            self._publish()
         else:
-            self.executor.create_task(publish)
+            self.executor.create_task(self._publish)
+
+    def _publish(self) -> None:
+        """Publish the plan that is not published yet, if there is one."""
+        if self._unpublished is None:
+            return
+        trajectory, plan = self._unpublished
+        self._unpublished = None
+        self._trajectories.publish(trajectory)
+        self._paths.publish(self._tip_path.along(plan.waypoints.positions))
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,9 +1,11 @@
-"""Guaranteed extremes of piecewise polynomials, between the samples as well.
+"""Guaranteed bounds of piecewise polynomials, between the samples as well.
 
 On an interval a polynomial lies within the hull of its Bernstein coefficients, and the hull
-shrinks onto it quadratically as the interval is halved.  So the pieces whose hull cannot hold an
-extreme are dropped at once, all pieces together, and the few others are halved until the hull is
-as narrow as wanted.
+shrinks onto it quadratically as the interval is divided.  So the pieces whose hull cannot go over
+a bound are dropped at once, all pieces together, and the few others are divided until it is clear.
+
+How large extremes and steps are is found by compiled code, for planners; where a bound is exceeded
+first is found without, since a controller asks for that, too.
 
 References
 ----------
@@ -12,22 +14,20 @@ Geometric Design 29, 2012, sections 3.3 and 3.5.
 """
 
 import math
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["extremes", "first_above", "hull"]
+__all__ = ["extremes", "extremes_and_steps", "first_above", "hull", "steps"]
 
-# Each halving narrows the hull four times; a hull still too wide after these is rounding.
-_HALVINGS = 30
-# Segments looked at together: their coefficients fit into the cache.
-_BLOCK = 2048
+# A piece is divided into so many: each time the hull becomes narrower by their square.
+_PARTS = 16
+# A hull still too wide after these divisions is rounding.
+_DIVISIONS = 8
 
 
 def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
@@ -46,46 +46,90 @@ def hull(curve: PiecewisePolynomial, order: int) -> FloatArray:
         d is the degree of the derivative.  The first and last coefficients are the values at the
         ends of the segment; all values in between lie between the smallest and the largest.
     """
-    powers = curve.derivative(order)
-    degree = len(powers) - 1
-    if len(curve.spans) and degree:
-        scales = curve.spans ** np.arange(1.0, degree + 1.0)[:, None]
-        powers = np.concatenate([powers[:1], powers[1:] * scales[:, :, None]])
-    flat = _to_bernstein(degree) @ powers.reshape(degree + 1, -1)
-    return flat.reshape(powers.shape)
+    powers = _on_unit_spans(curve)
+    size, segments, joints = powers.shape
+    flat = _to_bernstein(size, order) @ powers.reshape(size, -1)
+    coefficients: FloatArray = flat.reshape(-1, segments, joints)
+    if order:
+        coefficients *= _rate_scales(curve, (order,))
+    return coefficients
 
 
-def extremes(
-    curve: PiecewisePolynomial, order: int, slack: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Find the smallest and the largest value of a derivative for every joint.
+def steps(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
+    """Find by how much derivatives step from each segment to the next.
 
     Parameters
     ----------
     curve : PiecewisePolynomial
-        Of n joints.
-    order : int
-        0 position, 1 velocity, 2 acceleration, 3 jerk.
-    slack : ndarray, shape (s, n), optional
+        s segments, n joints.
+    orders : tuple of int
+        k of them: 0 position, 1 velocity, 2 acceleration, 3 jerk.
+
+    Returns
+    -------
+    ndarray, shape (k, s - 1, n)
+        rad or m over s to the power of the order.
+    """
+    powers = _on_unit_spans(curve)
+    size, segments, joints = powers.shape
+    after = np.zeros((len(orders), max(segments - 1, 0), joints))
+    for k, order in enumerate(orders):
+        if order < size:
+            after[k] = math.factorial(order) * curve.coefficients[order, 1:]
+    flat = _at_end(size, orders) @ powers.reshape(size, -1)
+    before = flat.reshape(len(orders), segments, joints)[:, :-1]
+    return after - before * _rate_scales(curve, orders)[:, :-1]
+
+
+def extremes(
+    curve: PiecewisePolynomial, slack: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Find the smallest and the largest position, velocity, acceleration and jerk of each joint.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        s segments, n joints.
+    slack : ndarray, shape (4, max(s, 1), n), optional
         By how much the values in each segment may be wrong; they count only as far as they are
         certain.
 
     Returns
     -------
-    low, high : ndarray, shape (n,)
-        Over the whole curve, rad or m over s to the power of `order`, exact to a part in 1e11 of
-        the largest coefficient.
+    low, high : ndarray, shape (4, n)
+        Over the whole curve, rad or m over s to the power of the order, exact to a part in 1e11
+        of the largest coefficient of a segment.
     """
-    low, high = (np.full(curve.joints, sign * np.inf) for sign in (1.0, -1.0))
-    for first, block in _blocks(curve):
-        coefficients = hull(block, order)
-        doubt = 0.0 if slack is None else slack[first : first + _BLOCK]
-        upper, lower = coefficients.max(axis=0), coefficients.min(axis=0)
-        largest = np.maximum(_over_segments(upper), _over_segments(-lower))
-        scale = np.maximum(largest, 0.0) * tolerances.PEAK_ACCURACY
-        high = _maxima(coefficients - doubt, upper - doubt, scale, high)
-        low = -_maxima(-coefficients - doubt, -lower - doubt, scale, -low)
+    low, high, _ = extremes_and_steps(curve, slack)
     return low, high
+
+
+def extremes_and_steps(
+    curve: PiecewisePolynomial, slack: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Find extremes, and how far position and its rates step at most between segments.
+
+    Parameters
+    ----------
+    curve, slack
+        As for `extremes`.
+
+    Returns
+    -------
+    low, high : ndarray, shape (4, n)
+        As `extremes` gives them.
+    largest : ndarray, shape (4, n)
+        Magnitudes; see `steps`.
+    """
+    # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
+    from robomech_ros._kernels.time_peaks import piece_extremes
+
+    if slack is None:
+        slack = np.zeros((4, *curve.coefficients.shape[1:]))
+    low, high, largest = np.empty((3, 4, curve.joints))
+    given = (np.ascontiguousarray(one) for one in (curve.breaks, curve.coefficients, slack))
+    piece_extremes(*given, low, high, largest)
+    return low, high, largest
 
 
 def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, int] | None:
@@ -118,75 +162,86 @@ def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, in
 
 
 @cache
-def _to_bernstein(degree: int) -> FloatArray:
-    return np.array(
-        [
-            [math.comb(k, i) / math.comb(degree, i) for i in range(degree + 1)]
-            for k in range(degree + 1)
-        ]
-    )
+def _to_bernstein(size: int, order: int) -> FloatArray:
+    """Build the matrix from powers on [0, 1] to the coefficients of a derivative."""
+    degree = max(size - 1 - order, 0)
+    matrix = np.zeros((degree + 1, size))
+    for i in range(order, size):
+        for k in range(i - order, degree + 1):
+            share = math.comb(k, i - order) / math.comb(degree, i - order)
+            matrix[k, i] = math.perm(i, order) * share
+    return matrix
 
 
 @cache
-def _halving(degree: int) -> FloatArray:
-    """Build the matrix from an interval's coefficients to those of its two halves."""
-    left = np.array(
-        [[math.comb(k, i) / 2.0**k for i in range(degree + 1)] for k in range(degree + 1)]
-    )
-    return np.concatenate([left, left[::-1, ::-1]])
+def _at_end(size: int, orders: tuple[int, ...]) -> FloatArray:
+    """Build the matrix from powers on [0, 1] to derivatives at 1."""
+    return np.array([[math.perm(i, order) for i in range(size)] for order in orders], float)
 
 
-def _halved(pieces: FloatArray) -> FloatArray:
-    """Halve pieces (d + 1, m): the left halves, then the right ones, (d + 1, 2 m)."""
-    size = len(pieces)
-    both = _halving(size - 1) @ pieces
-    return np.concatenate([both[:size], both[size:]], axis=1)
+def _on_unit_spans(curve: PiecewisePolynomial) -> FloatArray:
+    """Give the coefficients in powers of the part of each segment that is over."""
+    if not len(curve.spans):
+        return curve.coefficients
+    powers: FloatArray = curve.coefficients * _powers(curve.spans, len(curve.coefficients) - 1)
+    return powers
 
 
-def _blocks(curve: PiecewisePolynomial) -> Iterator[tuple[int, PiecewisePolynomial]]:
-    """Cut a curve into parts that fit into a processor's cache; yield first segment and part."""
-    segments = curve.coefficients.shape[1]
-    for first in range(0, segments, _BLOCK):
-        last = min(first + _BLOCK, segments)
-        breaks = curve.breaks[first : last + 1]
-        yield first, PiecewisePolynomial(breaks, curve.coefficients[:, first:last])
+def _rate_scales(curve: PiecewisePolynomial, orders: tuple[int, ...]) -> FloatArray:
+    """Give by what derivatives over parts of segments are multiplied, shape (k, max(s, 1), 1)."""
+    spans = curve.spans if len(curve.spans) else np.ones(1)
+    scales: FloatArray = 1.0 / _powers(spans, max(orders))[list(orders)]
+    return scales
 
 
-def _over_segments(values: FloatArray) -> FloatArray:
-    """Largest of the values (s, n) of each joint; joint by joint in memory, which is faster."""
-    largest: FloatArray = np.ascontiguousarray(values.T).max(axis=1)
-    return largest
+def _powers(values: FloatArray, highest: int) -> FloatArray:
+    """Give powers 0 to the highest of values (s,), shape (highest + 1, s, 1)."""
+    table = np.empty((highest + 1, len(values), 1))
+    table[0] = 1.0
+    table[1:, :, 0] = values
+    powers: FloatArray = np.multiply.accumulate(table, axis=0, out=table)
+    return powers
 
 
-def _maxima(
-    coefficients: FloatArray, upper: FloatArray, scale: FloatArray, known: FloatArray
-) -> FloatArray:
-    """Find the largest value over all segments, for each joint, or `known` (n,) if that is larger.
+@cache
+def _division(size: int) -> FloatArray:
+    """Build the matrix from an interval's coefficients to those of its parts.
 
-    `upper` (s, n) bounds each segment; below `scale` (n,) differences do not count.
+    Row ``k * parts + p`` is for coefficient k of part p; see `_divided`.
     """
-    best = np.maximum(known, _over_segments(np.maximum(coefficients[0], coefficients[-1])))
-    segments, owner = np.nonzero(upper > best + scale)
-    pieces = coefficients[:, segments, owner]
-    for _ in range(_HALVINGS):
-        if not len(owner):
-            break
-        pieces, owner = _halved(pieces), np.concatenate([owner, owner])
-        np.maximum.at(best, owner, np.maximum(pieces[0], pieces[-1]))
-        kept = pieces.max(axis=0) > best[owner] + scale[owner]
-        pieces, owner = pieces[:, kept], owner[kept]
-    np.maximum.at(best, owner, pieces.max(axis=0))
-    return best
+    degree = size - 1
+    matrix = np.empty((size, _PARTS, size))
+    for part in range(_PARTS):
+        begin, end = part / _PARTS, (part + 1) / _PARTS
+        for k in range(size):
+            # The polar form, k of whose arguments are the end, the others the beginning.
+            for i in range(size):
+                matrix[k, part, i] = sum(
+                    math.comb(k, a)
+                    * math.comb(degree - k, i - a)
+                    * end**a
+                    * (1.0 - end) ** (k - a)
+                    * begin ** (i - a)
+                    * (1.0 - begin) ** (degree - k - i + a)
+                    for a in range(max(0, i - degree + k), min(i, k) + 1)
+                )
+    return matrix.reshape(-1, size)
+
+
+def _divided(pieces: FloatArray) -> FloatArray:
+    """Divide m pieces (d + 1, m): the first parts of all, then the second ones, and so on."""
+    parts: FloatArray = (_division(len(pieces)) @ pieces).reshape(len(pieces), -1)
+    return parts
 
 
 def _goes_above(pieces: FloatArray, bounds: FloatArray) -> npt.NDArray[np.bool_]:
     """Which of the pieces (d + 1, m) go over their bounds (m,)."""
     above = np.zeros(len(bounds), dtype=bool)
     owner = np.arange(len(bounds))
-    for _ in range(_HALVINGS):
+    for _ in range(_DIVISIONS):
         above[owner[np.maximum(pieces[0], pieces[-1]) > bounds[owner]]] = True
         kept = ~above[owner] & (pieces.max(axis=0) > bounds[owner])
         if not kept.any():
             break
-        pieces, owner = _halved(pieces[:, kept]), np.concatenate([owner[kept], owner[kept]])
+        pieces, owner = _divided(pieces[:, kept]), np.concatenate([owner[kept]] * _PARTS)
     return above

@@ -101,6 +101,8 @@ def _rows(
     if rows.ndim != 2 or len(rows) != count or (joints is not None and rows.shape[1] != joints):
         raise WrongSizeError(what, rows.shape, (count, "n" if joints is None else joints))
     finite = np.isfinite(rows)
+    if finite.all():
+        return rows
     acceptable = finite.all(axis=1)
     if may_lack:
         acceptable |= np.isnan(rows).all(axis=1)

@@ -168,9 +168,9 @@ class JerkLimited:
             return
         joint = int(np.argmax(alone))
         binding = []
+        low, high = extremes(self.pieces)
         for order, rate in enumerate(RATES, start=1):
-            low, high = extremes(self.pieces, order)
-            peak = max(-low[joint], high[joint])
+            peak = max(-low[order, joint], high[order, joint])
             if peak > (1.0 - tolerances.LIMIT_SLACK) * getattr(limits, rate)[joint]:
                 binding.append(rate)
         names = " and ".join(binding) or "jerk"

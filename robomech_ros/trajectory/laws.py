@@ -87,11 +87,9 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
         velocity, acceleration, jerk = (rate.reshape(np.shape(tau)) for rate in sample[1:])
         return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
 
-    peaks = {
-        rate: max(-float(low[0]), float(high[0]))
-        for order, rate in enumerate(RATES, 1)
-        for low, high in (extremes(pieces, order),)
-    }
+    low, high = extremes(pieces)
+    largest = np.maximum(-low, high)[1:, 0].tolist()
+    peaks: dict[Rate, float] = dict(zip(RATES, largest, strict=True))
     return Law(progress, rates, peaks, pieces)
 
 

@@ -19,12 +19,24 @@ from robomech_ros.errors import (
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["RATES", "SMALLEST_LIMIT", "JointLimits", "Limits", "Rate"]
+__all__ = [
+    "JERK_MARGIN",
+    "MARGIN",
+    "RATES",
+    "SMALLEST_LIMIT",
+    "JointLimits",
+    "Limits",
+    "Rate",
+]
 
 Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
 # Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.
 SMALLEST_LIMIT = 1e-12
+# Planned within the limits less these parts, samples stay within the limits despite the rounding
+# of numbers and of times to nanoseconds.
+MARGIN = 1e-7
+JERK_MARGIN = 1e-5
 
 
 class JointLimits(Protocol):
@@ -189,15 +201,26 @@ class Limits:
         return Tools()
 
     @cached_property
+    def with_margin(self) -> "Limits":
+        """These limits less the room that the rounding of samples needs."""
+        return self.scaled(velocity=1.0 - MARGIN, acceleration=1.0 - MARGIN, jerk=1.0 - JERK_MARGIN)
+
+    @cached_property
     def ranges(self) -> FloatArray:
         """Lowest and highest positions, (2, n) in rad or m; finite where a joint has no limit."""
         largest = tolerances.LARGEST_LENGTH
         return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
+    def rates(self) -> FloatArray:
+        """Limits of velocity, acceleration and jerk, (3, n)."""
+        return np.stack([self.velocity, self.acceleration, self.jerk])
+
+    @cached_property
     def inverses(self) -> FloatArray:
         """One over the limits of velocity, acceleration and jerk, (3, n)."""
-        return np.stack([1.0 / getattr(self, rate) for rate in RATES])
+        inverses: FloatArray = 1.0 / self.rates
+        return inverses
 
     def check_start(self, position: FloatArray) -> None:
         """Raise `SeedOutsideLimitsError` where a start (n,) in rad or m is outside the limits."""

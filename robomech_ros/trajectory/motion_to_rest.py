@@ -1,6 +1,7 @@
 """Motions that are piecewise polynomials and end at rest."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,7 @@ __all__ = ["MotionToRest", "check_positions", "settled"]
 
 @dataclass(frozen=True, eq=False)
 class MotionToRest:
-    """A curve that ends at rest exactly at its goal.
+    """A curve that ends at rest exactly at its goal, with continuous acceleration unless told.
 
     Attributes
     ----------
@@ -30,6 +31,8 @@ class MotionToRest:
 
     goal: FloatArray
     pieces: PiecewisePolynomial
+
+    ACCELERATION_STEPS: ClassVar[bool] = False
 
     @property
     def duration(self) -> float:
@@ -75,7 +78,7 @@ def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limi
 
     A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
     """
-    low, high = extremes(pieces, 0)
+    low, high = (values[0] for values in extremes(pieces))
     for values, edge, bound in (
         (-low, -np.minimum(limits.lower, start), limits.lower),
         (high, np.maximum(limits.upper, start), limits.upper),

@@ -201,7 +201,7 @@ def fastest(
     Raises
     ------
     BadValueError
-        If a wanted speed at an end is not possible, or the torque limits forbid every motion.
+        If a wanted speed at an end is not possible, or torque or speed limits forbid every motion.
     """
     nodes = _first_grid(path.breaks)
     bends = np.zeros(len(nodes) - 1)
@@ -375,6 +375,8 @@ def _rows(
 
 
 def _impossible(limits: PathLimits, where: float) -> BadValueError:
-    bounds = [(torques.lower.tolist(), torques.upper.tolist()) for torques in limits.torques]
     expected = f"limits that allow a motion; at path coordinate {where:.9g} these allow none"
+    if not limits.torques:
+        return BadValueError("speed limits", [speed.limit for speed in limits.speeds], expected)
+    bounds = [(torques.lower.tolist(), torques.upper.tolist()) for torques in limits.torques]
     return BadValueError("torque limits", bounds, expected)

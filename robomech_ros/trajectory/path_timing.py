@@ -127,7 +127,7 @@ def time_optimal(
     ------
     WrongSizeError, NonFiniteError, BadValueError
         If the path is none, or not continuous; if a path speed cannot be reached within the
-        limits; if the torque limits allow no motion.
+        limits; if the torque limits, or the speed limits, allow no motion.
     MissingLimitsError
         If a joint lacks a limit that is needed.
     SeedOutsideLimitsError, LimitExceededError

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros._kernels import time_straight, tolerances
+from robomech_ros._kernels._jit import direct
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
@@ -25,6 +26,7 @@ from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
 __all__ = ["PROFILES", "Profile", "point_to_point", "profile_named"]
 
+_both_within = direct(time_straight.both_within)
 # Least scale of a limit: a motion at a millionth of the speed takes weeks, and the powers of its
 # duration are still far from overflow.
 SMALLEST_SCALE = 1e-6
@@ -147,7 +149,7 @@ def point_to_point(
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     n = len(allowed.joint_names)
     start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
-    if not time_straight.both_within(start, goal, allowed.ranges):
+    if not _both_within(start, goal, allowed.ranges):
         _check_numbers("start", start)
         _check_numbers("goal", goal)
         allowed.check_start(start)

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros._kernels import time_straight
+from robomech_ros._kernels._jit import direct
 from robomech_ros.trajectory.from_rest import FromRest
 from robomech_ros.trajectory.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
@@ -23,6 +24,8 @@ __all__ = ["CubicSplineMotion", "Cycloidal", "Polynomial345", "Polynomial4567", 
 
 
 _M = TypeVar("_M", bound="RestToRest")
+
+_shortest_duration = direct(time_straight.shortest_duration)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +59,7 @@ class RestToRest(FromRest):
     @classmethod
     def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, None]:
         peaks = cls.LAW.magnitudes
-        return time_straight.shortest_duration(start, goal, limits.inverses, *peaks), None
+        return _shortest_duration(start, goal, limits.inverses, *peaks), None
 
     @classmethod
     def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:

@@ -52,6 +52,8 @@ def checked_times(t: npt.ArrayLike) -> FloatArray:
 
 def held_outside(sample: Sample, outside: npt.NDArray[np.bool_]) -> Sample:
     """Put the instants outside a trajectory at rest at the position of its nearest end."""
+    if not outside.any():
+        return sample
     for rate in (sample.velocity, sample.acceleration, sample.jerk):
         rate[outside] = 0.0
     return sample

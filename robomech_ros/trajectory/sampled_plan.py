@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
-from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.limits import MARGIN, JointLimits, Limits
 from robomech_ros.trajectory.profiles import (
     PROFILES,
     point_to_point,
@@ -24,10 +24,6 @@ __all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
-# Planned within the limits less these parts, samples stay within the limits despite the rounding
-# of numbers and of times to nanoseconds.
-_MARGIN = 1e-7
-_JERK_MARGIN = 1e-5
 # Where no joint has a lower jerk limit, rounding may do this to the jerk between two samples
 # (rad/s^3, m/s^3) that are very near to each other, because jerk steps are.
 _JERK_ERROR = 100.0
@@ -100,14 +96,13 @@ def sampled_motion(
         As the planner, `discretise` and `verify` do.
     """
     known = Limits.of(limits)
+    first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    if free:
-        factors -= np.array([[_MARGIN], [_MARGIN], [_JERK_MARGIN]])
     jerk_error = min(float(known.jerk.min(initial=np.inf)), _JERK_ERROR)
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
-            trajectory = planner(_tightened(known, factors))
+            trajectory = planner(_tightened(first, factors) if attempt else first)
         except DurationTooShortError:
             if plan is None or not plan.verification.ok:
                 raise
@@ -193,7 +188,7 @@ def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:
         joints = factors.shape[1]
         factors[2] *= 1.0 - _STAGGER * np.arange(1, joints + 1) / joints
         ratios = np.minimum(ratios, _SMALL_EXCESS)
-    factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + _MARGIN
+    factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + MARGIN
 
 
 def _tightened(limits: Limits, factors: FloatArray) -> Limits:

@@ -32,11 +32,9 @@ def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, i
     tuple of float, int, str
         The factor, 0 for a curve that stands still, the joint and the limit that bind.
     """
-    needed = np.zeros((len(RATES), curve.joints))
-    for order, rate in enumerate(RATES, 1):
-        low, high = extremes(curve, order)
-        ratios = np.maximum(np.maximum(-low, high), 0.0) / getattr(limits, rate)
-        needed[order - 1] = ratios ** (1.0 / order)
+    low, high = extremes(curve)
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / limits.rates
+    needed = ratios ** (1.0 / np.arange(1.0, 4.0))[:, None]
     k, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
     return float(needed[k, joint]), int(joint), RATES[k]
 

@@ -10,14 +10,14 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.bounds import extremes, first_above, hull
+from robomech_ros.trajectory.bounds import extremes_and_steps, first_above, hull, steps
 from robomech_ros.trajectory.given_pieces import checked_pieces
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 
-__all__ = ["Verification", "Violation", "verify"]
+__all__ = ["Verification", "Violation", "first_violation", "verify"]
 
 QUANTITIES = ("position", *RATES)
 # Of piecewise polynomials, as they are documented.
@@ -72,12 +72,16 @@ class Verification:
         of the rounding of samples; 0 where there is no limit.
     violation : Violation or None
         The first one in time, None if there is none.
+    largest_acceleration_step : ndarray, shape (n,)
+        Largest step of the acceleration between two segments, rad/s^2 or m/s^2, as far as it is
+        certain; rounding where the acceleration is continuous.
     """
 
     peak_velocity_ratio: FloatArray
     peak_acceleration_ratio: FloatArray
     peak_jerk_ratio: FloatArray
     violation: Violation | None
+    largest_acceleration_step: FloatArray
 
     @property
     def ok(self) -> bool:
@@ -108,8 +112,10 @@ def verify(
     ----------
     trajectory : Waypoints, PiecewiseTrajectory or PiecewisePolynomial
         Waypoints are interpolated as a controller does (linear, cubic or quintic).  Positions must
-        not step, nor velocities where accelerations are limited.  Not seen are steps of velocity
-        of a curve that is linear throughout, and of acceleration.
+        not step, nor velocities where accelerations are limited, nor accelerations of a motion
+        whose profile promises continuous ones.  Steps of velocity are not looked for where the
+        curve is linear throughout; steps of the acceleration of waypoints and of mere pieces are
+        no violation but told as a figure.
     limits : JointLimits
         Position limits and those limits of `rates` that are finite are checked, within
         tolerances for rounding.
@@ -135,26 +141,89 @@ def verify(
         If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
     """
     known = Limits.of(limits)
-    curve, rounding = _curve_of(trajectory)
-    if curve.joints != len(known.joint_names):
-        raise WrongSizeError("joints of the trajectory", curve.joints, len(known.joint_names))
-    doubts = [_rounding(curve, order) if rounding else None for order in range(4)]
-    ratios = {
-        rate: _peak(curve, order, doubts[order]) / getattr(known, rate)
-        for order, rate in enumerate(RATES, 1)
-    }
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    low, high, largest = extremes_and_steps(curve, doubts)
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / known.rates
+    checked = [k for k, rate in enumerate(RATES) if rate in rates]
     found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
-    found += _position_violations(curve, known)
-    found += _steps(curve, known, 0, np.full(curve.joints, tolerances.POSITION_SLACK), doubts[0])
-    if "acceleration" in rates and curve.coefficients[2:].any():
-        slack = tolerances.LIMIT_SLACK * np.where(np.isfinite(known.velocity), known.velocity, 1.0)
-        slack[np.isinf(known.acceleration)] = np.inf
-        found += _steps(curve, known, 1, slack, doubts[1])
+    allowed = _allowed_steps(trajectory, curve, known, rates)
+    good = (
+        (low[0] >= known.lower - tolerances.POSITION_SLACK).all()
+        and (high[0] <= known.upper + tolerances.POSITION_SLACK).all()
+        and (largest[:3] <= allowed).all()
+        and (ratios[checked] <= 1.0 + tolerances.LIMIT_SLACK).all()
+    )
+    if not good:
+        found += _violations(curve, known, doubts, allowed, rates)
+    velocity, acceleration, jerk = ratios
+    return Verification(velocity, acceleration, jerk, _first(found), largest[2])
+
+
+def first_violation(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
+    limits: JointLimits | Any,
+    *,
+    start: npt.ArrayLike | None = None,
+    start_tolerance: float = tolerances.POSITION_SLACK,
+    from_zero: bool = True,
+    to_rest: bool = True,
+    rates: Sequence[Rate] = RATES,
+) -> Violation | None:
+    """Find what is wrong first with a trajectory, if anything is, without compiled code.
+
+    Parameters
+    ----------
+    trajectory, limits, start, start_tolerance, from_zero, to_rest, rates
+        As for `verify`.
+
+    Returns
+    -------
+    Violation or None
+
+    Raises
+    ------
+    BadValueError, NonFiniteError, WrongSizeError
+        As `verify` does.
+    """
+    known = Limits.of(limits)
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
+    allowed = _allowed_steps(trajectory, curve, known, rates)
+    return _first(found + _violations(curve, known, doubts, allowed, rates))
+
+
+def _first(found: list[Violation]) -> Violation | None:
+    return min(found, key=lambda violation: violation.time, default=None)
+
+
+def _curve_and_doubts(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial, limits: Limits
+) -> tuple[PiecewisePolynomial, FloatArray]:
+    """Find the curve, and by how much its rates 0 to 3 may be rounded, (4, s, n)."""
+    curve, rounded = _curve_of(trajectory)
+    if curve.joints != len(limits.joint_names):
+        raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
+    if rounded:
+        return curve, _rounding(curve)
+    return curve, np.zeros((4, *curve.coefficients.shape[1:]))
+
+
+def _violations(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    doubts: FloatArray,
+    allowed: FloatArray,
+    rates: Sequence[Rate],
+) -> list[Violation]:
+    """List what is wrong between start and end, the first of each kind."""
+    found = [
+        *_position_violations(curve, limits),
+        *_step_violations(curve, limits, _steps(curve, doubts), allowed),
+    ]
     for order, rate in enumerate(RATES, 1):
-        if rate in rates and (ratios[rate] > 1.0 + tolerances.LIMIT_SLACK).any():
-            found += _rate_violations(curve, known, order, rate, doubts[order])
-    first = min(found, key=lambda violation: violation.time, default=None)
-    return Verification(ratios["velocity"], ratios["acceleration"], ratios["jerk"], first)
+        if rate in rates:
+            found += _rate_violations(curve, limits, order, rate, doubts[order])
+    return found
 
 
 def _curve_of(
@@ -170,11 +239,6 @@ def _curve_of(
         expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
         raise BadValueError("trajectory", trajectory, expected)
     return pieces, False
-
-
-def _peak(curve: PiecewisePolynomial, order: int, doubt: FloatArray | None) -> FloatArray:
-    low, high = extremes(curve, order, doubt)
-    return np.maximum(np.maximum(-low, high), 0.0)
 
 
 def _ends(
@@ -222,43 +286,55 @@ def _worst(
 
 
 def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
-    low, high = extremes(curve, 0)
-    slack = tolerances.POSITION_SLACK
-    if not ((low < limits.lower - slack) | (high > limits.upper + slack)).any():
-        return
     coefficients = hull(curve, 0)
     for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
-        place = first_above(sign * coefficients, sign * bound + slack)
+        place = first_above(sign * coefficients, sign * bound + tolerances.POSITION_SLACK)
         if place is not None:
             yield _described(curve, 0, limits.joint_names, place, sign, bound)
 
 
-def _steps(
-    curve: PiecewisePolynomial,
-    limits: Limits,
-    order: int,
-    slack: FloatArray,
-    doubt: FloatArray | None,
+def _steps(curve: PiecewisePolynomial, doubts: FloatArray) -> FloatArray:
+    """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
+    rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
+    certain: FloatArray = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
+    return certain
+
+
+def _allowed_steps(
+    trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: Sequence[Rate]
+) -> FloatArray:
+    """Find how far position, velocity and acceleration may step, shape (3, n)."""
+    allowed = np.full((3, curve.joints), np.inf)
+    allowed[0] = tolerances.POSITION_SLACK
+    if "acceleration" not in rates:
+        return allowed
+    limited = np.isfinite(limits.acceleration)
+    if curve.coefficients[2:].any():
+        unit = np.where(np.isfinite(limits.velocity), limits.velocity, 1.0)
+        allowed[1, limited] = tolerances.LIMIT_SLACK * unit[limited]
+    if not getattr(trajectory, "ACCELERATION_STEPS", True):
+        allowed[2, limited] = tolerances.LIMIT_SLACK * limits.acceleration[limited]
+    return allowed
+
+
+def _step_violations(
+    curve: PiecewisePolynomial, limits: Limits, certain: FloatArray, allowed: FloatArray
 ) -> Iterable[Violation]:
-    """Yield the first step of a derivative between segments that is over a slack (n,)."""
-    coefficients = hull(curve, order)
-    steps = coefficients[0, 1:] - coefficients[-1, :-1]
-    if doubt is not None:
-        slack = slack + np.maximum(doubt[1:], doubt[:-1])
-    places, joints = np.nonzero(~(np.abs(steps) <= slack))
-    if len(places):
+    """Yield the first step of each derivative that is larger than allowed."""
+    too_large = ~(certain <= allowed[:, None])
+    for order in np.flatnonzero(too_large.any(axis=(1, 2))).tolist():
+        places, joints = np.nonzero(too_large[order])
         k, joint = int(places[0]), int(joints[0])
+        step = float(steps(curve, (order,))[0, k, joint])
         what, time = f"step of {QUANTITIES[order]}", float(curve.breaks[k + 1])
-        yield Violation(what, limits.joint_names[joint], time, float(steps[k, joint]), 0.0)
+        yield Violation(what, limits.joint_names[joint], time, step, 0.0)
 
 
 def _rate_violations(
-    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray | None
+    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray
 ) -> Iterable[Violation]:
     bound = getattr(limits, rate)
-    allowed = bound * (1.0 + tolerances.LIMIT_SLACK)
-    if doubt is not None:
-        allowed = allowed + doubt
+    allowed = bound * (1.0 + tolerances.LIMIT_SLACK) + doubt
     coefficients = hull(curve, order)
     for sign in (1.0, -1.0):
         place = first_above(sign * coefficients, allowed)
@@ -266,24 +342,26 @@ def _rate_violations(
             yield _described(curve, order, limits.joint_names, place, sign, sign * bound)
 
 
-def _rounding(curve: PiecewisePolynomial, order: int) -> FloatArray:
-    """Bound what the rounding of samples to floating point does to a derivative, shape (s, n).
+def _rounding(curve: PiecewisePolynomial) -> FloatArray:
+    """Bound what the rounding of samples to floating point does to derivatives 0 to 3, (4, s, n).
 
     The quintic through samples h apart multiplies errors of position by up to 60 / h^3 in its
     jerk, errors of velocity by up to 36 / h^2 and so on; the factors here lie above all of them.
     """
+    bound = np.zeros((4, *curve.coefficients.shape[1:]))
     if not len(curve.spans):
-        return np.zeros(curve.coefficients.shape[1:])
-    eps, h = np.finfo(np.float64).eps, curve.spans[:, None]
-    position, velocity, acceleration = (
-        np.abs(curve.derivative(k)[0]).max(axis=0, initial=0.0) for k in range(3)
-    )
+        return bound
+    eps, h = float(np.finfo(np.float64).eps), curve.spans[:, None]
+    starts = np.zeros((3, curve.joints))
+    known = np.abs(curve.coefficients[:3]).max(axis=1)
+    starts[: len(known)] = known * np.array([[1.0], [1.0], [2.0]])[: len(known)]
     late = np.abs(curve.breaks[1:])[:, None]
-    bound: FloatArray = (
-        240.0 * eps * (position + velocity * late) / h**order
-        + 120.0 * eps * velocity / h ** (order - 1)
-        + 20.0 * eps * acceleration / h ** max(order - 2, 0)
-    )
+    bound[0] = 240.0 * eps * starts[0] + eps * (240.0 * late + 120.0 * h) * starts[1]
+    for order in (1, 2, 3):
+        np.divide(bound[order - 1], h, out=bound[order])
+    third = 20.0 * eps * starts[2]
+    bound[:3] += third
+    bound[3] += third / h
     return bound
 
 

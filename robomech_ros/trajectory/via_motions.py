@@ -123,6 +123,17 @@ def through_points(
     known = Limits.of(limits)
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     places = joint_points(points, len(allowed.joint_names))
+    return _planned(places, allowed, profile, at, checked_duration(duration))
+
+
+def _planned(
+    places: FloatArray,
+    allowed: Limits,
+    profile: str,
+    at: npt.ArrayLike | None,
+    duration: float | None,
+) -> PiecewiseTrajectory:
+    """Plan through points (m, n) that are checked, within limits that are scaled."""
     if len(places) == 2 and at is None:
         return point_to_point(*places, limits=allowed, profile=profile, duration=duration)
     through = VIA_PROFILES.get(profile.lower())
@@ -130,7 +141,7 @@ def through_points(
         expected = f"none for {profile}; {', '.join(VIA_PROFILES)} take some"
         raise BadValueError("number of via points", len(places) - 2, expected)
     parts = None if at is None else real_array("at", at)
-    return through(places, allowed, parts, checked_duration(duration))
+    return through(places, allowed, parts, duration)
 
 
 def sampled_through_points(
@@ -172,7 +183,7 @@ def sampled_through_points(
     seconds = checked_duration(duration)
 
     def planner(tightened: Limits) -> PiecewiseTrajectory:
-        return through_points(places, limits=tightened, profile=profile, at=at, duration=seconds)
+        return _planned(places, tightened, profile, at, seconds)
 
     return sampled_motion(
         planner, places[0], allowed, period=period, max_points=max_points, free=seconds is None

@@ -101,11 +101,10 @@ def discretise(
             f"at least {least:g} s: the trajectory lasts {trajectory.duration:.6g} s and may have "
             f"{max_points} points",
         )
-    instants = [
-        start + length * np.arange(count) / count
-        for start, length, count in zip(breaks[:-1], lengths, counts, strict=True)
-    ]
-    times = np.concatenate([*instants, breaks[-1:]])
+    whole = counts.astype(np.int64)
+    since = np.arange(whole.sum()) - np.repeat(np.cumsum(whole) - whole, whole)
+    times = np.repeat(breaks[:-1], whole) + np.repeat(lengths / counts, whole) * since
+    times = np.append(times, breaks[-1])
     times = np.round(times * _NANOSECONDS) / _NANOSECONDS
     times[-1] = math.ceil(trajectory.duration * _NANOSECONDS - 1e-3) / _NANOSECONDS
     sample = trajectory.sample(np.append(times[:-1], trajectory.duration))

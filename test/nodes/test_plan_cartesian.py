@@ -209,12 +209,54 @@ def test_a_redundant_arm_follows_a_path(graph):
 
 CASES = {
     "no waypoints": ({"waypoints": []}, ErrorCode.WRONG_SIZE, ["waypoints has size 0"]),
-    "the start again": ({"waypoints": shifted([0, 0, 0])}, ErrorCode.BAD_VALUE, ["waypoints"]),
+    "the start again": (
+        {"waypoints": shifted([0, 0, 0])},
+        ErrorCode.BAD_VALUE,
+        ["waypoints is '1 poses equal to the start', expected at least one other pose"],
+    ),
+    "an arc through the start": (
+        {"path": 2, "waypoints": shifted([0, 0, 0], [0.1, 0.1, 0])},
+        ErrorCode.BAD_VALUE,
+        ["position of waypoints[0] is", "expected apart from that of the start"],
+    ),
+    "an arc back to the start": (
+        {"path": 2, "waypoints": shifted([0.1, 0, 0], [0, 0, 0])},
+        ErrorCode.BAD_VALUE,
+        ["position of waypoints[1] is", "expected apart from that of the start"],
+    ),
+    "a second arc to the same place": (
+        {"path": 2, "waypoints": shifted([0.1, 0, 0], [0.1, 0.1, 0], [0.1, 0.2, 0], [0.1, 0.2, 0])},
+        ErrorCode.BAD_VALUE,
+        ["position of waypoints[3] is", "expected apart from that of waypoints[2]"],
+    ),
+    "opposite orientations": (
+        {"waypoints": shifted([0.1, 0, 0], of=HERE @ np.diag([-1.0, -1.0, 1.0, 1.0]))},
+        ErrorCode.BAD_VALUE,
+        ["angle (rad) from the start to waypoints[0] is 3.14159"],
+    ),
+    "opposite orientations on an arc": (
+        {
+            "path": 2,
+            "waypoints": shifted([0.1, 0, 0], [0.1, 0.1, 0], of=HERE @ np.diag([-1, -1, 1, 1])),
+        },
+        ErrorCode.BAD_VALUE,
+        ["angle (rad) from the start to waypoints[0] is 3.14159"],
+    ),
+    "fast beyond sense": (
+        {"max_linear_speed": 1e7},
+        ErrorCode.BAD_VALUE,
+        ["max_linear_speed is 10000000.0, expected at most 1e+06"],
+    ),
+    "turning beyond sense": (
+        {"max_angular_speed": 1e300},
+        ErrorCode.BAD_VALUE,
+        ["max_angular_speed is 1e+300, expected at most 1e+06"],
+    ),
     "half an arc": ({"path": 2}, ErrorCode.WRONG_SIZE, ["pairs of poses"]),
     "an arc on a line": (
         {"path": 2, "waypoints": shifted([0.1, 0, 0], [0.2, 0, 0])},
         ErrorCode.BAD_VALUE,
-        ["arc 0"],
+        ["positions of the start, waypoints[0], waypoints[1]", "three points not on a line"],
     ),
     "a spline straight back": (
         {"path": 1, "waypoints": shifted([0, 0, 0], [0.1, 0, 0], [0.05, 0, 0])},
@@ -248,7 +290,11 @@ CASES = {
         ErrorCode.WRONG_SIZE,
         ["waypoints", "201", "at most 200, the parameter max_waypoints"],
     ),
-    "too far": ({"waypoints": shifted([1e300, 0, 0])}, ErrorCode.BAD_VALUE, ["at most 1e+06 m"]),
+    "too far": (
+        {"waypoints": shifted([1e300, 0, 0])},
+        ErrorCode.BAD_VALUE,
+        ["waypoints[0].position is 1e+300, expected coordinates of at most 1e+06 m"],
+    ),
     "condition": ({"condition_limit": -2.0}, ErrorCode.BAD_VALUE, ["condition_limit"]),
     "start of another size": (
         {"start": JointState(position=[0.0] * 5)},

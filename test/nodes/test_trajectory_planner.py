@@ -1,5 +1,6 @@
 """The trajectory planner: plans that keep what they promise, over real DDS."""
 
+import copy
 import dataclasses
 from pathlib import Path
 
@@ -126,6 +127,30 @@ def test_via_points_are_passed_when_they_say(puma):
     points = check(response)
     assert points.times[-1] == 12.0
     np.testing.assert_allclose(points.curve.sample([4.0, 9.0]).position, VIA, atol=1e-8)
+
+
+def test_others_are_served_while_a_long_plan_is_made(graph):
+    node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
+    published = []
+    node._trajectories.publish = lambda message: published.append(copy.deepcopy(message))
+    rng = np.random.default_rng(4)
+    places = rng.uniform(PUMA.lower / 2.0, PUMA.upper / 2.0, (40, 6))
+    via = [JointTrajectoryPoint(positions=point.tolist()) for point in places]
+    service = "trajectory_planner/plan_joint"
+    ends = {
+        "start": joint_state(PUMA.joint_names, START),
+        "goal": joint_state(PUMA.joint_names, GOAL),
+    }
+    many = PlanJoint.Request(**ends, via=via, profile=PROFILES["time_optimal"])
+    slow = graph.start_call(PlanJoint, service, many)
+    quick = [plan(graph, duration=duration_from_seconds(seconds)) for seconds in (7.0, 8.0)]
+    assert not slow.done()
+    assert [response.duration.sec for response in quick] == [7, 8]
+    long = graph.wait_for(slow)
+    assert long.error_code == ErrorCode.NONE
+    # Messages are used again, and still every plan is published as it was answered.
+    plan(graph)
+    assert published[:3] == [response.trajectory for response in (*quick, long)]
 
 
 def test_scales_are_parts_of_the_limits(puma, profile):

@@ -49,6 +49,10 @@ def replaced(values, k, value):
     return joint_state(NAMES, changed)
 
 
+def at(seconds):
+    return JointTrajectoryPoint(positions=[0.1] * 6, time_from_start=Duration(sec=seconds))
+
+
 CASES = {
     "goal without joints": (
         {"goal": JointState()},
@@ -128,7 +132,7 @@ CASES = {
     "too many via points": (
         {"via": [JointTrajectoryPoint(positions=[0.1] * 6)] * 3},
         ErrorCode.BAD_VALUE,
-        ["number of via points is 3", "at most 2 for poly345"],
+        ["via is '3 points'", "at most 2 points for POLY345", "RUCKIG, TIME_OPTIMAL take more"],
     ),
     "via points beyond number": (
         {"via": [JointTrajectoryPoint(positions=[0.1] * 6)] * 201, "profile": 4},
@@ -159,6 +163,31 @@ CASES = {
         {"via": [JointTrajectoryPoint(positions=[0.0] * 6, time_from_start=Duration(sec=1))]},
         ErrorCode.BAD_VALUE,
         ["via[0].time_from_start", "duration"],
+    ),
+    "instants of via points that do not increase": (
+        {"via": [at(2), at(1)], "profile": 3, "duration": Duration(sec=9)},
+        ErrorCode.BAD_VALUE,
+        ["via[1].time_from_start is 1.0", "more than 2 s and less than the duration, 9 s"],
+    ),
+    "instant of one of two via points": (
+        {"via": [at(0), at(1)], "profile": 3, "duration": Duration(sec=9)},
+        ErrorCode.BAD_VALUE,
+        ["via[0].time_from_start is 0.0", "more than 0 s", "or 0 at all via points"],
+    ),
+    "instant of a via point after the end": (
+        {"via": [at(10)], "duration": Duration(sec=9)},
+        ErrorCode.BAD_VALUE,
+        ["via[0].time_from_start is 10.0", "less than the duration, 9 s"],
+    ),
+    "instant of a via point for ruckig": (
+        {"via": [at(1)], "duration": Duration(sec=9), "profile": RUCKIG},
+        ErrorCode.BAD_VALUE,
+        ["via[0].time_from_start is 1.0", "0: RUCKIG finds the instants itself"],
+    ),
+    "goal beyond all sense": (
+        {"goal": replaced(GOAL, 5, 1e300)},
+        ErrorCode.LIMIT,
+        ["goal position of joint 'wrist_swivel'", "1e+300"],
     ),
     "negative duration": (
         {"duration": Duration(sec=-1)},
@@ -248,6 +277,24 @@ def test_refused_requests_publish_nothing(graph):
     assert plan(graph, request()).error_code == ErrorCode.NONE
     assert plan(graph, request(profile=9)).error_code == ErrorCode.BAD_VALUE
     assert len(published) == 1
+
+
+def test_positions_beyond_all_sense_are_named_where_there_is_no_limit(graph):
+    graph.start(TrajectoryPlannerNode, robot_description=UNLIMITED_URDF)
+    good, bad = [0.0, 0.0], [0.0, -1e300]
+    for what, fields in {
+        "start": {"start": JointState(position=bad), "goal": JointState(position=good)},
+        "goal": {"start": JointState(position=good), "goal": JointState(position=bad)},
+        "via[0].positions": {
+            "start": JointState(position=good),
+            "goal": JointState(position=good),
+            "via": [JointTrajectoryPoint(positions=bad)],
+        },
+    }.items():
+        response = plan(graph, PlanJoint.Request(**fields))
+        assert response.error_code == ErrorCode.BAD_VALUE
+        text = f"{what} of joint 'swing' is -1e+300, expected a magnitude of at most 1e+06"
+        assert response.error_msg == text
 
 
 def test_missing_limits_are_named(graph):

@@ -255,7 +255,7 @@ def test_from_rest_no_joint_leaves_the_way_from_start_to_goal():
         start = rng.uniform(-3.0, 3.0, 6)
         goal = start + rng.uniform(-1.0, 1.0, 6) * 10.0 ** rng.uniform(-3.0, 0.5, 6)
         motion = point_to_point(start, goal, limits=limits, profile="ruckig")
-        low, high = extremes(motion.pieces, 0)
+        low, high = (values[0] for values in extremes(motion.pieces))
         np.testing.assert_array_less(np.minimum(start, goal) - low, 1e-12)
         np.testing.assert_array_less(high - np.maximum(start, goal), 1e-12)
         ends = motion.sample([0.0, motion.duration])

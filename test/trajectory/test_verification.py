@@ -1,12 +1,16 @@
 """Verification finds what is wrong, where, and by how much, between samples as well."""
 
+import subprocess
+import sys
 import time
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, LimitExceededError, NonFiniteError, WrongSizeError
 from robomech_ros.trajectory import (
+    PROFILES,
     Limits,
     PiecewisePolynomial,
     Waypoints,
@@ -14,6 +18,7 @@ from robomech_ros.trajectory import (
     point_to_point,
     verify,
 )
+from robomech_ros.trajectory.verification import first_violation
 
 JOINTS = ("base", "elbow")
 LIMITS = Limits(JOINTS, velocity=1.0, acceleration=2.0, jerk=30.0, lower=-3.0, upper=3.0)
@@ -128,6 +133,54 @@ def test_a_curve_that_steps_between_its_segments_is_none(order, what):
     assert found.value == pytest.approx(1e-3)
     free = verify(curve, LIMITS, rates=("velocity",))
     assert free.ok is (order == 1)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion whose profile says whether its acceleration steps."""
+
+    pieces: PiecewisePolynomial
+    ACCELERATION_STEPS: bool
+
+
+def test_steps_of_acceleration_are_told_and_forbidden_where_the_profile_promises_none():
+    free = Limits(JOINTS, velocity=1.0, acceleration=2.0)
+    pieces = point_to_point(START, GOAL, limits=free, profile="trapezoidal").pieces
+    report = verify(Motion(pieces, True), free, to_rest=False)
+    assert report.ok
+    np.testing.assert_allclose(report.largest_acceleration_step, [1.0, 2.0])
+    found = verify(Motion(pieces, False), free, to_rest=False).violation
+    assert (found.what, found.joint) == ("step of acceleration", "base")
+    assert (found.time, found.value) == (pieces.breaks[1], pytest.approx(-1.0))
+    assert verify(Motion(pieces, False), free, to_rest=False, rates=("velocity",)).ok
+
+
+@pytest.mark.parametrize("profile", sorted(PROFILES))
+def test_profiles_keep_what_they_promise_of_their_acceleration(profile):
+    motion = point_to_point(START, GOAL, limits=LIMITS, profile=profile)
+    report = verify(motion, LIMITS, start=START, to_rest=profile != "trapezoidal")
+    assert report.ok
+    assert (report.largest_acceleration_step > 1e-3).any() == motion.ACCELERATION_STEPS
+
+
+def test_the_first_violation_alone_is_that_of_the_report_and_takes_no_compiled_code(waypoints):
+    bad = changed(waypoints, velocities=(([30, 12, 25], [0, 1, 0]), [5.0, 5.0, -5.0]))
+    for limits in (LIMITS, Limits(JOINTS, velocity=1.0, acceleration=2.0, upper=0.7)):
+        for given in (waypoints, bad):
+            assert first_violation(given, limits, start=START) == (
+                verify(given, limits, start=START).violation
+            )
+    code = (
+        "import sys\n"
+        "from robomech_ros.trajectory.limits import Limits\n"
+        "from robomech_ros.trajectory.interpolation import interpolant\n"
+        "from robomech_ros.trajectory.verification import first_violation\n"
+        "curve = interpolant([0, 1], [[0], [1]], [[0], [0]], [[0], [0]])\n"
+        "print(first_violation(curve, Limits(['joint'], velocity=1.0)), 'numba' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("velocity of joint 'joint' is 1.875 at t = 0.5 s, off its limit")
+    assert done.stdout.endswith("False\n")
 
 
 def test_only_the_wanted_rates_are_checked(waypoints):

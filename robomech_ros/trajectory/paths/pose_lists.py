@@ -165,7 +165,11 @@ def _arc(k: int, poses: list[FloatArray]) -> tuple[FunctionCurve, PiecewiseRotat
     x, y, _ = (middle - curve.pose[:3, 3]) @ curve.pose[:3, :3]
     angle = math.atan2(float(y), float(x)) % math.tau
     rotations = np.stack([pose[:3, :3] for pose in poses])
-    return curve, orientation_spline(rotations, [0.0, angle, float(curve.breaks[-1])])
+    try:
+        turning = orientation_spline(rotations, [0.0, angle, float(curve.breaks[-1])])
+    except BadValueError as error:
+        raise BadValueError(f"arc {k}: {error.what}", error.value, error.expected) from None
+    return curve, turning
 
 
 def _joined_rotations(parts: list[PiecewiseRotation], starts: FloatArray) -> PiecewiseRotation:
