@@ -65,7 +65,8 @@ def orientation_workspace(
 ) -> OrientationWorkspace:
     """Find which orientations the tip can take at a point.
 
-    The samples are those of :func:`even_rotations`, the same every time; the error of the share falls about as ``samples ** (-2 / 3)``.
+    The samples are those of :func:`even_rotations`, the same every time; the error of the share
+    falls about as ``samples ** (-2 / 3)``.
 
     Parameters
     ----------

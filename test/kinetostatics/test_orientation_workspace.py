@@ -52,5 +52,5 @@ def test_bad_input_is_refused():
         with pytest.raises(error, match=text):
             orientation_workspace(*arguments)
     for samples in (0, 1.5, True, 10**9):
-        with pytest.raises(BadValueError, match="samples"):
+        with pytest.raises(BadValueError, match="number of orientations"):
             orientation_workspace(PUMA, (0.4, 0.2, 0.1), samples=samples)
