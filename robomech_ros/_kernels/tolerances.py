@@ -31,6 +31,11 @@ LARGEST_LENGTH = 1e6
 # Largest angle (rad) of a seed and of a description, by the same measure; limits of joints beyond
 # it (rad or m) are what exporters write for none, as in 1e16.
 LARGEST_ANGLE = 1e5
+# Largest mass (kg) and moment of inertia (kg m^2) of a body.
+LARGEST_INERTIA = 1e12
+# Part of the greatest principal moment by which published moments, rounded to three digits, may
+# miss what a body can have.
+INERTIA_ROUNDING = 2e-3
 
 # --- Polishing of a solution on the pose ---
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
