@@ -22,40 +22,24 @@ if TYPE_CHECKING:
         potential_energy,
         power_balance,
     )
-    from robomech_ros.dynamics.forward import (
-        forward_dynamics,
-    )
-    from robomech_ros.dynamics.friction import (
-        dissipated_power,
-        dissipation,
-        friction_torque,
-    )
-    from robomech_ros.dynamics.inverse import (
-        bias_torque,
-        gravity_torque,
-        inverse_dynamics,
-    )
-    from robomech_ros.dynamics.matrices import (
-        coriolis_matrix,
-        mass_matrix,
-    )
-    from robomech_ros.dynamics.model import (
-        body_parameters,
-    )
-    from robomech_ros.dynamics.payload import (
-        with_payload,
-    )
-    from robomech_ros.dynamics.regressor import (
-        BaseParameters,
-        base_parameters,
-        torque_regressor,
-    )
+    from robomech_ros.dynamics.forward import forward_dynamics
+    from robomech_ros.dynamics.friction import dissipated_power, dissipation, friction_torque
+    from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics
+    from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
+    from robomech_ros.dynamics.model import body_parameters
+    from robomech_ros.dynamics.payload import with_payload
+    from robomech_ros.dynamics.regressor import BaseParameters, base_parameters, torque_regressor
+    from robomech_ros.dynamics.servo import Servo, ServoMotion
+    from robomech_ros.dynamics.simulation import Simulation, simulate
 
 __all__ = [
     "BaseParameters",
     "ForwardDerivatives",
     "InverseDerivatives",
     "PowerBalance",
+    "Servo",
+    "ServoMotion",
+    "Simulation",
     "base_parameters",
     "bias_torque",
     "body_parameters",
@@ -74,6 +58,7 @@ __all__ = [
     "momentum",
     "potential_energy",
     "power_balance",
+    "simulate",
     "torque_regressor",
     "with_payload",
 ]
@@ -83,6 +68,9 @@ _MODULES = {
     "ForwardDerivatives": "derivatives",
     "InverseDerivatives": "derivatives",
     "PowerBalance": "energy",
+    "Servo": "servo",
+    "ServoMotion": "servo",
+    "Simulation": "simulation",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
     "body_parameters": "model",
@@ -101,6 +89,7 @@ _MODULES = {
     "momentum": "energy",
     "potential_energy": "energy",
     "power_balance": "energy",
+    "simulate": "simulation",
     "torque_regressor": "regressor",
     "with_payload": "payload",
 }
