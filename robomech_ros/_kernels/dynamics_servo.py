@@ -16,11 +16,14 @@ from robomech_ros._kernels._jit import IN1, IN2, IN3, OUT2, OUT3, f8, i8, kernel
 from robomech_ros._kernels.dynamics_inverse import gravity_body, inverse_body
 from robomech_ros._kernels.dynamics_mass import mass_body
 from robomech_ros._kernels.serial import OK
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 
-__all__ = ["COMPUTED_TORQUE", "MOST_SERVO_JOINTS", "PD_WITH_GRAVITY", "servo_steps"]
+__all__ = ["COMPUTED_TORQUE", "MOST_SERVO_JOINTS", "PD_WITH_GRAVITY", "RUNS_AWAY", "servo_steps"]
 
 COMPUTED_TORQUE = 0
 PD_WITH_GRAVITY = 1
+
+RUNS_AWAY = 4
 
 # Matrices of their numbers stand on the stack.
 MOST_SERVO_JOINTS = 32
@@ -127,7 +130,7 @@ def _settle(A, b, dry, low, high, v, count):
 
 @lean
 def _plant_step(model, friction, stops, around, tau, step, q, qd):
-    """Move the chain by one step of time; its state stays as it is where that is not finite."""
+    """Move the chain by one step of time; its state stays as it is where it would run away."""
     A = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
     bias = scratch(MOST_SERVO_JOINTS)
     none = scratch(MOST_SERVO_JOINTS)
@@ -159,8 +162,8 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
         if _settle(A, b, dry, low, high, v, count):
             break
     for i in range(count):
-        if not math.isfinite(q[i] + step * v[i]):
-            return 1
+        if not abs(v[i]) <= LARGEST_SERVO_RATE:
+            return RUNS_AWAY
     for i in range(count):
         qd[i] = v[i]
         q[i] += step * v[i]

@@ -40,6 +40,9 @@ INERTIA_ROUNDING = 2e-3
 # A column of a torque regressor, of unit length, that is nearer than this to those before it
 # depends on them: rounding leaves 1e-13, and what a motion can show is above 1e-4.
 BASE_PARAMETER = 1e-8
+# Joint rate (rad/s or m/s) above which a controlled motion has run away: no robot comes near, and
+# products of such rates are still far from overflow.
+LARGEST_SERVO_RATE = 1e6
 
 # --- Polishing of a solution on the pose ---
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.

@@ -124,7 +124,7 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
     columns: list[int] = []
     directions = np.empty((len(Y), 0))
     for k, size in enumerate(scale):
-        if not size > 0.0:
+        if size <= BASE_PARAMETER * scale.max():
             continue
         rest = Y[:, k] / size
         for _ in range(2):

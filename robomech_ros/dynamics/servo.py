@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import dynamics_servo as kernels
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 from robomech_ros.dynamics.friction import friction_model
 from robomech_ros.dynamics.matrices import mass_matrix
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
@@ -186,8 +187,8 @@ class Servo:
         reason = ""
         if done < len(wanted):
             reason = (
-                f"the motion ran away after {done * period:.6g} s: the rates of the "
-                f"joints, {np.abs(qd).max():.3g} at most, or the torques asked for are not finite"
+                f"the motion ran away after {done * period:.6g} s, with rates of up to "
+                f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
             )
         saturated = np.abs(effort) >= arguments[7]
         return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)

@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.dynamics_forward import forward_dynamics_one
 from robomech_ros.dynamics.crossings import Event, bounced, limit_events, note, zero
 from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_model
 from robomech_ros.dynamics.midpoint import MidpointSolver
-from robomech_ros.dynamics.model import GRAVITY, positive_number
-from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
@@ -26,6 +28,8 @@ Torque = Callable[[float, Array, Array], ArrayLike]
 
 SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
 AT_LIMITS = ("ignore", "end", "bounce")
+
+_forward_one = direct(forward_dynamics_one)
 
 _MOST_STEPS = 1_000_000
 _MOST_BOUNCES = 1000
@@ -79,6 +83,8 @@ class _Motion:
     chain: SerialChain
     torque: Torque
     options: dict[str, Any]
+    model: Array
+    around: Array
     friction: Array
     rest_rate: float
 
@@ -101,10 +107,9 @@ class _Motion:
         if not np.isfinite(state).all():
             raise _RunAwayError(f"the state at {t:.6g} s is not finite")
         tau, lost = self.drives(t, q, qd), self.friction_torque(qd)
-        try:
-            qdd = forward_dynamics(self.chain, q, qd, tau - lost, **self.options)
-        except RobomechError as error:
-            raise _RunAwayError(f"at {t:.6g} s: {error}") from None
+        qdd = np.empty(n)
+        if _forward_one(self.model, q, qd, tau - lost, self.around, qdd):
+            raise _RunAwayError(f"the accelerations at {t:.6g} s are not finite")
         with np.errstate(over="ignore", invalid="ignore"):
             power, loss = tau @ qd, lost @ qd
         wrench = self.options["tip_wrench"]
@@ -197,6 +202,8 @@ def simulate(
         chain,
         _as_torque(chain, torque),
         {"gravity": gravity, "tip_wrench": wrench},
+        dynamic_model(chain),
+        surroundings((), gravity, wrench)[0],
         friction_model(chain),
         positive_number("rest_rate", rest_rate),
     )
