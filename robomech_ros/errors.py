@@ -16,6 +16,7 @@ __all__ = [
     "DurationTooShortError",
     "LimitExceededError",
     "MapFileError",
+    "MissingInertiaError",
     "MissingLimitsError",
     "NonFiniteError",
     "NotEnoughMemoryError",
@@ -177,6 +178,29 @@ class MissingLimitsError(RobomechError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.kind, self.joints)
+
+
+class MissingInertiaError(RobomechError):
+    """Nothing is known of the mass of what some joints move.
+
+    Parameters
+    ----------
+    links : iterable of str
+        The links that the joints move.
+    joints : iterable of str
+        The joints.
+    """
+
+    def __init__(self, links: Iterable[str], joints: Iterable[str]) -> None:
+        self.links = tuple(links)
+        self.joints = tuple(joints)
+        super().__init__(
+            f"no mass and inertia of links {_listed(self.links)}, which joints "
+            f"{_listed(self.joints)} move; give them in the robot's description"
+        )
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.links, self.joints)
 
 
 class RobotDescriptionError(RobomechError):

@@ -31,6 +31,18 @@ LARGEST_LENGTH = 1e6
 # Largest angle (rad) of a seed and of a description, by the same measure; limits of joints beyond
 # it (rad or m) are what exporters write for none, as in 1e16.
 LARGEST_ANGLE = 1e5
+# Largest mass (kg) and moment of inertia (kg m^2) of a body.
+LARGEST_INERTIA = 1e12
+# Part of the greatest principal moment by which published moments, rounded to three digits, may
+# miss what a body can have.
+INERTIA_ROUNDING = 2e-3
+
+# A column of a torque regressor, of unit length, that is nearer than this to those before it
+# depends on them: rounding leaves 1e-13, and what a motion can show is above 1e-4.
+BASE_PARAMETER = 1e-8
+# Joint rate (rad/s or m/s) above which a controlled motion has run away: no robot comes near, and
+# products of such rates are still far from overflow.
+LARGEST_SERVO_RATE = 1e6
 
 # --- Polishing of a solution on the pose ---
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.

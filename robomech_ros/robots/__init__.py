@@ -1,9 +1,11 @@
 """Robots: the chain model and how to come by one."""
 
+from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, LinkFrame, SerialChain
 from robomech_ros.robots.description import Joint, RobotDescription
 from robomech_ros.robots.dh import DHTable, chain_from_dh
 from robomech_ros.robots.dh_recovery import dh_from_chain
+from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.library import (
     list_robots,
     load_description,
@@ -14,12 +16,15 @@ from robomech_ros.robots.library import (
 __all__ = [
     "PRISMATIC",
     "REVOLUTE",
+    "Body",
     "DHTable",
+    "Drive",
     "Joint",
     "LinkFrame",
     "RobotDescription",
     "SerialChain",
     "chain_from_dh",
+    "combined",
     "dh_from_chain",
     "list_robots",
     "load_description",

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
+    MissingInertiaError,
     MissingLimitsError,
     NonFiniteError,
     UnknownLinkError,
     WrongSizeError,
 )
+from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
 from robomech_ros.spatial.arrays import listed
 
@@ -29,6 +32,8 @@ __all__ = [
     "LinkFrame",
     "SerialChain",
     "check_name",
+    "checked_entries",
+    "joint_transform",
     "pack_chain",
     "unpack_chain",
 ]
@@ -90,6 +95,11 @@ class SerialChain:
         Links along the chain, base and tip included, and links fixed to one of them.
     dh_given : DHTable or None
         The Denavit-Hartenberg table that the chain was made from.
+    bodies : tuple of Body or None
+        What moves with each joint, in the frame in front of C_i that turns or slides with joint
+        i; None where nothing is known of it.  Default nothing known.
+    drives : tuple of Drive
+        Friction and rotor of each joint.  Default none.
     """
 
     name: str
@@ -106,6 +116,8 @@ class SerialChain:
     effort: Array
     frames: tuple[LinkFrame, ...] = ()
     dh_given: "DHTable | None" = None
+    bodies: tuple[Body | None, ...] = ()
+    drives: tuple[Drive, ...] = ()
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):
@@ -128,6 +140,10 @@ class SerialChain:
         longest = float(np.abs(self.packed[:, 10:]).max())
         if longest > LARGEST_LENGTH:
             raise BadValueError("longest offset", longest, f"at most {LARGEST_LENGTH:g} m")
+        bodies = checked_entries("bodies", self.bodies, Body | None, n)
+        object.__setattr__(self, "bodies", bodies or (None,) * n)
+        drives = checked_entries("drives", self.drives, Drive, n)
+        object.__setattr__(self, "drives", drives or (Drive(),) * n)
 
     def _freeze(self, field: str, dtype: type, shape: tuple[int, ...]) -> None:
         array: NDArray = np.array(getattr(self, field), dtype=dtype, order="C")
@@ -238,7 +254,56 @@ class SerialChain:
             jerk=self.jerk[:k],
             effort=self.effort[:k],
             frames=tuple(frame for frame in self.frames if frame.joints <= k),
+            bodies=self._bodies_to(k),
+            drives=self.drives[:k],
         )
+
+    def _bodies_to(self, k: int) -> tuple[Body | None, ...]:
+        """Let the joints from k on carry along what is beyond them, standing where they rest."""
+        bodies, constants = list(self.bodies), unpack_chain(self.packed)
+        rest = np.clip(0.0, self.lower, self.upper)
+        for i in range(self.n - 1, max(k, 1) - 1, -1):
+            carried = bodies.pop()
+            if carried is not None:
+                J = joint_transform(self.types[i] == PRISMATIC, rest[i])
+                moved = carried.seen_from(constants[i] @ J)
+                bodies[-1] = combined(part for part in (bodies[-1], moved) if part is not None)
+        return tuple(bodies[:k])
+
+    @cached_property
+    def packed_bodies(self) -> Array:
+        """Bodies as the kernels read them, shape (n, 10).
+
+        Mass (kg), centre of mass (m), and the moments xx, xy, xz, yy, yz, zz about it (kg m^2).
+
+        Raises
+        ------
+        MissingInertiaError
+            Of some joints nothing is known that moves with them; their links are named.
+        BadValueError
+            No body can have the numbers of one.
+        """
+        missing = [i for i, body in enumerate(self.bodies) if body is None or body.mass == 0.0]
+        if missing:
+            links = [self._links_moved_by(i) for i in missing]
+            raise MissingInertiaError(
+                [name for names in links for name in names], [self.joint_names[i] for i in missing]
+            )
+        rows = np.empty((self.n, 10))
+        for i, body in enumerate(self.bodies):
+            assert body is not None
+            if fault := body.fault():
+                names = " and ".join(self._links_moved_by(i))
+                raise BadValueError(f"inertia of {names}", body.mass, f"a possible body; {fault}")
+            rows[i, 0] = body.mass
+            rows[i, 1:4] = body.com
+            rows[i, 4:] = body.inertia[np.triu_indices(3)]
+        rows.setflags(write=False)
+        return rows
+
+    def _links_moved_by(self, i: int) -> list[str]:
+        names = [frame.name for frame in self.frames if frame.joints == i + 1]
+        return names or [f"what joint {self.joint_names[i]} moves"]
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).
@@ -293,11 +358,39 @@ def check_name(what: str, name: object) -> None:
         raise BadValueError(what, name, "a name, as text")
 
 
+def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any, ...]:
+    """Give the entries of a list that is empty or has one of a kind for each of n joints.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+    """
+    expected = f"a list of {n}, of type {getattr(kind, '__name__', kind)}"
+    given = listed(what, entries, expected)
+    for entry in given:
+        if not isinstance(entry, kind):
+            raise BadValueError(f"one of {what}", entry, expected)
+    if given and len(given) != n:
+        raise WrongSizeError(what, len(given), n)
+    return given
+
+
 def _check_names(what: str, names: Sequence[str]) -> None:
     for name in listed(what, names, "a list of names"):
         check_name(f"one of {what}", name)
     if len(set(names)) < len(names):
         raise BadValueError(what, names, "different names")
+
+
+def joint_transform(slides: bool, q: float) -> Array:
+    """Turn about z by q (rad), or slide along it by q (m): shape (4, 4)."""
+    T = np.eye(4)
+    if slides:
+        T[2, 3] = q
+    else:
+        c, s = np.cos(q), np.sin(q)
+        T[:2, :2] = (c, -s), (s, c)
+    return T
 
 
 def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:

@@ -1,7 +1,7 @@
 """A robot as a tree of links and joints, and the serial chains in it."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -9,8 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, LinkFrame, SerialChain, pack_chain
+from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.chain import (
+    PRISMATIC,
+    REVOLUTE,
+    LinkFrame,
+    SerialChain,
+    joint_transform,
+    pack_chain,
+)
 from robomech_ros.robots.dh import DHTable
+from robomech_ros.robots.drives import Drive
 from robomech_ros.spatial import inverse_pose
 
 __all__ = ["Joint", "RobotDescription"]
@@ -46,11 +55,23 @@ class Joint:
     jerk: float = np.nan
     effort: float = np.nan
     mimic: str | None = None
+    drive: Drive = field(default_factory=Drive)
 
     @property
     def moves(self) -> bool:
         """Whether the joint is one that a chain can contain as a variable."""
         return self.type in MOVING
+
+    @cached_property
+    def at_rest(self) -> Array:
+        """Pose of the child in the parent with the joint at 0, or its limit next to that."""
+        q = float(np.clip(0.0, self.lower, self.upper))
+        if not self.moves or q == 0.0:
+            return self.origin @ self.after
+        turn = _turn_of_z(self.axis)
+        return (
+            self.origin @ turn @ joint_transform(self.type == "prismatic", q) @ turn.T @ self.after
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +92,8 @@ class RobotDescription:
         Citation of where the numbers come from, empty where unknown.
     dh : DHTable or None
         The table the whole robot was given as.
+    bodies : mapping of str to Body
+        Masses and inertias of links, each in the link's own frame, where they are known.
     """
 
     name: str
@@ -79,6 +102,7 @@ class RobotDescription:
     where: str
     source: str = ""
     dh: DHTable | None = None
+    bodies: Mapping[str, Body] = field(default_factory=dict)
 
     @cached_property
     def root(self) -> str:
@@ -256,7 +280,23 @@ class RobotDescription:
             effort=np.array([joint.effort for joint in moving]),
             frames=tuple(frames),
             dh_given=self.dh if whole else None,
+            bodies=self._bodies(along, len(moving)),
+            drives=tuple(joint.drive for joint in moving),
         )
+
+    def _bodies(self, along: list[LinkFrame], n: int) -> tuple[Body | None, ...]:
+        """Combine what moves with each joint of a chain, other joints standing where they rest."""
+        parts: list[list[Body]] = [[] for _ in range(n + 1)]
+        on_chain = {frame.name for frame in along}
+        waiting = [(frame.name, frame.joints, frame.offset) for frame in along]
+        while waiting:
+            link, joints, pose = waiting.pop()
+            if link in self.bodies:
+                parts[joints].append(self.bodies[link].seen_from(pose))
+            for joint in self._to_children[link]:
+                if joint.child not in on_chain:
+                    waiting.append((joint.child, joints, pose @ joint.at_rest))
+        return tuple(combined(part) for part in parts[1:])
 
     def _attached(self, along: list[LinkFrame]) -> Iterator[LinkFrame]:
         """Links that fixed joints hold to the links along a chain."""

@@ -17,14 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import (
     PRISMATIC,
     REVOLUTE,
     LinkFrame,
     SerialChain,
     check_name,
+    checked_entries,
     pack_chain,
 )
+from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
@@ -84,6 +87,8 @@ def chain_from_dh(
     joint_names: Sequence[str] | None = None,
     base_link: str = "base_link",
     tip_link: str = "tool0",
+    bodies: Sequence[Body | None] | None = None,
+    drives: Sequence[Drive] | None = None,
 ) -> SerialChain:
     """Make a chain from Denavit-Hartenberg parameters.
 
@@ -108,6 +113,10 @@ def chain_from_dh(
         number for all joints; None in the place of a number is no limit.
     name, joint_names, base_link, tip_link : optional
         Names; joints are ``joint_1`` .. ``joint_n`` unless given.
+    bodies : sequence of Body or None, optional
+        What moves with each joint, in frame i + 1 of the table.  Default unknown.
+    drives : sequence of Drive, optional
+        Friction and rotor of each joint.  Default none.
 
     Returns
     -------
@@ -150,7 +159,16 @@ def chain_from_dh(
         packed=pack_chain(transforms, kinds),
         frames=tuple(frames),
         dh_given=table,
+        bodies=_in_joint_frames(bodies, links),
+        drives=checked_entries("drives", () if drives is None else drives, Drive, n),
         **limit_arrays(limits, n),
+    )
+
+
+def _in_joint_frames(bodies: Sequence[Body | None] | None, links: Array) -> tuple[Body | None, ...]:
+    given = checked_entries("bodies", () if bodies is None else bodies, Body | None, len(links))
+    return tuple(
+        None if body is None else body.seen_from(T) for body, T in zip(given, links, strict=False)
     )
 
 

@@ -7,7 +7,13 @@ A table (all numbers in m, rad, s, N m or N)::
     joints:
       - {name: joint_1, type: revolute, a: 1.0, b: 0.0, alpha: 0.0, lower: -3.0, upper: 3.0}
 
-Beside a URDF of the same stem a file gives its source and the limits that URDF has no place for::
+A joint may have the ``body`` that it moves, in frame i + 1 of the table, and its ``drive``, as
+:mod:`robomech_ros.robots.yaml_bodies` reads them::
+
+        body: {mass: 2.0, com: [-0.5, 0.0, 0.0], inertia: {ixx: 0.0, iyy: 0.17, izz: 0.17}}
+        drive: {viscous: 0.1, coulomb: 0.5, rotor_inertia: 2.0e-4, gear_ratio: 100.0}
+
+Beside a URDF of the same stem a file gives its source, and what URDF has no place for::
 
     source: where the numbers come from
     joints:
@@ -29,6 +35,7 @@ from robomech_ros.robots.description import Joint, RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.robots.guarded_yaml import check_keys, parse_yaml
 from robomech_ros.robots.limit_arrays import position_limits
+from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
 __all__ = ["description_from_yaml", "with_yaml_limits"]
@@ -38,6 +45,7 @@ Array = NDArray[np.float64]
 _TOP_KEYS = ("name", "source", "joints")
 _TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool")
 _ROW_KEYS = ("name", "type", "a", "b", "alpha")
+_ROW_OPTIONAL = ("theta", "body", "drive")
 _LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _TYPES = ("revolute", "continuous", "prismatic")
 _MOST_JOINTS = 64
@@ -64,6 +72,9 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
     rows = _rows(document["joints"], where)
     chain = _chain(document, rows, where)
     links = [frame.name for frame in chain.frames]
+    bodies = {
+        link: row["body"] for link, row in zip(links[1:], rows, strict=False) if "body" in row
+    }
     first = None
     if "first_link" in document:
         first = _text(document["first_link"], f"{where}: first_link")
@@ -78,6 +89,7 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         where=where,
         source=_text(document["source"], f"{where}: source", longest=None),
         dh=chain.dh_given,
+        bodies=bodies,
     )
 
 
@@ -133,6 +145,7 @@ def _joints(chain: SerialChain, rows: list[dict[str, Any]], first: str | None) -
                 child=frames[i + 1].name,
                 origin=origin if i == 0 else np.eye(4),
                 after=frames[i + 1].offset,
+                drive=row["drive"],
                 **{key: row[key] for key in _LIMITS},
             )
         )
@@ -162,7 +175,7 @@ def with_yaml_limits(
     document = check_keys(parse_yaml(text, where), where, ("source",), ("name", "notes", "joints"))
     limits = document.get("joints") or {}
     if not isinstance(limits, dict):
-        why = "expected joint names, each with acceleration and jerk"
+        why = "expected joint names, each with acceleration, jerk and drive"
         raise RobotDescriptionError(f"{where}: joints", why)
     moving = [joint.name for joint in description.joints if joint.moves]
     changes: dict[str, dict[str, Any]] = {}
@@ -171,8 +184,13 @@ def with_yaml_limits(
         if name not in moving:
             names = ", ".join(moving[:40])
             raise RobotDescriptionError(place, f"{description.where} has only: {names}")
-        check_keys(values, place, (), ("acceleration", "jerk"))
-        changes[name] = {key: _positive(value, key, place) for key, value in values.items()}
+        check_keys(values, place, (), ("acceleration", "jerk", "drive"))
+        changes[name] = {
+            key: drive_from_yaml(value, f"{place}: drive")
+            if key == "drive"
+            else _positive(value, key, place)
+            for key, value in values.items()
+        }
     joints = tuple(
         dataclasses.replace(joint, **changes.get(joint.name, {})) for joint in description.joints
     )
@@ -181,7 +199,7 @@ def with_yaml_limits(
 
 
 def _row(row: object, where: str) -> dict[str, Any]:
-    checked = dict(check_keys(row, where, _ROW_KEYS, ("theta", *_LIMITS)))
+    checked = dict(check_keys(row, where, _ROW_KEYS, (*_ROW_OPTIONAL, *_LIMITS)))
     where = f"{where} ('{_text(checked['name'], f'{where}: name')}')"
     kind = checked["type"]
     if kind not in _TYPES:
@@ -196,6 +214,9 @@ def _row(row: object, where: str) -> dict[str, Any]:
     checked["lower"], checked["upper"] = _range(checked, kind, where)
     for key in _LIMITS[2:]:
         checked[key] = _positive(checked[key], key, where) if key in checked else math.nan
+    if "body" in checked:
+        checked["body"] = body_from_yaml(checked["body"], f"{where}: body")
+    checked["drive"] = drive_from_yaml(checked.get("drive", {}), f"{where}: drive")
     return checked
 
 

@@ -8,17 +8,20 @@ parser, ``urdf_parser_py``.
 import math
 from collections import Counter
 from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import AXIS_LENGTH, LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import AXIS_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import Joint, RobotDescription
+from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
 from robomech_ros.robots.limit_arrays import position_limits
+from robomech_ros.robots.urdf_inertial import link_bodies
+from robomech_ros.robots.urdf_reader import ElementReader
 
 __all__ = ["description_from_urdf"]
 
@@ -62,7 +65,9 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     parsed = _parsed(stripped, where)
     made = tuple(_joint(joint) for joint in parsed.joints)
     _check_tree(link_names, made, where)
-    return RobotDescription(root.attributes["name"], tuple(link_names), made, where)
+    return RobotDescription(
+        root.attributes["name"], tuple(link_names), made, where, bodies=link_bodies(links, where)
+    )
 
 
 def _check_root(root: XmlElement, where: str) -> None:
@@ -98,56 +103,9 @@ def _names(elements: list[XmlElement], kind: str, where: str) -> list[str]:
     return names
 
 
-class _JointReader:
-    """The checks of one joint's elements."""
-
-    def __init__(self, element: XmlElement, where: str) -> None:
-        self.element = element
-        self.where = f"{where}: line {element.line}: joint '{element.attributes['name']}'"
-
-    def refuse(self, why: str) -> NoReturn:
-        raise RobotDescriptionError(self.where, why)
-
-    def child(self, tag: str, required: bool = False) -> XmlElement | None:
-        found = self.element.all(tag)
-        if len(found) > 1:
-            self.refuse(f"<{tag}> given {len(found)} times")
-        if required and not found:
-            self.refuse(f"<{tag}> is missing")
-        return found[0] if found else None
-
-    def numbers(self, element: XmlElement, attribute: str, count: int) -> list[float] | None:
-        text = element.attributes.get(attribute)
-        if text is None:
-            return None
-        try:
-            values = [_number(word) for word in text.split()]
-        except ValueError:
-            values = []
-        what = "a finite number" if count == 1 else f"{count} finite numbers"
-        if len(values) != count or not all(math.isfinite(value) for value in values):
-            self.refuse(f"{attribute} of <{element.tag}> is '{text[:80]}', expected {what}")
-        if element.tag == "origin" and max(map(abs, values)) > LARGEST_LENGTH:
-            self.refuse(f"{attribute} of <origin> is '{text[:80]}', at most 1e6 is allowed")
-        return values
-
-    def link(self, tag: str) -> str:
-        element = self.child(tag, required=True)
-        name = element.attributes.get("link", "") if element else ""
-        if not name:
-            self.refuse(f"<{tag}> names no link")
-        return name
-
-
-def _number(word: str) -> float:
-    if "_" in word:
-        raise ValueError(word)
-    return float(word)
-
-
 def _checked_joint(element: XmlElement, where: str) -> ElementTree.Element:
     """Check a joint and copy what a chain needs of it."""
-    reader = _JointReader(element, where)
+    reader = ElementReader(element, where)
     kind = element.attributes.get("type", "")
     if kind not in JOINT_TYPES:
         reader.refuse(f"type is '{kind[:80]}', expected one of {', '.join(JOINT_TYPES)}")
@@ -165,6 +123,9 @@ def _checked_joint(element: XmlElement, where: str) -> ElementTree.Element:
         if values is not None:
             _copy(reader, axis, copy, {"xyz": 3})
     _check_limit(reader, kind, copy)
+    dynamics = reader.child("dynamics")
+    if dynamics is not None:
+        _check_friction(reader, dynamics, copy)
     mimic = reader.child("mimic")
     if mimic is not None:
         if not mimic.attributes.get("joint"):
@@ -174,7 +135,7 @@ def _checked_joint(element: XmlElement, where: str) -> ElementTree.Element:
 
 
 def _copy(
-    reader: _JointReader, element: XmlElement, parent: ElementTree.Element, counts: dict[str, int]
+    reader: ElementReader, element: XmlElement, parent: ElementTree.Element, counts: dict[str, int]
 ) -> None:
     attributes = {}
     for attribute, count in counts.items():
@@ -183,7 +144,7 @@ def _copy(
     ElementTree.SubElement(parent, element.tag, attributes)
 
 
-def _check_limit(reader: _JointReader, kind: str, copy: ElementTree.Element) -> None:
+def _check_limit(reader: ElementReader, kind: str, copy: ElementTree.Element) -> None:
     limit = reader.child("limit", required=kind in ("revolute", "prismatic"))
     if limit is None or kind not in ("revolute", "prismatic", "continuous"):
         return
@@ -203,6 +164,16 @@ def _check_limit(reader: _JointReader, kind: str, copy: ElementTree.Element) -> 
     _copy(reader, limit, copy, {"lower": 1, "upper": 1, "velocity": 1, "effort": 1})
 
 
+def _check_friction(
+    reader: ElementReader, dynamics: XmlElement, parent: ElementTree.Element
+) -> None:
+    for key in ("damping", "friction"):
+        numbers = reader.numbers(dynamics, key, 1)
+        if numbers is not None and numbers[0] < 0.0:
+            reader.refuse(f"{key} is {numbers[0]:g}, expected no negative number")
+    _copy(reader, dynamics, parent, {"damping": 1, "friction": 1})
+
+
 def _parsed(stripped: ElementTree.Element, where: str) -> Any:
     from urdf_parser_py.urdf import URDF
 
@@ -220,14 +191,17 @@ def _joint(parsed: Any) -> Joint:
     axis = np.array(parsed.axis if parsed.axis is not None else (1.0, 0.0, 0.0), dtype=float)
     # By the largest entry first, so that no square overflows.
     axis = axis / np.abs(axis).max()
-    limits: dict[str, Any] = {}
+    rest: dict[str, Any] = {}
     if parsed.limit is not None:
-        limits["velocity"] = parsed.limit.velocity or math.nan
-        limits["effort"] = parsed.limit.effort or math.nan
+        rest["velocity"] = parsed.limit.velocity or math.nan
+        rest["effort"] = parsed.limit.effort or math.nan
         if parsed.type != "continuous":
-            limits["lower"], limits["upper"] = position_limits(
+            rest["lower"], rest["upper"] = position_limits(
                 parsed.limit.lower or 0.0, parsed.limit.upper or 0.0
             )
+    dynamics = parsed.dynamics
+    if dynamics is not None:
+        rest["drive"] = Drive(dynamics.damping or 0.0, dynamics.friction or 0.0)
     return Joint(
         name=parsed.name,
         type=parsed.type,
@@ -236,7 +210,7 @@ def _joint(parsed: Any) -> Joint:
         origin=_pose(xyz or (0.0, 0.0, 0.0), rpy or (0.0, 0.0, 0.0)),
         axis=axis / np.linalg.norm(axis),
         mimic=parsed.mimic.joint if parsed.mimic is not None else None,
-        **limits,
+        **rest,
     )
 
 

@@ -1,0 +1,70 @@
+"""Masses and inertias of the links of a URDF."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots.bodies import Body
+from robomech_ros.robots.guarded_xml import XmlElement
+from robomech_ros.robots.urdf_reader import ElementReader
+
+__all__ = ["link_bodies"]
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_ORDER = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
+
+
+def link_bodies(links: Iterable[XmlElement], where: str) -> dict[str, Body]:
+    """Read the bodies of those links that have any, in their own frames.
+
+    Whether a body can have these numbers is asked where they are used (:meth:`Body.fault`), so
+    that kinematics goes on without.
+
+    Parameters
+    ----------
+    links : iterable of XmlElement
+        Named.
+    where : str
+        What the document is called in messages.
+
+    Raises
+    ------
+    RobotDescriptionError
+        A number is missing or is none; the link is named.
+    """
+    bodies = {}
+    for link in links:
+        body = _body(ElementReader(link, where))
+        if body is not None:
+            bodies[link.attributes["name"]] = body
+    return bodies
+
+
+def _body(reader: ElementReader) -> Body | None:
+    from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+
+    inertial = reader.child("inertial")
+    if inertial is None:
+        return None
+    mass = reader.child("mass", parent=inertial)
+    moments = reader.child("inertia", parent=inertial)
+    if mass is None or moments is None:
+        reader.refuse("<inertial> needs <mass> and <inertia>")
+    six = np.array([_required(reader, moments, key) for key in _MOMENTS])
+    T = np.eye(4)
+    origin = reader.child("origin", parent=inertial)
+    if origin is not None:
+        T[:3, :3] = matrix_from_roll_pitch_yaw(reader.numbers(origin, "rpy", 3) or [0.0] * 3)
+        T[:3, 3] = reader.numbers(origin, "xyz", 3) or [0.0] * 3
+    try:
+        return Body(_required(reader, mass, "value"), np.zeros(3), six[_ORDER,]).seen_from(T)
+    except RobomechError as error:
+        reader.refuse(f"<inertial>: {error}")
+
+
+def _required(reader: ElementReader, element: XmlElement, attribute: str) -> float:
+    numbers = reader.numbers(element, attribute, 1)
+    if numbers is None:
+        reader.refuse(f"<{element.tag}> has no {attribute}")
+    return numbers[0]

@@ -1,0 +1,72 @@
+"""Reading of numbers and names from the elements of a URDF, with messages that name the place."""
+
+import math
+from typing import NoReturn
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.guarded_xml import XmlElement
+
+__all__ = ["ElementReader"]
+
+
+class ElementReader:
+    """Checks what is in one joint or link.
+
+    Parameters
+    ----------
+    element : XmlElement
+        It has a name.
+    where : str
+        What the document is called in messages.
+    """
+
+    def __init__(self, element: XmlElement, where: str) -> None:
+        self.element = element
+        name = element.attributes["name"]
+        self.where = f"{where}: line {element.line}: {element.tag} '{name}'"
+
+    def refuse(self, why: str) -> NoReturn:
+        """Raise, naming this joint or link."""
+        raise RobotDescriptionError(self.where, why)
+
+    def child(
+        self, tag: str, required: bool = False, parent: XmlElement | None = None
+    ) -> XmlElement | None:
+        """Find the one child with this tag, of the element or of one in it."""
+        found = (parent or self.element).all(tag)
+        if len(found) > 1:
+            self.refuse(f"<{tag}> given {len(found)} times")
+        if required and not found:
+            self.refuse(f"<{tag}> is missing")
+        return found[0] if found else None
+
+    def numbers(self, element: XmlElement, attribute: str, count: int) -> list[float] | None:
+        """Read so many finite numbers; None where there is no such attribute."""
+        text = element.attributes.get(attribute)
+        if text is None:
+            return None
+        try:
+            values = [_number(word) for word in text.split()]
+        except ValueError:
+            values = []
+        what = "a finite number" if count == 1 else f"{count} finite numbers"
+        if len(values) != count or not all(math.isfinite(value) for value in values):
+            self.refuse(f"{attribute} of <{element.tag}> is '{text[:80]}', expected {what}")
+        if element.tag == "origin" and max(map(abs, values)) > LARGEST_LENGTH:
+            self.refuse(f"{attribute} of <origin> is '{text[:80]}', at most 1e6 is allowed")
+        return values
+
+    def link(self, tag: str) -> str:
+        """Read which link a child names."""
+        element = self.child(tag, required=True)
+        name = element.attributes.get("link", "") if element else ""
+        if not name:
+            self.refuse(f"<{tag}> names no link")
+        return name
+
+
+def _number(word: str) -> float:
+    if "_" in word:
+        raise ValueError(word)
+    return float(word)

@@ -1,0 +1,192 @@
+"""A chain under a controller of torques: it tracks, sticks, saturates, and tells."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from robomech_ros.dynamics import (
+    Servo,
+    friction_torque,
+    gravity_torque,
+    kinetic_energy,
+    potential_energy,
+    with_payload,
+)
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.robots import Body, Drive, load_robot
+
+PUMA = load_robot("puma560")
+LOAD = Body(2.0, [0, 0, 0.1], 0.005 * np.eye(3))
+
+
+def sines(chain, seconds, size=0.5):
+    t = np.arange(round(1000 * seconds))[:, None] * 1e-3
+    w = np.linspace(0.7, 1.7, chain.n)
+    return np.stack(
+        (
+            chain.midrange() + size * np.sin(w * t),
+            size * w * np.cos(w * t),
+            -size * w**2 * np.sin(w * t),
+        ),
+        axis=1,
+    )
+
+
+def run(servo, wanted):
+    q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
+    motion = servo.run(q, qd, wanted)
+    return motion, motion.q[:-1] - wanted[1:, 0]
+
+
+@pytest.mark.parametrize("control", ["computed-torque", "pd-gravity"])
+def test_a_known_arm_is_tracked(control):
+    motion, error = run(Servo(PUMA, control=control), sines(PUMA, 3.0))
+    assert motion.reason == "" and not motion.saturated.any()
+    assert np.abs(error).max() < {"computed-torque": 1e-4, "pd-gravity": 2e-3}[control]
+    assert motion.q.shape == motion.qd.shape == motion.effort.shape == (3000, 6)
+
+
+def test_a_payload_that_the_model_does_not_know_costs_some_milliradians():
+    motion, error = run(Servo(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
+    assert motion.reason == ""
+    assert 1e-4 < np.abs(error).max() < 1e-2
+    known, error = run(Servo(with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
+    assert known.reason == "" and np.abs(error).max() < 1e-4
+
+
+def test_a_motion_goes_on_where_it_was():
+    servo, wanted = Servo(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 0.2)
+    q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
+    whole = servo.run(q.copy(), qd.copy(), wanted)
+    parts = [servo.run(q, qd, part) for part in np.split(wanted, 4)]
+    np.testing.assert_array_equal(whole.q, np.concatenate([part.q for part in parts]))
+    np.testing.assert_array_equal(whole.q[-1], q)
+    np.testing.assert_array_equal(whole.qd[-1], qd)
+
+
+def test_shorter_steps_come_to_the_same_motion():
+    slow = Servo(PUMA, with_payload(PUMA, LOAD))
+    fine = dataclasses.replace(slow, substeps=20)
+    wanted = sines(PUMA, 1.0)
+    assert np.abs(run(slow, wanted)[0].q - run(fine, wanted)[0].q).max() < 1e-3
+
+
+def test_saturation_is_told_and_stays_within_the_limits():
+    weak = dataclasses.replace(PUMA, effort=np.array([97.6, 10.0, 89.4, 24.2, 20.1, 21.3]))
+    motion, error = run(Servo(weak), sines(weak, 1.0))
+    assert motion.saturated[:, 1].any() and not motion.saturated[:, 0].any()
+    assert np.abs(motion.effort).max(axis=0)[1] == 10.0
+    assert motion.reason == "" and np.isfinite(error).all()
+
+
+def test_friction_holds_what_weighs_less_than_it():
+    heavy = dataclasses.replace(PUMA, drives=tuple(Drive(1.0, 100.0) for _ in range(6)))
+    q = np.linspace(0.1, 0.6, 6)
+    assert (np.abs(gravity_torque(heavy, q)) < 100.0).all()
+    # No torque at all: the gains are zero, and gravity is not known.
+    idle = Servo(
+        dataclasses.replace(heavy, effort=np.full(6, 1e-9)), heavy, kp=np.zeros(6), kd=np.zeros(6)
+    )
+    wanted = np.zeros((500, 3, 6))
+    start = q.copy()
+    motion = idle.run(q, np.zeros(6), wanted)
+    np.testing.assert_array_equal(motion.q, np.tile(start, (500, 1)))
+    np.testing.assert_array_equal(motion.qd, 0.0)
+
+
+def test_friction_stops_a_joint_and_breaks_away_at_the_static_friction():
+    drives = (Drive(0.0, 1.0, 3.0, 0.1), Drive(), Drive())
+    arm = dataclasses.replace(load_robot("planar3r"), drives=drives)
+    ideal = dataclasses.replace(arm, drives=())
+    for torque, moves in ((2.9, False), (3.1, True)):
+        limited = dataclasses.replace(ideal, effort=np.array([torque, 1e-9, 1e-9]))
+        pushed = Servo(limited, arm, kp=np.zeros(3), kd=np.zeros(3), gravity=np.zeros(3))
+        wanted = np.zeros((200, 3, 3))
+        wanted[:, 2, 0] = 1e6
+        q = np.zeros(3)
+        motion = pushed.run(q, np.zeros(3), wanted)
+        assert (abs(motion.q[-1, 0]) > 1e-3) == moves, torque
+    coasting = Servo(dataclasses.replace(ideal, effort=np.full(3, 1e-12)), arm, gravity=np.zeros(3))
+    motion = coasting.run(np.zeros(3), np.array([0.2, 0, 0]), np.zeros((3000, 3, 3)))
+    assert motion.qd[-1, 0] == 0.0
+
+
+def test_stops_hold_without_a_rebound():
+    arm = load_robot("planar3r")
+    fallen = Servo(
+        dataclasses.replace(arm, effort=np.full(3, 1e-9)),
+        arm,
+        kp=np.zeros(3),
+        kd=np.zeros(3),
+        gravity=[0, -9.81, 0],
+    )
+    q, qd = np.zeros(3), np.zeros(3)
+    motion = fallen.run(q, qd, np.zeros((5000, 3, 3)))
+    assert (motion.q >= arm.lower - 1e-12).all() and (motion.q <= arm.upper + 1e-12).all()
+    assert (np.abs(motion.q - arm.lower) < 1e-9).any() or (
+        np.abs(motion.q - arm.upper) < 1e-9
+    ).any()
+    energy = kinetic_energy(arm, motion.q, motion.qd) + potential_energy(
+        arm, motion.q, gravity=[0, -9.81, 0]
+    )
+    # Steps of first order swing by some percent, and stops only take.
+    assert energy.max() < energy[0] + 0.05 * np.ptp(energy) + 0.5
+
+
+def test_a_controller_that_runs_away_is_stopped_and_told():
+    limitless = dataclasses.replace(
+        PUMA, effort=np.full(6, np.nan), lower=np.full(6, -np.inf), upper=np.full(6, np.inf)
+    )
+    wild = Servo(limitless, kp=np.full(6, 1e9), kd=np.full(6, 0.0))
+    wanted = sines(PUMA, 1.0)
+    q, qd = wanted[0, 0] + 0.5, wanted[0, 1].copy()
+    motion = wild.run(q, qd, wanted)
+    assert np.isfinite(motion.q).all() and np.isfinite(q).all() and np.isfinite(qd).all()
+    assert "ran away after" in motion.reason and len(motion.q) < len(wanted)
+
+
+def test_the_friction_of_the_model_is_added():
+    stiff, wanted = Servo(PUMA), np.zeros((1, 3, 6))
+    wanted[:, 1] = 0.1
+    motion = stiff.run(np.zeros(6), np.full(6, 0.1), wanted)
+    ideal = Servo(
+        dataclasses.replace(
+            PUMA,
+            drives=tuple(
+                Drive(rotor_inertia=drive.rotor_inertia, gear_ratio=drive.gear_ratio)
+                for drive in PUMA.drives
+            ),
+        ),
+        PUMA,
+    )
+    without = ideal.run(np.zeros(6), np.full(6, 0.1), wanted)
+    added = motion.effort[0] - without.effort[0]
+    np.testing.assert_allclose(added, friction_torque(PUMA, np.full(6, 0.1)), rtol=1e-12)
+
+
+def test_what_is_refused():
+    with pytest.raises(WrongSizeError, match="joints of the plant has size 3, expected 6"):
+        Servo(PUMA, load_robot("planar3r"))
+    for name, value in (
+        ("control", "pid"),
+        ("bandwidth", 0.0),
+        ("period", -1e-3),
+        ("period", np.nan),
+        ("substeps", 0),
+        ("substeps", 1.5),
+        ("kp", np.full(6, -1.0)),
+    ):
+        with pytest.raises(BadValueError, match=name):
+            Servo(PUMA, **{name: value})
+    servo, wanted = Servo(PUMA), np.zeros((2, 3, 6))
+    with pytest.raises(WrongSizeError, match="wanted"):
+        servo.run(np.zeros(6), np.zeros(6), np.zeros((3, 6)))
+    with pytest.raises(NonFiniteError, match="wanted"):
+        servo.run(np.zeros(6), np.zeros(6), np.full((2, 3, 6), np.nan))
+    with pytest.raises(BadValueError, match="q is .*to be overwritten"):
+        servo.run([0.0] * 6, np.zeros(6), wanted)
+    with pytest.raises(NonFiniteError, match="qd"):
+        servo.run(np.zeros(6), np.full(6, np.inf), wanted)
+    with pytest.raises(WrongSizeError, match="q"):
+        servo.run(np.zeros(5), np.zeros(6), wanted)
