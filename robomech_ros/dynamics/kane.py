@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
+from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_states, as_vector
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
@@ -150,8 +151,7 @@ def forward_dynamics_by_kane(
     moving = np.einsum("...ija,i,...ika->...jk", partial.linear, masses, partial.linear)
     coefficients = turning + moving + np.diag(reflected_inertias(chain))
     right = active - dissipation_gradient(chain, qd)
-    solution: Array = np.linalg.solve(coefficients, right[..., None])[..., 0]
-    return solution
+    return solved(coefficients, right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +190,9 @@ def _outward(
     for i in range(chain.n):
         back = np.swapaxes(steps.R[..., i, :, :], -1, -2)
         o = steps.o[..., i, :]
-        v = _turned(back, v + np.cross(omega, o))
-        a = _turned(back, a + np.cross(alpha, o) + np.cross(omega, np.cross(omega, o)))
-        omega, alpha = _turned(back, omega), _turned(back, alpha)
+        v = times(back, v + np.cross(omega, o))
+        a = times(back, a + np.cross(alpha, o) + np.cross(omega, np.cross(omega, o)))
+        omega, alpha = times(back, omega), times(back, alpha)
         rate, acceleration = qd[..., i, None] * z, qdd[..., i, None] * z
         if chain.types[i] == REVOLUTE:
             alpha = alpha + np.cross(omega, rate) + acceleration
@@ -252,8 +252,3 @@ def _active_forces(
         + np.einsum("...ja,...a->...j", partial.linear[..., -1, :, :], force)
     )
     return total
-
-
-def _turned(R: Array, vector: Array) -> Array:
-    turned: Array = (R @ vector[..., None])[..., 0]
-    return turned

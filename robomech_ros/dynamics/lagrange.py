@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
+from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_states, as_vector
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 from robomech_ros.spatial.cross_product import cross_product_matrix
@@ -141,7 +142,7 @@ def inverse_dynamics_by_lagrange(
     q, qd, qdd = as_states(chain, q=q, qd=qd, qdd=qdd)
     derivatives = _derivatives(chain, q)
     bias = _bias(chain, derivatives, qd, gravity, tip_wrench)
-    return np.einsum("...ij,...j->...i", _mass_matrix(chain, derivatives), qdd) + bias
+    return times(_mass_matrix(chain, derivatives), qdd) + bias
 
 
 def forward_dynamics_by_lagrange(
@@ -175,9 +176,7 @@ def forward_dynamics_by_lagrange(
     q, qd, tau = as_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)
     moving = tau - _bias(chain, derivatives, qd, gravity, tip_wrench)
-    inertia = _mass_matrix(chain, derivatives)
-    solution: Array = np.linalg.solve(inertia, moving[..., None])[..., 0]
-    return solution
+    return solved(_mass_matrix(chain, derivatives), moving)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies
+from robomech_ros.dynamics.stacked_matrices import (
+    base_shaping,
+    constraints,
+    drive_wrenches,
+    extended_angular_velocity,
+    extended_mass,
+    mass_roots,
+    solved,
+    times,
+    transposed,
+    twist_shaping,
+    twist_shaping_rate,
+)
 from robomech_ros.dynamics.states import as_states, as_vector
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.cross_product import cross_product_matrix
 
 __all__ = [
     "OrthogonalComplement",
@@ -87,18 +99,18 @@ class OrthogonalComplement:
     @cached_property
     def twists(self) -> Array:
         """The bodies' twists t, shape (..., 6 n)."""
-        return _times(self.T, self.qd) + self.T_0 @ self.base_twist
+        return times(self.T, self.qd) + self.T_0 @ self.base_twist
 
     @cached_property
     def generalised_inertia(self) -> Array:
         """``I = T^T M T`` and the rotors' inertias, shape (..., n, n) (kg m^2, kg m, kg)."""
-        inertia: Array = _transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
+        inertia: Array = transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
         return inertia
 
     @cached_property
     def coupling(self) -> Array:
         """``C = T^T M T_dot + T^T W M T``, shape (..., n, n); dI/dt - 2 C is skew-symmetric."""
-        coupling: Array = _transposed(self.T) @ (self.M @ self.T_dot + self.W @ self.M @ self.T)
+        coupling: Array = transposed(self.T) @ (self.M @ self.T_dot + self.W @ self.M @ self.T)
         return coupling
 
     @cached_property
@@ -108,8 +120,8 @@ class OrthogonalComplement:
         ``T^T (M (T_0_dot t_0 + T_0 dt_0/dt) + W M T_0 t_0)``
         """
         rate = self.T_0_dot @ self.base_twist + self.T_0 @ self.base_twist_rate
-        momentum = _times(self.M, self.T_0 @ self.base_twist)
-        return _times(_transposed(self.T), _times(self.M, rate) + _times(self.W, momentum))
+        momentum = times(self.M, self.T_0 @ self.base_twist)
+        return times(transposed(self.T), times(self.M, rate) + times(self.W, momentum))
 
     def gravity_wrenches(self, gravity: ArrayLike) -> Array:
         """Weights ``[0; m_i g]`` of the bodies, shape (6 n,), for g in m/s^2, shape (3,)."""
@@ -128,17 +140,17 @@ class OrthogonalComplement:
 
     def generalised(self, wrenches: Array) -> Array:
         """Torques ``T^T w`` (..., n) that wrenches (..., 6 n) on the bodies amount to."""
-        return _times(_transposed(self.T), wrenches)
+        return times(transposed(self.T), wrenches)
 
     def inertia_wrenches(self, qdd: Array) -> Array:
         """``M dt/dt + W M t`` (..., 6 n): what has to act on the bodies for accelerations qdd."""
         rate = (
-            _times(self.T, qdd)
-            + _times(self.T_dot, self.qd)
+            times(self.T, qdd)
+            + times(self.T_dot, self.qd)
             + self.T_0_dot @ self.base_twist
             + self.T_0 @ self.base_twist_rate
         )
-        return _times(self.M, rate) + _times(self.W, _times(self.M, self.twists))
+        return times(self.M, rate) + times(self.W, times(self.M, self.twists))
 
     def constraint_wrenches(self, qdd: ArrayLike, applied: Array) -> Array:
         """Wrenches that keep the constraints.
@@ -158,7 +170,7 @@ class OrthogonalComplement:
             of K.
         """
         needed = self.inertia_wrenches(np.asarray(qdd, dtype=np.float64)) - applied
-        return needed - _times(self.A, self.generalised(needed))
+        return needed - times(self.A, self.generalised(needed))
 
 
 def orthogonal_complement(
@@ -191,23 +203,23 @@ def orthogonal_complement(
     q, qd = as_states(chain, q=q, qd=qd)
     t_0 = as_vector("base_twist", base_twist, 6)
     bodies = posed_bodies(chain, q)
-    T = _twist_shaping(bodies)
-    T_0 = _base_shaping(bodies.centres)
-    twists = (_times(T, qd) + T_0 @ t_0).reshape(*q.shape, 6)
+    T = twist_shaping(bodies)
+    T_0 = base_shaping(bodies.centres)
+    twists = (times(T, qd) + T_0 @ t_0).reshape(*q.shape, 6)
     rates = twists[..., 3:] - t_0[3:]
-    K, K_0 = _constraints(bodies)
+    K, K_0 = constraints(bodies)
     return OrthogonalComplement(
         bodies=bodies,
         rotors=reflected_inertias(chain),
         K=K,
         K_0=K_0,
         T=T,
-        T_dot=_twist_shaping_rate(bodies, twists),
+        T_dot=twist_shaping_rate(bodies, twists),
         T_0=T_0,
-        T_0_dot=_base_shaping(rates) - _base_shaping(np.zeros_like(rates)),
-        M=_extended_mass(bodies),
-        W=_extended_angular_velocity(twists),
-        A=_drive_wrenches(bodies),
+        T_0_dot=base_shaping(rates) - base_shaping(np.zeros_like(rates)),
+        M=extended_mass(bodies),
+        W=extended_angular_velocity(twists),
+        A=drive_wrenches(bodies),
         qd=qd,
         base_twist=t_0,
         base_twist_rate=as_vector("base_twist_rate", base_twist_rate, 6),
@@ -252,7 +264,7 @@ def inverse_dynamics_by_orthogonal_complement(
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = orthogonal_complement(chain, q, qd, **motion)
     bias = _bias(chain, model, gravity, tip_wrench)
-    return _times(model.generalised_inertia, qdd) + bias
+    return times(model.generalised_inertia, qdd) + bias
 
 
 def forward_dynamics_by_cholesky(
@@ -289,8 +301,8 @@ def forward_dynamics_by_cholesky(
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
-    L = np.linalg.cholesky(model.generalised_inertia)
-    return _solved(_transposed(L), _solved(L, moving))
+    L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
+    return solved(transposed(L), solved(L, moving))
 
 
 def forward_dynamics_by_reflections(
@@ -329,9 +341,9 @@ def forward_dynamics_by_reflections(
     model = orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
     rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
-    P = np.concatenate((_mass_roots(model.bodies) @ model.T, rotors), axis=-2)
-    U = np.linalg.qr(P, mode="r")
-    return _solved(U, _solved(_transposed(U), moving))
+    P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
+    U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
+    return solved(U, solved(transposed(U), moving))
 
 
 def _bias(
@@ -340,138 +352,8 @@ def _bias(
     """Torques at rest of the joints' rates: coupling, base, friction, weights, tip."""
     applied = model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)
     return (
-        _times(model.coupling, model.qd)
+        times(model.coupling, model.qd)
         + model.base_torque
         + dissipation_gradient(chain, model.qd)
         - model.generalised(applied)
     )
-
-
-def _twist_shaping(bodies: PosedBodies) -> Array:
-    n = len(bodies.masses)
-    T = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
-    for i in range(n):
-        for j in range(i + 1):
-            e = bodies.axes[..., j, :]
-            if bodies.revolute[j]:
-                arm = bodies.centres[..., i, :] - bodies.origins[..., j, :]
-                T[..., i, :3, j] = e
-                T[..., i, 3:, j] = np.cross(e, arm)
-            else:
-                T[..., i, 3:, j] = e
-    return T.reshape(*T.shape[:-3], 6 * n, n)
-
-
-def _twist_shaping_rate(bodies: PosedBodies, twists: Array) -> Array:
-    n = len(bodies.masses)
-    T_dot = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
-    for j in range(n):
-        e, omega = bodies.axes[..., j, :], twists[..., j, :3]
-        e_dot = np.cross(omega, e)
-        o = bodies.origins[..., j, :]
-        o_dot = twists[..., j, 3:] + np.cross(omega, o - bodies.centres[..., j, :])
-        for i in range(j, n):
-            if bodies.revolute[j]:
-                arm = bodies.centres[..., i, :] - o
-                arm_dot = twists[..., i, 3:] - o_dot
-                T_dot[..., i, :3, j] = e_dot
-                T_dot[..., i, 3:, j] = np.cross(e_dot, arm) + np.cross(e, arm_dot)
-            else:
-                T_dot[..., i, 3:, j] = e_dot
-    return T_dot.reshape(*T_dot.shape[:-3], 6 * n, n)
-
-
-def _base_shaping(arms: Array) -> Array:
-    """Transfer a twist of the base's origin to points at these arms (..., n, 3) from it."""
-    T_0 = np.zeros((*arms.shape[:-1], 6, 6))
-    T_0[...] = np.eye(6)
-    T_0[..., 3:, :3] = -cross_product_matrix(arms)
-    return T_0.reshape(*arms.shape[:-2], -1, 6)
-
-
-def _constraints(bodies: PosedBodies) -> tuple[Array, Array]:
-    """Rows ``E_i (omega_i - omega_i-1)`` and ``v_i - v_i-1 + R_i omega_i + D_i-1 omega_i-1``.
-
-    A slide leaves no turn, and its axis is free: there E_i stands in front of the lower rows.
-    """
-    n, batch = len(bodies.masses), bodies.centres.shape[:-2]
-    K = np.zeros((*batch, 6 * n, 6 * (n + 1)))
-    previous = np.zeros((*batch, 3))
-    for i in range(n):
-        E = cross_product_matrix(bodies.axes[..., i, :])
-        R = cross_product_matrix(bodies.centres[..., i, :] - bodies.origins[..., i, :])
-        D = cross_product_matrix(bodies.origins[..., i, :] - previous)
-        one = np.broadcast_to(np.eye(3), E.shape)
-        turn, slide = (E, one) if bodies.revolute[i] else (one, E)
-        row, own, before = 6 * i, 6 * (i + 1), 6 * i
-        K[..., row : row + 3, own : own + 3] = turn
-        K[..., row : row + 3, before : before + 3] = -turn
-        K[..., row + 3 : row + 6, own : own + 3] = slide @ R
-        K[..., row + 3 : row + 6, own + 3 : own + 6] = slide
-        K[..., row + 3 : row + 6, before : before + 3] = slide @ D
-        K[..., row + 3 : row + 6, before + 3 : before + 6] = -slide
-        previous = bodies.centres[..., i, :]
-    return K[..., 6:], K[..., :6]
-
-
-def _drive_wrenches(bodies: PosedBodies) -> Array:
-    """Moments about, or forces along the axes, on the body of each joint and back on the last."""
-    n = len(bodies.masses)
-    A = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
-    for j in range(n):
-        e = bodies.axes[..., j, :]
-        for i, sign in ((j, 1.0), (j - 1, -1.0)):
-            if i < 0:
-                continue
-            if bodies.revolute[j]:
-                A[..., i, :3, j] = sign * e
-            else:
-                arm = bodies.origins[..., j, :] - bodies.centres[..., i, :]
-                A[..., i, :3, j] = sign * np.cross(arm, e)
-                A[..., i, 3:, j] = sign * e
-    return A.reshape(*A.shape[:-3], 6 * n, n)
-
-
-def _extended_mass(bodies: PosedBodies) -> Array:
-    blocks = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
-    blocks[..., :3, :3] = bodies.inertias
-    blocks[..., 3:, 3:] = bodies.masses[:, None, None] * np.eye(3)
-    return _block_diagonal(blocks)
-
-
-def _mass_roots(bodies: PosedBodies) -> Array:
-    """H with ``H^T H`` the extended mass matrix, from principal moments and axes."""
-    moments, axes = np.linalg.eigh(bodies.inertias)
-    roots = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
-    roots[..., :3, :3] = np.sqrt(np.maximum(moments, 0.0))[..., None] * _transposed(axes)
-    roots[..., 3:, 3:] = np.sqrt(bodies.masses)[:, None, None] * np.eye(3)
-    return _block_diagonal(roots)
-
-
-def _extended_angular_velocity(twists: Array) -> Array:
-    blocks = np.zeros((*twists.shape, 6))
-    blocks[..., :3, :3] = cross_product_matrix(twists[..., :3])
-    return _block_diagonal(blocks)
-
-
-def _block_diagonal(blocks: Array) -> Array:
-    """Set blocks of shape (..., n, 6, 6) along the diagonal of (..., 6 n, 6 n)."""
-    n = blocks.shape[-3]
-    matrix = np.zeros((*blocks.shape[:-3], 6 * n, 6 * n))
-    for i in range(n):
-        matrix[..., 6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = blocks[..., i, :, :]
-    return matrix
-
-
-def _transposed(matrix: Array) -> Array:
-    return np.swapaxes(matrix, -1, -2)
-
-
-def _times(matrix: Array, vector: Array) -> Array:
-    product: Array = (matrix @ vector[..., None])[..., 0]
-    return product
-
-
-def _solved(matrix: Array, vector: Array) -> Array:
-    solution: Array = np.linalg.solve(matrix, vector[..., None])[..., 0]
-    return solution
