@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
 from robomech_ros.dynamics.stacked_matrices import solved, times
-from robomech_ros.dynamics.states import as_states, as_vector
+from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
 __all__ = [
@@ -66,7 +66,7 @@ def partial_velocities(chain: SerialChain, q: ArrayLike) -> PartialVelocities:
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
-    (q,) = as_states(chain, q=q)
+    (q,) = finite_states(chain, q=q)
     return _partial_velocities(chain, _steps(chain, q))
 
 
@@ -104,7 +104,7 @@ def inverse_dynamics_by_kane(
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
-    q, qd, qdd = as_states(chain, q=q, qd=qd, qdd=qdd)
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     steps = _steps(chain, q)
     partial = _partial_velocities(chain, steps)
     inertia_forces = _inertia_forces(chain, steps, partial, qd, qdd)
@@ -141,7 +141,7 @@ def forward_dynamics_by_kane(
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`inverse_dynamics_by_kane`.
     """
-    q, qd, tau = as_states(chain, q=q, qd=qd, tau=tau)
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     steps = _steps(chain, q)
     partial = _partial_velocities(chain, steps)
     active = tau + _active_forces(chain, steps, partial, gravity, tip_wrench)

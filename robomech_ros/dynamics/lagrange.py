@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
 from robomech_ros.dynamics.stacked_matrices import solved, times
-from robomech_ros.dynamics.states import as_states, as_vector
+from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 from robomech_ros.spatial.cross_product import cross_product_matrix
 
@@ -78,7 +78,7 @@ def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
-    (q,) = as_states(chain, q=q)
+    (q,) = finite_states(chain, q=q)
     return _gradient(_derivatives(chain, q))
 
 
@@ -139,7 +139,7 @@ def inverse_dynamics_by_lagrange(
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
-    q, qd, qdd = as_states(chain, q=q, qd=qd, qdd=qdd)
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     derivatives = _derivatives(chain, q)
     bias = _bias(chain, derivatives, qd, gravity, tip_wrench)
     return times(_mass_matrix(chain, derivatives), qdd) + bias
@@ -173,7 +173,7 @@ def forward_dynamics_by_lagrange(
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`inverse_dynamics_by_lagrange`.
     """
-    q, qd, tau = as_states(chain, q=q, qd=qd, tau=tau)
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)
     moving = tau - _bias(chain, derivatives, qd, gravity, tip_wrench)
     return solved(_mass_matrix(chain, derivatives), moving)

@@ -32,7 +32,7 @@ from robomech_ros.dynamics.stacked_matrices import (
     twist_shaping,
     twist_shaping_rate,
 )
-from robomech_ros.dynamics.states import as_states, as_vector
+from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -200,7 +200,7 @@ def orthogonal_complement(
     MissingInertiaError
         Of some joints nothing is known that moves with them.
     """
-    q, qd = as_states(chain, q=q, qd=qd)
+    q, qd = finite_states(chain, q=q, qd=qd)
     t_0 = as_vector("base_twist", base_twist, 6)
     bodies = posed_bodies(chain, q)
     T = twist_shaping(bodies)
@@ -260,7 +260,7 @@ def inverse_dynamics_by_orthogonal_complement(
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`orthogonal_complement`.
     """
-    q, qd, qdd = as_states(chain, q=q, qd=qd, qdd=qdd)
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = orthogonal_complement(chain, q, qd, **motion)
     bias = _bias(chain, model, gravity, tip_wrench)
@@ -297,7 +297,7 @@ def forward_dynamics_by_cholesky(
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`orthogonal_complement`.
     """
-    q, qd, tau = as_states(chain, q=q, qd=qd, tau=tau)
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
@@ -336,7 +336,7 @@ def forward_dynamics_by_reflections(
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`orthogonal_complement`.
     """
-    q, qd, tau = as_states(chain, q=q, qd=qd, tau=tau)
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)

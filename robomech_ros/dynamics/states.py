@@ -8,12 +8,12 @@ from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_fini
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["as_states", "as_vector"]
+__all__ = ["as_vector", "finite_states"]
 
 Array = NDArray[np.float64]
 
 
-def as_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
+def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
     """Give joint values, rates, accelerations or torques as float64 arrays of one shape.
 
     Parameters

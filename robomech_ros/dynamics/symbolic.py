@@ -1,8 +1,8 @@
 """Closed-form kinematics and dynamics of a chain, as expressions of SymPy.
 
-The inertia of what follows each joint is gathered from the tip to the base, in frames that turn with
-the links, and seen by the axes of the joints before it; Christoffel symbols and the gradient of the
-potential energy are exact derivatives.  An optional part: it needs ``pip install
+The inertia of what follows each joint is gathered from the tip to the base, in frames that turn
+with the links, and seen by the axes of the joints before it; Christoffel symbols and the gradient
+of the potential energy are exact derivatives.  An optional part: it needs ``pip install
 robomech_ros[symbolic]``.
 
 References

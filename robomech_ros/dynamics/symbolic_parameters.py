@@ -211,15 +211,13 @@ def _link_row(
 
 
 def _group(table: DHTable, i: int) -> int:
-    """Number the first joint before joint i from which on all axes are parallel."""
+    """Find the first joint up to joint i from which on all axes are parallel."""
     while i > 0 and abs(math.sin(table.alpha[i - 1])) <= _NOTHING:
         i -= 1
     return i
 
 
-def _body_row(
-    names: _Names, chain: SerialChain, table: DHTable, i: int
-) -> tuple[sympy.Expr, ...]:
+def _body_row(names: _Names, chain: SerialChain, table: DHTable, i: int) -> tuple[sympy.Expr, ...]:
     """Give the mass, mass centre and moments of a body in frame i + 1; 0 without a body."""
     body, k = chain.bodies[i], i + 1
     if body is None:

@@ -1,4 +1,4 @@
-"""Poses of frames as matrices of polynomials: products of the book's matrices Q_i and vectors a_i."""
+"""Poses of frames as matrices of polynomials: products of the book's Q_i and a_i."""
 
 from collections.abc import Sequence
 
@@ -54,9 +54,7 @@ def translation(ring: TermRing, link: SymbolicLink) -> Vector:
 
 def rotated(ring: TermRing, R: Rows, vector: Sequence[Poly]) -> Vector:
     """Multiply a 3 x 3 matrix and a vector."""
-    return [
-        add(ring, *(ring.product(a, b) for a, b in zip(row, vector, strict=True))) for row in R
-    ]
+    return [add(ring, *(ring.product(a, b) for a, b in zip(row, vector, strict=True))) for row in R]
 
 
 def cross(ring: TermRing, a: Sequence[Poly], b: Sequence[Poly]) -> Vector:

@@ -140,6 +140,7 @@ class TermRing:
         found: dict[tuple[Any, ...], Fraction] = {(): Fraction(1)}
         for members in self._groups():
             powers = tuple((exponents[2 * k], exponents[2 * k + 1]) for k in members)
+            own: dict[tuple[Any, ...], Fraction] | None
             if len(members) == 1:
                 own = {(("power", members, powers[0]),): Fraction(1)} if any(powers[0]) else None
             else:
@@ -149,9 +150,7 @@ class TermRing:
                 }
             if own is not None:
                 found = {
-                    before + after: x * y
-                    for before, x in found.items()
-                    for after, y in own.items()
+                    before + after: x * y for before, x in found.items() for after, y in own.items()
                 }
         return found
 

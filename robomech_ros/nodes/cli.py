@@ -15,6 +15,7 @@ COMMANDS = {
     "call": "call a service with a request in YAML",
     "plot": "draw all postures in which an arm takes a pose",
     "plot-trajectory": "draw a planned trajectory over time, with its limits",
+    "symbolic": "print closed forms of a robot's kinematics and dynamics",
     "robots": "list the robots that are known by name",
     "warmup": "compile the numeric kernels, once",
     "doctor": "say what is missing on this machine, and how to mend it",
