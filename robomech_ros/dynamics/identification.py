@@ -18,8 +18,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.dissipation import reflected_inertias
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
+from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.dynamics.pseudo_inertia import (
     bodies_from_parameters,
     consistent,
@@ -43,6 +43,8 @@ Array = NDArray[np.float64]
 _RANK = 1e-9
 # By how much of the accuracy of the data a consistent body is drawn to the bodies known before.
 _PULL = 1e-3
+# Least standard error of a base parameter that is counted on, of the largest base parameter.
+_LEAST_ERROR = 1e-6
 # A body to start from where nothing is known: 1 kg, a ball of 0.1 m about the joint.
 _START = np.array([1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3])
 
@@ -186,9 +188,7 @@ def identify(
         # Torques without noise leave rounding only, which weighs nothing.
         weights = np.maximum(weights, 1e-9 * np.abs(b).max(initial=1.0))
     else:
-        weights = as_finite("deviations", deviations, (chain.n,))
-        if weights.ndim != 1 or not (weights > 0.0).all():
-            raise BadValueError("deviations", weights, f"{chain.n} positive numbers")
+        weights = _deviations(chain, deviations)
     weighted = (A / weights[:, None]).reshape(-1, A.shape[2])
     right = (b / weights).ravel()
     values = _solved(weighted, right)
@@ -236,9 +236,7 @@ def excitation(
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     if q.ndim != 2:
         raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
-    weights = np.ones(chain.n) if deviations is None else as_finite("deviations", deviations, (chain.n,))
-    if weights.ndim != 1 or not (weights > 0.0).all():
-        raise BadValueError("deviations", weights, f"{chain.n} positive numbers")
+    weights = np.ones(chain.n) if deviations is None else _deviations(chain, deviations)
     A = _columns(chain, base_parameters(chain, gravity=gravity), q, qd, qdd, gravity)
     singular = _singular_values((A / weights[:, None]).reshape(-1, A.shape[2]))
     if len(singular) < A.shape[2] or singular[-1] <= _RANK * singular[0]:
@@ -264,7 +262,9 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     """
     chain, base = found.chain, found.base
     start = log_cholesky(_known(chain, _START)).ravel()
-    covariance = found.covariance[: base.rank, : base.rank]
+    # Torques without noise leave nothing but rounding, which no solution has to meet.
+    least = _LEAST_ERROR * np.abs(found.base_values).max()
+    covariance = found.covariance[: base.rank, : base.rank] + least**2 * np.eye(base.rank)
     scale = np.sqrt(np.diag(covariance))
     inner = np.linalg.cholesky(covariance / np.outer(scale, scale))
     C = np.linalg.solve(inner, base.combination / scale[:, None])
@@ -279,7 +279,7 @@ def consistent_fit(found: Identification) -> ConsistentFit:
         columns = [C[:, 10 * i : 10 * i + 10] @ block for i, block in enumerate(blocks)]
         return np.concatenate((np.hstack(columns), _PULL * np.eye(len(start))))
 
-    outcome = newton_gauss(residual, derivative, start, tolerance=1e-9, iterations=200)
+    outcome = newton_gauss(residual, derivative, start, tolerance=1e-6, iterations=200)
     parameters = parameters_from_log_cholesky(outcome.x.reshape(-1, 10))
     left = C @ parameters.ravel() - target
     drives = tuple(
@@ -325,6 +325,13 @@ def _columns(
     return np.concatenate((Y, viscous, coulomb), axis=-1)
 
 
+def _deviations(chain: SerialChain, deviations: ArrayLike) -> Array:
+    given = as_finite("deviations", deviations, (chain.n,))
+    if given.ndim != 1 or not (given > 0.0).all():
+        raise BadValueError("deviations", given, f"{chain.n} positive numbers")
+    return given
+
+
 def _require_rank(A: Array) -> None:
     singular = _singular_values(A.reshape(-1, A.shape[2]))
     rank = int(np.sum(singular > _RANK * singular[0])) if singular[0] > 0.0 else 0
@@ -347,7 +354,7 @@ def _solved(A: Array, b: Array) -> Array:
 
 
 def _left(A: Array, b: Array, values: Array) -> Array:
-    """Standard deviations of what is left of the torques of each joint, shape (n,)."""
+    """Give standard deviations of what is left of the torques of each joint, shape (n,)."""
     left = b - A @ values
     share = len(b) - A.shape[2] / A.shape[1]
     return np.asarray(np.sqrt((left**2).sum(axis=0) / share), dtype=np.float64)

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
-from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
@@ -76,7 +77,7 @@ def inverse_dynamics_by_kane(
     qd: ArrayLike,
     qdd: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
     """Compute the torques with which Kane's equations hold.
@@ -87,15 +88,16 @@ def inverse_dynamics_by_kane(
         Of n joints, with the inertia of all its bodies.
     q, qd, qdd : array_like, shape (n,) or (..., n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
-    gravity : array_like, shape (3,)
-        In the base (m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
     tip_wrench : array_like, shape (6,)
         [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
 
     Returns
     -------
     ndarray, shape (..., n)
-        Torques and forces of the drives, with friction and rotors (N m or N).
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
 
     Raises
     ------
@@ -110,7 +112,7 @@ def inverse_dynamics_by_kane(
     inertia_forces = _inertia_forces(chain, steps, partial, qd, qdd)
     active = _active_forces(chain, steps, partial, gravity, tip_wrench)
     rotors = reflected_inertias(chain) * qdd
-    return rotors + dissipation_gradient(chain, qd) - inertia_forces - active
+    return rotors + friction_torque(chain, qd) - inertia_forces - active
 
 
 def forward_dynamics_by_kane(
@@ -119,7 +121,7 @@ def forward_dynamics_by_kane(
     qd: ArrayLike,
     tau: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
     """Solve Kane's equations for the joint accelerations, in which they are linear.
@@ -150,7 +152,7 @@ def forward_dynamics_by_kane(
     turning = np.einsum("...ija,iab,...ikb->...jk", partial.angular, inertias, partial.angular)
     moving = np.einsum("...ija,i,...ika->...jk", partial.linear, masses, partial.linear)
     coefficients = turning + moving + np.diag(reflected_inertias(chain))
-    right = active - dissipation_gradient(chain, qd)
+    right = active - friction_torque(chain, qd)
     return solved(coefficients, right)
 
 

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
-from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY, body_parameters
+from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
+from robomech_ros.dynamics.pseudo_inertia import pseudo_inertia
 from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
@@ -29,31 +31,11 @@ __all__ = [
     "forward_dynamics_by_lagrange",
     "inverse_dynamics_by_lagrange",
     "mass_matrix_gradient",
-    "pseudo_inertias",
 ]
 
 Array = NDArray[np.float64]
 
 _NO_WRENCH = (0.0,) * 6
-
-
-def pseudo_inertias(chain: SerialChain) -> Array:
-    """Compute the pseudo-inertia of each body in the frame that moves with its joint.
-
-    Returns
-    -------
-    ndarray, shape (n, 4, 4)
-        ``[[Sigma, m c], [m c^T, m]]``, Sigma the second moments (kg m^2); positive definite for
-        every body that is not flat.
-    """
-    masses, centres, inertias = body_moments(chain)
-    J = np.empty((chain.n, 4, 4))
-    for i in range(chain.n):
-        second = 0.5 * np.trace(inertias[i]) * np.eye(3) - inertias[i]
-        J[i, :3, :3] = second + masses[i] * np.outer(centres[i], centres[i])
-        J[i, :3, 3] = J[i, 3, :3] = masses[i] * centres[i]
-        J[i, 3, 3] = masses[i]
-    return J
 
 
 def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
@@ -111,7 +93,7 @@ def inverse_dynamics_by_lagrange(
     qd: ArrayLike,
     qdd: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
     """Compute torques from the energies: ``d/dt dT/dqd - dT/dq + dV/dq + dDelta/dqd``.
@@ -122,15 +104,16 @@ def inverse_dynamics_by_lagrange(
         Of n joints, with the inertia of all its bodies.
     q, qd, qdd : array_like, shape (n,) or (..., n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
-    gravity : array_like, shape (3,)
-        In the base (m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
     tip_wrench : array_like, shape (6,)
         [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
 
     Returns
     -------
     ndarray, shape (..., n)
-        Torques and forces of the drives, with friction and rotors (N m or N).
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
 
     Raises
     ------
@@ -151,7 +134,7 @@ def forward_dynamics_by_lagrange(
     qd: ArrayLike,
     tau: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
     """Solve the Euler-Lagrange equations for the joint accelerations.
@@ -195,7 +178,7 @@ class _Derivatives:
 
 def _derivatives(chain: SerialChain, q: Array) -> _Derivatives:
     n = chain.n
-    pseudo = pseudo_inertias(chain)
+    pseudo = pseudo_inertia(body_parameters(chain))
     A = link_transforms(chain, q)
     S = np.zeros((*q.shape, 4, 4))
     for j in range(n):
@@ -263,5 +246,5 @@ def _bias(
     velocity = np.einsum("...jab,...b->...ja", S[..., :3, :3], point) + S[..., :3, 3]
     turn = np.stack((S[..., 2, 1], S[..., 0, 2], S[..., 1, 0]), axis=-1)
     given = turn @ wrench[:3] + velocity @ wrench[3:]
-    bias: Array = coriolis + weight + dissipation_gradient(chain, qd) - given
+    bias: Array = coriolis + weight + friction_torque(chain, qd) - given
     return bias

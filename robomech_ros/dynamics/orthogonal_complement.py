@@ -17,8 +17,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
-from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.dynamics.stacked_matrices import (
     base_shaping,
     constraints,
@@ -232,7 +233,7 @@ def inverse_dynamics_by_orthogonal_complement(
     qd: ArrayLike,
     qdd: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _AT_REST,
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
@@ -245,15 +246,16 @@ def inverse_dynamics_by_orthogonal_complement(
         As for :func:`orthogonal_complement`.
     qdd : array_like, shape (..., n)
         Joint accelerations (rad/s^2 or m/s^2).
-    gravity : array_like, shape (3,)
-        In the base (m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
     tip_wrench : array_like, shape (6,)
         [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
 
     Returns
     -------
     ndarray, shape (..., n)
-        Torques and forces of the drives, with friction and rotors (N m or N).
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
 
     Raises
     ------
@@ -273,7 +275,7 @@ def forward_dynamics_by_cholesky(
     qd: ArrayLike,
     tau: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _AT_REST,
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
@@ -311,7 +313,7 @@ def forward_dynamics_by_reflections(
     qd: ArrayLike,
     tau: ArrayLike,
     *,
-    gravity: ArrayLike,
+    gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _AT_REST,
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
@@ -354,6 +356,6 @@ def _bias(
     return (
         times(model.coupling, model.qd)
         + model.base_torque
-        + dissipation_gradient(chain, model.qd)
+        + friction_torque(chain, model.qd)
         - model.generalised(applied)
     )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
 
-__all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies"]
+__all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies", "reflected_inertias"]
 
 Array = NDArray[np.float64]
 
@@ -86,6 +86,11 @@ def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:
     rows = chain.packed_bodies
     inertias = rows[:, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(-1, 3, 3)
     return rows[:, 0], rows[:, 1:4], inertias
+
+
+def reflected_inertias(chain: SerialChain) -> Array:
+    """Give what the rotors add to the diagonal of the mass matrix (kg m^2 or kg), shape (n,)."""
+    return np.array([drive.reflected_inertia for drive in chain.drives])
 
 
 def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:

@@ -124,8 +124,8 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
     columns: list[int] = []
     directions = np.empty((len(Y), 0))
     for k, size in enumerate(scale):
-        if not size > 0.0:
-            continue
+        if size <= BASE_PARAMETER * scale.max():
+            continue  # zero but for rounding
         rest = Y[:, k] / size
         for _ in range(2):
             rest = rest - directions @ (directions.T @ rest)

@@ -18,6 +18,7 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.states import as_vector
 from robomech_ros.dynamics.symbolic_composites import potential_moment, symbolic_mass_rows
 from robomech_ros.dynamics.symbolic_parameters import SymbolicParameters, symbolic_parameters
@@ -192,7 +193,7 @@ class SymbolicModel:
 def symbolic_model(
     chain: SerialChain,
     *,
-    gravity: ArrayLike = (0.0, 0.0, -9.81),
+    gravity: ArrayLike = GRAVITY,
     parameters: str = "names",
 ) -> SymbolicModel:
     """Set up the closed forms of a chain.

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from formulation_arms import GRAVITY, furnished, relative, states
 
-from robomech_ros.dynamics.dissipation import dissipation_gradient, reflected_inertias
+from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.kane import (
     forward_dynamics_by_kane,
     inverse_dynamics_by_kane,
     partial_velocities,
 )
 from robomech_ros.dynamics.orthogonal_complement import orthogonal_complement
-from robomech_ros.dynamics.posed_bodies import link_transforms
+from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.robots import Body, chain_from_dh
 
 
@@ -38,7 +38,7 @@ def test_friction_and_rotors_are_added_to_the_rigid_bodies(arm):
     whole, bodies = (
         inverse_dynamics_by_kane(one, q, qd, qdd, gravity=GRAVITY) for one in (arm, bare)
     )
-    drives = dissipation_gradient(arm, qd) + reflected_inertias(arm) * qdd
+    drives = friction_torque(arm, qd) + reflected_inertias(arm) * qdd
     assert relative(whole, bodies + drives) < 1e-12
 
 

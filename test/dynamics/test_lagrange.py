@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
-from robomech_ros.dynamics.dissipation import dissipation_function, dissipation_gradient
+from robomech_ros.dynamics.friction import dissipation, friction_torque
 from robomech_ros.dynamics.lagrange import (
     christoffel_symbols,
     inverse_dynamics_by_lagrange,
     mass_matrix_gradient,
-    pseudo_inertias,
 )
 from robomech_ros.dynamics.orthogonal_complement import orthogonal_complement
 
@@ -51,22 +50,18 @@ def test_power_is_the_rate_of_the_energies_and_what_friction_takes(arm):
         kinetic = np.einsum("...i,...ij,...j", rate, model.generalised_inertia, rate) / 2
         return kinetic - model.bodies.centres @ GRAVITY @ model.bodies.masses
 
-    power = (energy(h) - energy(-h)) / (2 * h) + (dissipation_gradient(arm, qd) * qd).sum(axis=-1)
+    power = (energy(h) - energy(-h)) / (2 * h) + (friction_torque(arm, qd) * qd).sum(axis=-1)
     np.testing.assert_allclose((tau * qd).sum(axis=-1), power, rtol=1e-7, atol=1e-5)
 
 
-def test_friction_is_the_gradient_of_the_dissipation_function(arm):
+def test_friction_is_the_gradient_of_the_dissipation(arm):
     _, qd, _ = states(arm, 50)
-    h, gradient = 1e-6, dissipation_gradient(arm, qd)
+    h, gradient = 1e-6, friction_torque(arm, qd)
     for k in range(arm.n):
         step = h * np.eye(arm.n)[k]
-        ahead, behind = (dissipation_function(arm, qd + sign * step) for sign in (1, -1))
+        ahead, behind = (dissipation(arm, qd + sign * step) for sign in (1, -1))
         np.testing.assert_allclose(gradient[..., k], (ahead - behind) / (2 * h), atol=1e-6)
-    assert not dissipation_gradient(arm, np.zeros(arm.n)).any()
-
-
-def test_pseudo_inertias_of_bodies_are_positive_definite(arm):
-    assert (np.linalg.eigvalsh(pseudo_inertias(arm)) > 0.0).all()
+    assert not friction_torque(arm, np.zeros(arm.n)).any()
 
 
 def test_planar_arm_in_closed_form(golden):
