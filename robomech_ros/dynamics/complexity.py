@@ -129,9 +129,10 @@ def operation_counts(algorithm: str, n: int) -> Operations:
         return Counted(float(value), tally)
 
     rng = np.random.default_rng(n)
-    table, bodies = rng.uniform(0.3, 1.2, (4, n)), rng.uniform(0.3, 1.2, (n, 10))
+    a, b, alpha, theta = rng.uniform(0.3, 1.2, (4, n))
+    bodies = rng.uniform(0.3, 1.2, (n, 10))
     bodies[:, 4:] = [3.0, 0.1, 0.2, 3.0, 0.3, 3.0]
-    links = plain_links(*table, bodies, counted)
+    links = plain_links(a, b, alpha, theta, bodies, counted)
     rates = [[counted(one) for one in row] for row in rng.uniform(0.3, 1.2, (3, n))]
     gravity: list[Any] = [0, 0, counted(-9.81)]
     _run(chosen, links, rates, gravity)

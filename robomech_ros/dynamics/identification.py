@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
-from robomech_ros.dynamics.pseudo_inertia import (
+from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,
-    consistent,
+    is_consistent,
     log_cholesky,
     log_cholesky_derivative,
     parameters_from_log_cholesky,
@@ -101,7 +101,7 @@ class Identification:
         """Parameters of bodies, shape (n, 10), that have the base parameters found.
 
         Of all of them those nearest to the bodies known before, or to none; whether there can be
-        such bodies is another question: :func:`pseudo_inertia.consistent`.
+        such bodies is another question: :func:`is_consistent`.
         """
         known = _known(self.chain, np.zeros(10)).ravel()
         missing = self.base_values - self.base.combination @ known
@@ -111,7 +111,7 @@ class Identification:
     @cached_property
     def consistent(self) -> NDArray[np.bool_]:
         """Which of the bodies of :attr:`parameters` there can be, shape (n,)."""
-        return consistent(self.parameters)
+        return is_consistent(self.parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,7 +305,7 @@ def _known(chain: SerialChain, otherwise: Array) -> Array:
     if any(body is None or body.fault() or body.mass == 0.0 for body in chain.bodies):
         return np.tile(otherwise, (chain.n, 1))
     known = body_parameters(chain)
-    flat = ~consistent(known)
+    flat = ~is_consistent(known)
     known[flat] = otherwise
     return known
 
@@ -350,7 +350,7 @@ def _singular_values(A: Array) -> Array:
 def _solved(A: Array, b: Array) -> Array:
     lengths = np.linalg.norm(A, axis=0)
     scaled, _ = least_squares(A / lengths, b)
-    return scaled / lengths
+    return np.asarray(scaled / lengths, dtype=np.float64)
 
 
 def _left(A: Array, b: Array, values: Array) -> Array:

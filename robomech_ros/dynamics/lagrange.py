@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
-from robomech_ros.dynamics.pseudo_inertia import pseudo_inertia
+from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
 from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain

@@ -41,7 +41,7 @@ __all__ = [
     "forward_dynamics_by_cholesky",
     "forward_dynamics_by_reflections",
     "inverse_dynamics_by_orthogonal_complement",
-    "orthogonal_complement",
+    "natural_orthogonal_complement",
 ]
 
 Array = NDArray[np.float64]
@@ -174,7 +174,7 @@ class OrthogonalComplement:
         return needed - times(self.A, self.generalised(needed))
 
 
-def orthogonal_complement(
+def natural_orthogonal_complement(
     chain: SerialChain,
     q: ArrayLike,
     qd: ArrayLike,
@@ -243,7 +243,7 @@ def inverse_dynamics_by_orthogonal_complement(
     Parameters
     ----------
     chain, q, qd, base_twist, base_twist_rate
-        As for :func:`orthogonal_complement`.
+        As for :func:`natural_orthogonal_complement`.
     qdd : array_like, shape (..., n)
         Joint accelerations (rad/s^2 or m/s^2).
     gravity : array_like, shape (3,), optional
@@ -260,11 +260,11 @@ def inverse_dynamics_by_orthogonal_complement(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`orthogonal_complement`.
+        As for :func:`natural_orthogonal_complement`.
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
-    model = orthogonal_complement(chain, q, qd, **motion)
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
     bias = _bias(chain, model, gravity, tip_wrench)
     return times(model.generalised_inertia, qdd) + bias
 
@@ -297,11 +297,11 @@ def forward_dynamics_by_cholesky(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`orthogonal_complement`.
+        As for :func:`natural_orthogonal_complement`.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
-    model = orthogonal_complement(chain, q, qd, **motion)
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
     L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
     return solved(transposed(L), solved(L, moving))
@@ -336,11 +336,11 @@ def forward_dynamics_by_reflections(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`orthogonal_complement`.
+        As for :func:`natural_orthogonal_complement`.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
-    model = orthogonal_complement(chain, q, qd, **motion)
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
     rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
     P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)

@@ -1,4 +1,4 @@
-"""Recursive algorithms in plain Python, on any kind of number: the ones whose operations are counted.
+"""Recursive algorithms in plain Python, on any kind of number, so that operations can be counted.
 
 All joints are revolute.  Frame i + 1 of the table is fixed to link i, and what belongs to link i is
 in its axes.

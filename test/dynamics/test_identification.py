@@ -9,9 +9,9 @@ from formulation_arms import furnished, relative, states
 from robomech_ros.dynamics.identification import consistent_fit, excitation, identify
 from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
 from robomech_ros.dynamics.model import body_parameters
-from robomech_ros.dynamics.pseudo_inertia import (
+from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,
-    consistent,
+    is_consistent,
     log_cholesky,
     log_cholesky_derivative,
     nearest_consistent,
@@ -87,7 +87,7 @@ def test_consistent_bodies_meet_other_motions(noise):
     known = replace(arm, bodies=furnished(arm, 99).bodies)
     found = identify(known, *measured(arm, 200, noise), gravity=DOWN)
     fit = consistent_fit(found)
-    assert fit.converged and consistent(fit.parameters).all() and fit.deviation < 2.0
+    assert fit.converged and is_consistent(fit.parameters).all() and fit.deviation < 2.0
     q, qd, qdd, tau = measured(arm, 50, 0.0, seed=5)
     predicted = inverse_dynamics_by_lagrange(fit.chain, q, qd, qdd, gravity=DOWN)
     assert np.sqrt(np.mean((predicted - tau) ** 2)) < 0.5 * noise
@@ -98,7 +98,7 @@ def test_bodies_are_found_where_none_were_known():
     data = measured(arm, 100, 0.1)
     found = identify(replace(arm, bodies=()), *data, gravity=DOWN)
     fit = consistent_fit(found)
-    assert consistent(fit.parameters).all() and fit.deviation < 2.0
+    assert is_consistent(fit.parameters).all() and fit.deviation < 2.0
 
 
 def test_data_that_no_bodies_can_give_are_met_as_well_as_bodies_can():
@@ -113,7 +113,7 @@ def test_data_that_no_bodies_can_give_are_met_as_well_as_bodies_can():
     less = less - inverse_dynamics_by_lagrange(bare, q, qd, qdd, **given)
     found = identify(arm, q, qd, qdd, tau - less, gravity=DOWN)
     fit = consistent_fit(found)
-    assert consistent(fit.parameters).all()
+    assert is_consistent(fit.parameters).all()
     assert not found.consistent.all() and fit.deviation > 10.0
 
 
@@ -162,9 +162,9 @@ def test_pseudo_inertias_and_their_factors_are_inverted():
 def test_the_nearest_consistent_body_is_nearer_than_others():
     rng = np.random.default_rng(2)
     wrong = rng.normal(size=(50, 10))
-    assert not consistent(wrong).any()
+    assert not is_consistent(wrong).any()
     clipped = nearest_consistent(wrong)
-    assert consistent(clipped).all()
+    assert is_consistent(clipped).all()
     distance = np.linalg.norm(pseudo_inertia(clipped) - pseudo_inertia(wrong), axis=(-2, -1))
     for _ in range(20):
         other = parameters_from_log_cholesky(

@@ -10,7 +10,7 @@ from robomech_ros.dynamics.kane import (
     inverse_dynamics_by_kane,
     partial_velocities,
 )
-from robomech_ros.dynamics.orthogonal_complement import orthogonal_complement
+from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.robots import Body, chain_from_dh
 
@@ -25,7 +25,7 @@ def test_partial_velocities_are_the_columns_of_the_twist_shaping_matrix(arm):
     q, qd, _ = states(arm, 10)
     partial = partial_velocities(arm, q)
     R = link_transforms(arm, q)[..., :-1, :3, :3]
-    T = orthogonal_complement(arm, q, qd).T.reshape(10, arm.n, 6, arm.n)
+    T = natural_orthogonal_complement(arm, q, qd).T.reshape(10, arm.n, 6, arm.n)
     turned = (
         np.einsum("...iab,...ijb->...iaj", R, one) for one in (partial.angular, partial.linear)
     )

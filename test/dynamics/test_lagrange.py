@@ -10,7 +10,7 @@ from robomech_ros.dynamics.lagrange import (
     inverse_dynamics_by_lagrange,
     mass_matrix_gradient,
 )
-from robomech_ros.dynamics.orthogonal_complement import orthogonal_complement
+from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
 
 
 @pytest.fixture(params=("RRRRRR", "RPRPRR", "PRP"))
@@ -26,7 +26,8 @@ def test_the_gradient_is_that_of_the_generalised_inertia(arm):
     for k in range(arm.n):
         h = step * np.eye(arm.n)[k]
         ahead, behind = (
-            orthogonal_complement(arm, q + sign * h, qd).generalised_inertia for sign in (1, -1)
+            natural_orthogonal_complement(arm, q + sign * h, qd).generalised_inertia
+            for sign in (1, -1)
         )
         np.testing.assert_allclose(gradient[..., k], (ahead - behind) / (2 * step), atol=1e-6)
 
@@ -46,7 +47,7 @@ def test_power_is_the_rate_of_the_energies_and_what_friction_takes(arm):
 
     def energy(t):
         place, rate = q + t * qd + 0.5 * t * t * qdd, qd + t * qdd
-        model = orthogonal_complement(arm, place, rate)
+        model = natural_orthogonal_complement(arm, place, rate)
         kinetic = np.einsum("...i,...ij,...j", rate, model.generalised_inertia, rate) / 2
         return kinetic - model.bodies.centres @ GRAVITY @ model.bodies.masses
 

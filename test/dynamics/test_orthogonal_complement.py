@@ -10,7 +10,7 @@ from robomech_ros.dynamics.orthogonal_complement import (
     forward_dynamics_by_cholesky,
     forward_dynamics_by_reflections,
     inverse_dynamics_by_orthogonal_complement,
-    orthogonal_complement,
+    natural_orthogonal_complement,
 )
 from robomech_ros.errors import WrongSizeError
 
@@ -26,7 +26,7 @@ def arm(request, random_chain):
 
 def test_constraints_vanish_for_the_twists_that_joints_and_base_allow(arm):
     q, qd, _ = states(arm, 20)
-    model = orthogonal_complement(arm, q, qd, base_twist=TWIST)
+    model = natural_orthogonal_complement(arm, q, qd, base_twist=TWIST)
     np.testing.assert_allclose(model.K @ model.T, 0.0, atol=1e-13)
     np.testing.assert_allclose(model.K @ model.T_0, -model.K_0, atol=1e-13)
     twists = model.twists[..., None]
@@ -37,7 +37,7 @@ def test_constraints_vanish_for_the_twists_that_joints_and_base_allow(arm):
 
 def test_constraint_wrenches_do_no_work_and_come_from_the_constraints(arm):
     q, qd, qdd = states(arm, 20)
-    model = orthogonal_complement(arm, q, qd, base_twist=TWIST, base_twist_rate=TWIST_RATE)
+    model = natural_orthogonal_complement(arm, q, qd, base_twist=TWIST, base_twist_rate=TWIST_RATE)
     applied = model.gravity_wrenches(GRAVITY) + model.tip_wrenches([1, 2, 3, 4, 5, 6])
     wrenches = model.constraint_wrenches(qdd, applied)
     size = np.abs(wrenches).max()
@@ -50,7 +50,7 @@ def test_constraint_wrenches_do_no_work_and_come_from_the_constraints(arm):
 
 def test_drives_reach_their_own_joints_only(arm):
     q, qd, _ = states(arm, 5)
-    model = orthogonal_complement(arm, q, qd)
+    model = natural_orthogonal_complement(arm, q, qd)
     units = np.swapaxes(model.T, -1, -2) @ model.A
     np.testing.assert_allclose(units, np.broadcast_to(np.eye(arm.n), units.shape), atol=1e-13)
 
@@ -58,14 +58,14 @@ def test_drives_reach_their_own_joints_only(arm):
 def test_the_rate_of_the_shaping_matrix_is_its_derivative(arm):
     q, qd, _ = states(arm, 5)
     step = 1e-6
-    ahead, behind = (orthogonal_complement(arm, q + h * qd, qd).T for h in (step, -step))
-    rate = orthogonal_complement(arm, q, qd).T_dot
+    ahead, behind = (natural_orthogonal_complement(arm, q + h * qd, qd).T for h in (step, -step))
+    rate = natural_orthogonal_complement(arm, q, qd).T_dot
     np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-7)
 
 
 def test_the_inertias_rate_less_twice_the_coupling_is_skew(arm):
     q, qd, _ = states(arm, 20)
-    model = orthogonal_complement(arm, q, qd)
+    model = natural_orthogonal_complement(arm, q, qd)
     rate = np.einsum("...ijk,...k->...ij", mass_matrix_gradient(arm, q), qd)
     difference = rate - 2.0 * model.coupling
     scale = np.abs(rate).max()
@@ -99,7 +99,7 @@ def test_a_moving_base_agrees_with_a_free_one_of_pinocchio(arm):
 
 def test_golden_matrices(golden):
     case = golden("dynamics_6r")
-    model = orthogonal_complement(golden_six(case), case["q"], case["qd"])
+    model = natural_orthogonal_complement(golden_six(case), case["q"], case["qd"])
     np.testing.assert_allclose(model.generalised_inertia, case["M"], rtol=0, atol=1e-10)
     np.testing.assert_allclose(model.coupling @ case["qd"], case["coriolis"], rtol=0, atol=1e-10)
     weight = -model.generalised(model.gravity_wrenches(case["gravity"]))
@@ -109,6 +109,6 @@ def test_golden_matrices(golden):
 def test_a_base_twist_of_another_size_is_refused(golden):
     arm = golden_six(golden("dynamics_6r"))
     with pytest.raises(WrongSizeError, match="base_twist has shape"):
-        orthogonal_complement(arm, [0] * 6, [0] * 6, base_twist=[0, 0, 0])
+        natural_orthogonal_complement(arm, [0] * 6, [0] * 6, base_twist=[0, 0, 0])
     with pytest.raises(WrongSizeError, match="base_twist_rate has shape"):
-        orthogonal_complement(arm, [0] * 6, [0] * 6, base_twist_rate=np.zeros((2, 6)))
+        natural_orthogonal_complement(arm, [0] * 6, [0] * 6, base_twist_rate=np.zeros((2, 6)))

@@ -9,7 +9,7 @@ import sympy
 from formulation_arms import furnished, golden_planar, golden_six, relative, states
 
 from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
-from robomech_ros.dynamics.orthogonal_complement import orthogonal_complement
+from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.dynamics.symbolic import EXPRESSIONS, symbolic_model
 from robomech_ros.dynamics.symbolic_printing import (
     FORMS,
@@ -105,7 +105,7 @@ def test_torques_of_general_arms_with_friction_and_rotors_agree(random_chain, ki
     q, qd, qdd = states(arm, 100)
     expected = inverse_dynamics_by_lagrange(arm, q, qd, qdd, gravity=gravity)
     assert relative(model.compiled("torque")(q, qd, qdd), expected) < 1e-10
-    inertia = orthogonal_complement(arm, q, qd).generalised_inertia
+    inertia = natural_orthogonal_complement(arm, q, qd).generalised_inertia
     np.testing.assert_allclose(model.compiled("mass_matrix")(q), inertia, rtol=1e-10, atol=1e-11)
 
 

@@ -20,7 +20,7 @@ from robomech_ros.spatial.arrays import as_finite
 
 __all__ = [
     "bodies_from_parameters",
-    "consistent",
+    "is_consistent",
     "log_cholesky",
     "log_cholesky_derivative",
     "nearest_consistent",
@@ -83,7 +83,7 @@ def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
     return parameters
 
 
-def consistent(parameters: ArrayLike) -> NDArray[np.bool_]:
+def is_consistent(parameters: ArrayLike) -> NDArray[np.bool_]:
     """Say which parameters (..., 10) a body of positive volume can have: shape (...).
 
     Raises
@@ -137,11 +137,11 @@ def log_cholesky(parameters: ArrayLike) -> Array:
     BadValueError
         A body that is not consistent; and as for :func:`pseudo_inertia`.
     """
-    if not consistent(parameters).all():
+    if not is_consistent(parameters).all():
         raise BadValueError("parameters", np.asarray(parameters), "those of bodies there can be")
     # An upper factor is the lower one with rows and columns in reverse order.
     J = pseudo_inertia(parameters)
-    U = np.linalg.cholesky(J[..., ::-1, ::-1])[..., ::-1, ::-1].copy()
+    U = np.array(np.linalg.cholesky(J[..., ::-1, ::-1])[..., ::-1, ::-1], dtype=np.float64)
     diagonal = np.arange(4)
     U[..., diagonal, diagonal] = np.log(U[..., diagonal, diagonal])
     numbers: Array = U[..., _FACTOR[0], _FACTOR[1]]
