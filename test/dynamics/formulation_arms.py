@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pinocchio
 
 from robomech_ros.errors import MissingInertiaError
 from robomech_ros.robots import Body, Drive, chain_from_dh, list_robots, load_robot
@@ -52,19 +51,6 @@ def furnished(chain, seed, drives=False):
     return replace(chain, bodies=bodies, drives=made)
 
 
-def golden_six(case):
-    bodies = [
-        Body(m, c, np.diag(moments), as_measured=True)
-        for m, c, moments in zip(
-            case["mass"],
-            case["com_in_frame_i_plus_1"],
-            case["Icentroidal_diag_in_frame_i_plus_1"],
-            strict=True,
-        )
-    ]
-    return chain_from_dh(case["a"], case["b"], case["alpha"], bodies=bodies)
-
-
 def golden_planar(case):
     lengths = case["params"]["l"]
     rows = zip(*(case["params"][key] for key in ("l", "lc", "m", "I")), strict=True)
@@ -73,20 +59,6 @@ def golden_planar(case):
         for length, at, m, moment in rows
     ]
     return chain_from_dh(lengths, [0.0] * 3, [0.0] * 3, bodies=bodies)
-
-
-def pinocchio_model(chain):
-    """Pinocchio's model of any chain with bodies; friction and rotors are left out."""
-    model, parent = pinocchio.Model(), 0
-    for i, joint in enumerate(chain.joint_names):
-        row = chain.packed[i]
-        placed = pinocchio.SE3(row[1:10].reshape(3, 3).copy(), row[10:].copy())
-        kind = pinocchio.JointModelPZ() if chain.types[i] else pinocchio.JointModelRZ()
-        parent = model.addJoint(parent, kind, placed, joint)
-        body = chain.bodies[i]
-        inertia = pinocchio.Inertia(body.mass, body.com.copy(), body.inertia.copy())
-        model.appendBodyToJoint(parent, inertia, pinocchio.SE3.Identity())
-    return model
 
 
 def states(chain, count, seed=0):

@@ -5,9 +5,10 @@ from itertools import combinations
 import numpy as np
 import pinocchio
 import pytest
-from formulation_arms import GRAVITY, ROBOTS, furnished, golden_planar, golden_six, relative, states
-from formulation_arms import pinocchio_model as model_of
+from arms_with_bodies import golden_arm, pinocchio_of
+from formulation_arms import GRAVITY, ROBOTS, furnished, golden_planar, relative, states
 
+from robomech_ros.dynamics import forward_dynamics, friction_torque, inverse_dynamics
 from robomech_ros.dynamics.kane import forward_dynamics_by_kane, inverse_dynamics_by_kane
 from robomech_ros.dynamics.lagrange import (
     forward_dynamics_by_lagrange,
@@ -54,10 +55,13 @@ def arm(request, random_chain):
 def agree_pairwise(arm, count):
     q, qd, qdd = states(arm, count)
     given = {"gravity": GRAVITY, "tip_wrench": WRENCH}
+    friction = friction_torque(arm, qd)
     torques = [inverse(arm, q, qd, qdd, **given) for inverse in INVERSE]
+    torques.append(inverse_dynamics(arm, q, qd, qdd, **given) + friction)
     for one, other in combinations(torques, 2):
         assert relative(one, other) < 1e-10
     accelerations = [forward(arm, q, qd, torques[0], **given) for forward in FORWARD]
+    accelerations.append(forward_dynamics(arm, q, qd, torques[0] - friction, **given))
     for one, other in combinations([qdd, *accelerations], 2):
         assert relative(one, other) < 1e-10
 
@@ -71,26 +75,23 @@ def test_agree_pairwise_at_many_states(arm):
     agree_pairwise(arm, 1000)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_agree_with_pinocchio(random_chain, kind):
-    types = ["RP".index(one) for one in kind]
-    arm = furnished(random_chain(8, len(types), types), 4)
-    model = model_of(arm)
-    model.gravity.linear = GRAVITY
+def test_agree_with_pinocchio(arm):
+    model = pinocchio_of(arm, GRAVITY)
     data = model.createData()
     q, qd, qdd = states(arm, 100)
     theirs = [pinocchio.rnea(model, data, *state).copy() for state in zip(q, qd, qdd, strict=True)]
+    friction = friction_torque(arm, qd)
     for inverse in INVERSE:
-        assert relative(inverse(arm, q, qd, qdd, gravity=GRAVITY), theirs) < 1e-10
+        assert relative(inverse(arm, q, qd, qdd, gravity=GRAVITY) - friction, theirs) < 1e-10
     theirs = [pinocchio.aba(model, data, *state).copy() for state in zip(q, qd, qdd, strict=True)]
     for forward in FORWARD:
-        assert relative(forward(arm, q, qd, qdd, gravity=GRAVITY), theirs) < 1e-10
+        assert relative(forward(arm, q, qd, qdd + friction, gravity=GRAVITY), theirs) < 1e-10
 
 
 @pytest.mark.parametrize("inverse", INVERSE)
 def test_golden_torques(golden, inverse):
     case = golden("dynamics_6r")
-    tau = inverse(golden_six(case), case["q"], case["qd"], case["qdd"], gravity=case["gravity"])
+    tau = inverse(golden_arm(case), case["q"], case["qd"], case["qdd"], gravity=case["gravity"])
     np.testing.assert_allclose(tau, case["tau"], rtol=0, atol=case["tolerance"])
     case = golden("dynamics_planar3r")
     down = [0.0, -case["params"]["g"], 0.0]
@@ -100,7 +101,7 @@ def test_golden_torques(golden, inverse):
 
 @pytest.mark.parametrize("function", [*INVERSE, *FORWARD])
 def test_a_batch_is_its_states_and_wrong_input_is_named(golden, function):
-    arm = golden_six(golden("dynamics_6r"))
+    arm = golden_arm(golden("dynamics_6r"))
     q, qd, third = states(arm, 6).reshape(3, 2, 3, 6)
     many = function(arm, q, qd, third, gravity=GRAVITY)
     assert many.shape == (2, 3, 6)

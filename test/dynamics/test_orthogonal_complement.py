@@ -3,7 +3,8 @@
 import numpy as np
 import pinocchio
 import pytest
-from formulation_arms import GRAVITY, furnished, golden_six, pinocchio_model, relative, states
+from arms_with_bodies import golden_arm, pinocchio_of
+from formulation_arms import GRAVITY, furnished, relative, states
 
 from robomech_ros.dynamics.lagrange import mass_matrix_gradient
 from robomech_ros.dynamics.orthogonal_complement import (
@@ -73,14 +74,7 @@ def test_the_inertias_rate_less_twice_the_coupling_is_skew(arm):
 
 
 def test_a_moving_base_agrees_with_a_free_one_of_pinocchio(arm):
-    fixed, model = pinocchio_model(arm), pinocchio.Model()
-    model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "base")
-    for i in range(1, fixed.njoints):
-        joint = fixed.joints[i].shortname()
-        kind = pinocchio.JointModelPZ() if joint.endswith("PZ") else pinocchio.JointModelRZ()
-        model.addJoint(i, kind, fixed.jointPlacements[i], fixed.names[i])
-        model.appendBodyToJoint(i + 1, fixed.inertias[i], pinocchio.SE3.Identity())
-    model.gravity.linear = GRAVITY
+    model = pinocchio_of(arm, GRAVITY, pinocchio.JointModelFreeFlyer())
     data = model.createData()
     omega, v = np.array(TWIST[:3]), np.array(TWIST[3:])
     # Its rates are those that an eye on the base sees.
@@ -99,7 +93,7 @@ def test_a_moving_base_agrees_with_a_free_one_of_pinocchio(arm):
 
 def test_golden_matrices(golden):
     case = golden("dynamics_6r")
-    model = natural_orthogonal_complement(golden_six(case), case["q"], case["qd"])
+    model = natural_orthogonal_complement(golden_arm(case), case["q"], case["qd"])
     np.testing.assert_allclose(model.generalised_inertia, case["M"], rtol=0, atol=1e-10)
     np.testing.assert_allclose(model.coupling @ case["qd"], case["coriolis"], rtol=0, atol=1e-10)
     weight = -model.generalised(model.gravity_wrenches(case["gravity"]))
@@ -107,7 +101,7 @@ def test_golden_matrices(golden):
 
 
 def test_a_base_twist_of_another_size_is_refused(golden):
-    arm = golden_six(golden("dynamics_6r"))
+    arm = golden_arm(golden("dynamics_6r"))
     with pytest.raises(WrongSizeError, match="base_twist has shape"):
         natural_orthogonal_complement(arm, [0] * 6, [0] * 6, base_twist=[0, 0, 0])
     with pytest.raises(WrongSizeError, match="base_twist_rate has shape"):

@@ -6,7 +6,8 @@ import sys
 import numpy as np
 import pytest
 import sympy
-from formulation_arms import furnished, golden_planar, golden_six, relative, states
+from arms_with_bodies import golden_arm
+from formulation_arms import furnished, golden_planar, relative, states
 
 from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
 from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
@@ -37,7 +38,7 @@ def planar(golden):
 @pytest.fixture(scope="module")
 def six(golden):
     case = golden("dynamics_6r")
-    arm = golden_six(case)
+    arm = golden_arm(case)
     return case, symbolic_model(arm, gravity=case["gravity"], parameters="numbers")
 
 
