@@ -28,12 +28,11 @@ from robomech_ros.dynamics.pseudo_inertias import (
     parameters_from_log_cholesky,
 )
 from robomech_ros.dynamics.regressor import BaseParameters, base_parameters, torque_regressor
-from robomech_ros.dynamics.states import finite_states
+from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm, newton_gauss
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.drives import Drive
-from robomech_ros.spatial.arrays import as_finite
 
 __all__ = ["ConsistentFit", "Identification", "consistent_fit", "excitation", "identify"]
 
@@ -41,6 +40,8 @@ Array = NDArray[np.float64]
 
 # Singular values below this of the largest: the motion does not show all parameters.
 _RANK = 1e-9
+# Least deviation of torques (N m or N) that weights are made of.
+_LEAST_DEVIATION = 1e-12
 # By how much of the accuracy of the data a consistent body is drawn to the bodies known before.
 _PULL = 1e-3
 # Least standard error of a base parameter that is counted on, of the largest base parameter.
@@ -176,6 +177,7 @@ def identify(
     q, qd, qdd, tau = finite_states(chain, q=q, qd=qd, qdd=qdd, tau=tau)
     if q.ndim != 2:
         raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
+    gravity = as_vector("gravity", gravity, 3)
     base = base_parameters(chain, gravity=gravity)
     A = _columns(chain, base, q, qd, qdd, gravity)
     b = tau - reflected_inertias(chain) * qdd
@@ -237,6 +239,7 @@ def excitation(
     if q.ndim != 2:
         raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
     weights = np.ones(chain.n) if deviations is None else _deviations(chain, deviations)
+    gravity = as_vector("gravity", gravity, 3)
     A = _columns(chain, base_parameters(chain, gravity=gravity), q, qd, qdd, gravity)
     singular = _singular_values((A / weights[:, None]).reshape(-1, A.shape[2]))
     if len(singular) < A.shape[2] or singular[-1] <= _RANK * singular[0]:
@@ -326,9 +329,10 @@ def _columns(
 
 
 def _deviations(chain: SerialChain, deviations: ArrayLike) -> Array:
-    given = as_finite("deviations", deviations, (chain.n,))
-    if given.ndim != 1 or not (given > 0.0).all():
-        raise BadValueError("deviations", given, f"{chain.n} positive numbers")
+    given = as_vector("deviations", deviations, chain.n)
+    if not (given > _LEAST_DEVIATION).all():
+        expected = f"{chain.n} positive numbers, above {_LEAST_DEVIATION:g}"
+        raise BadValueError("deviations", given.tolist(), expected)
     return given
 
 

@@ -19,7 +19,7 @@ from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.dynamics.stacked_matrices import solved, times
-from robomech_ros.dynamics.states import as_vector, finite_states
+from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 
 __all__ = [
@@ -71,6 +71,7 @@ def partial_velocities(chain: SerialChain, q: ArrayLike) -> PartialVelocities:
     return _partial_velocities(chain, _steps(chain, q))
 
 
+@finite_result
 def inverse_dynamics_by_kane(
     chain: SerialChain,
     q: ArrayLike,
@@ -115,6 +116,7 @@ def inverse_dynamics_by_kane(
     return rotors + friction_torque(chain, qd) - inertia_forces - active
 
 
+@finite_result
 def forward_dynamics_by_kane(
     chain: SerialChain,
     q: ArrayLike,

@@ -22,7 +22,7 @@ from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
 from robomech_ros.dynamics.stacked_matrices import solved, times
-from robomech_ros.dynamics.states import as_vector, finite_states
+from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
 from robomech_ros.robots.chain import REVOLUTE, SerialChain
 from robomech_ros.spatial.cross_product import cross_product_matrix
 
@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 _NO_WRENCH = (0.0,) * 6
 
 
+@finite_result
 def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
     """Differentiate the mass matrix by the joint values.
 
@@ -64,6 +65,7 @@ def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
     return _gradient(_derivatives(chain, q))
 
 
+@finite_result
 def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
     """Compute the Christoffel symbols of the first kind of the mass matrix.
 
@@ -87,6 +89,7 @@ def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
     return _symbols(mass_matrix_gradient(chain, q))
 
 
+@finite_result
 def inverse_dynamics_by_lagrange(
     chain: SerialChain,
     q: ArrayLike,
@@ -128,6 +131,7 @@ def inverse_dynamics_by_lagrange(
     return times(_mass_matrix(chain, derivatives), qdd) + bias
 
 
+@finite_result
 def forward_dynamics_by_lagrange(
     chain: SerialChain,
     q: ArrayLike,

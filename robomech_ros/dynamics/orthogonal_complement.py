@@ -33,7 +33,7 @@ from robomech_ros.dynamics.stacked_matrices import (
     twist_shaping,
     twist_shaping_rate,
 )
-from robomech_ros.dynamics.states import as_vector, finite_states
+from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -227,6 +227,7 @@ def natural_orthogonal_complement(
     )
 
 
+@finite_result
 def inverse_dynamics_by_orthogonal_complement(
     chain: SerialChain,
     q: ArrayLike,
@@ -269,6 +270,7 @@ def inverse_dynamics_by_orthogonal_complement(
     return times(model.generalised_inertia, qdd) + bias
 
 
+@finite_result
 def forward_dynamics_by_cholesky(
     chain: SerialChain,
     q: ArrayLike,
@@ -307,6 +309,7 @@ def forward_dynamics_by_cholesky(
     return solved(transposed(L), solved(L, moving))
 
 
+@finite_result
 def forward_dynamics_by_reflections(
     chain: SerialChain,
     q: ArrayLike,

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.arrays import as_finite, real_number
 
 __all__ = [
     "bodies_from_parameters",
@@ -31,6 +31,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+# Products of parameters up to this, and exponentials of numbers up to this, do not overflow.
+_LARGEST = 1e30
+_LARGEST_LOGARITHM = 50.0
 _UPPER = np.triu_indices(3)
 _FACTOR = np.triu_indices(4)
 
@@ -53,7 +56,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not ten finite real numbers a body.
     """
-    p = as_finite("parameters", parameters, (10,))
+    p = _bounded("parameters", parameters, (10,), _LARGEST)
     moments = np.empty((*p.shape[:-1], 3, 3))
     moments[..., _UPPER[0], _UPPER[1]] = moments[..., _UPPER[1], _UPPER[0]] = p[..., 4:]
     J = np.empty((*p.shape[:-1], 4, 4))
@@ -72,7 +75,7 @@ def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not finite real numbers of this shape.
     """
-    matrix = as_finite("pseudo-inertia", J, (4, 4))
+    matrix = _bounded("pseudo-inertia", J, (4, 4), _LARGEST)
     second = matrix[..., :3, :3]
     trace = np.trace(second, axis1=-2, axis2=-1)
     moments = trace[..., None, None] * np.eye(3) - second
@@ -119,9 +122,9 @@ def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`pseudo_inertia`, or ``least`` is not positive.
     """
-    bound = float(as_finite("least", least, ()))
-    if bound <= 0.0:
-        raise BadValueError("least", bound, "a positive number")
+    bound = real_number("least", least, "a positive number")
+    if not 0.0 < bound <= _LARGEST:
+        raise BadValueError("least", bound, f"a positive number, at most {_LARGEST:g}")
     values, vectors = np.linalg.eigh(pseudo_inertia(parameters))
     raised = vectors * np.maximum(values, bound)[..., None, :]
     return parameters_from_pseudo_inertia(raised @ np.swapaxes(vectors, -1, -2))
@@ -156,7 +159,7 @@ def parameters_from_log_cholesky(numbers: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not ten finite real numbers a body, or exponentials that overflow.
     """
-    U = _factor(as_finite("numbers", numbers, (10,)))
+    U = _factor(_bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM))
     return parameters_from_pseudo_inertia(U @ np.swapaxes(U, -1, -2))
 
 
@@ -168,7 +171,7 @@ def log_cholesky_derivative(numbers: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`parameters_from_log_cholesky`.
     """
-    given = as_finite("numbers", numbers, (10,))
+    given = _bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM)
     U = _factor(given)
     derivative = np.empty((*given.shape, 10))
     for k, (i, j) in enumerate(zip(*_FACTOR, strict=True)):
@@ -188,7 +191,7 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`pseudo_inertia`, or a mass that is not positive.
     """
-    rows = as_finite("parameters", parameters, (10,)).reshape(-1, 10)
+    rows = _bounded("parameters", parameters, (10,), _LARGEST).reshape(-1, 10)
     if not (rows[:, 0] > 0.0).all():
         raise BadValueError("masses", rows[:, 0].tolist(), "positive numbers")
     bodies = []
@@ -198,6 +201,14 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
         shift = row[0] * (com @ com * np.eye(3) - np.outer(com, com))
         bodies.append(Body(float(row[0]), com, moments - shift))
     return tuple(bodies)
+
+
+def _bounded(what: str, value: ArrayLike, tail: tuple[int, ...], largest: float) -> Array:
+    array = as_finite(what, value, tail)
+    found = float(np.abs(array).max(initial=0.0))
+    if found > largest:
+        raise BadValueError(f"largest of {what}", found, f"at most {largest:g}")
+    return array
 
 
 def _factor(numbers: Array) -> Array:
