@@ -40,6 +40,8 @@ Array = NDArray[np.float64]
 
 # Singular values below this of the largest: the motion does not show all parameters.
 _RANK = 1e-9
+# Logarithms and entries of factors beyond this are of no body of a robot.
+_FARTHEST = 20.0
 # Least deviation of torques (N m or N) that weights are made of.
 _LEAST_DEVIATION = 1e-12
 # By how much of the accuracy of the data a consistent body is drawn to the bodies known before.
@@ -274,6 +276,8 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     target = np.linalg.solve(inner, found.base_values / scale)
 
     def residual(numbers: Array) -> Array:
+        if np.abs(numbers).max() > _FARTHEST:
+            return np.full(len(target) + len(start), np.inf)  # the step is halved
         parameters = parameters_from_log_cholesky(numbers.reshape(-1, 10)).ravel()
         return np.concatenate((C @ parameters - target, _PULL * (numbers - start)))
 

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 # Products of parameters up to this, and exponentials of numbers up to this, do not overflow.
 _LARGEST = 1e30
-_LARGEST_LOGARITHM = 50.0
+_LARGEST_LOGARITHM = 30.0
 _UPPER = np.triu_indices(3)
 _FACTOR = np.triu_indices(4)
 

@@ -1,4 +1,4 @@
-"""Whatever is given to the formulations, they answer or raise an error of ours, without a warning."""
+"""Whatever is given to the formulations, they answer or raise an error of ours, and never warn."""
 
 import inspect
 import warnings
