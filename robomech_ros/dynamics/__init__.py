@@ -86,6 +86,8 @@ if TYPE_CHECKING:
         base_parameters,
         torque_regressor,
     )
+    from robomech_ros.dynamics.servo import Servo, ServoMotion
+    from robomech_ros.dynamics.simulation import Simulation, simulate
 
 __all__ = [
     "BaseParameters",
@@ -97,6 +99,9 @@ __all__ = [
     "OrthogonalComplement",
     "PartialVelocities",
     "PowerBalance",
+    "Servo",
+    "ServoMotion",
+    "Simulation",
     "base_parameters",
     "bias_torque",
     "bodies_from_parameters",
@@ -134,6 +139,7 @@ __all__ = [
     "potential_energy",
     "power_balance",
     "pseudo_inertia",
+    "simulate",
     "torque_regressor",
     "with_payload",
 ]
@@ -148,6 +154,9 @@ _MODULES = {
     "OrthogonalComplement": "orthogonal_complement",
     "PartialVelocities": "kane",
     "PowerBalance": "energy",
+    "Servo": "servo",
+    "ServoMotion": "servo",
+    "Simulation": "simulation",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
     "bodies_from_parameters": "pseudo_inertias",
@@ -185,6 +194,7 @@ _MODULES = {
     "potential_energy": "energy",
     "power_balance": "energy",
     "pseudo_inertia": "pseudo_inertias",
+    "simulate": "simulation",
     "torque_regressor": "regressor",
     "with_payload": "payload",
 }

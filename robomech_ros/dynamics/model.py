@@ -19,13 +19,14 @@ from robomech_ros._kernels.serial import NOT_FINITE
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import real_array, real_number
 
 __all__ = [
     "GRAVITY",
     "as_states",
     "body_parameters",
     "dynamic_model",
+    "positive_number",
     "raise_outcome",
     "surroundings",
 ]
@@ -185,6 +186,20 @@ def _part(name: str, value: ArrayLike | None, size: int, batch: tuple[int, ...])
 _ON_EARTH = np.zeros((1, SURROUNDINGS))
 _ON_EARTH[0, LINEAR_ACCELERATION:TIP_WRENCH] = np.negative(GRAVITY)
 _ON_EARTH.setflags(write=False)
+
+
+def positive_number(what: str, value: object) -> float:
+    """Give a finite number above 0.
+
+    Raises
+    ------
+    BadValueError
+    """
+    expected = "a positive number"
+    number = real_number(what, value, expected)
+    if not 0.0 < number < np.inf:
+        raise BadValueError(what, value, expected)
+    return number
 
 
 def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:

@@ -1,0 +1,76 @@
+"""Where a simulated motion crosses a limit or an event, and what a bounce does."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics.matrices import mass_matrix
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["Event", "bounced", "limit_events", "note", "zero"]
+
+Array = NDArray[np.float64]
+Event = Callable[[float, Array, Array], float]
+
+
+def limit_events(chain: SerialChain) -> Iterator[tuple[int, Callable[[Array], float]]]:
+    """Give, for the lower and upper limit of each joint, how far inside it a state is."""
+    for i in range(chain.n):
+        yield 0, lambda y, i=i, limit=chain.lower[i]: float(y[i] - limit)
+        yield 1, lambda y, i=i, limit=chain.upper[i]: float(limit - y[i])
+
+
+def bounced(chain: SerialChain, state: Array, joint: int, side: int, restitution: float) -> Array:
+    """Turn the rate of a joint at its limit; the others take what the blow gives them."""
+    n = chain.n
+    state = state.copy()
+    q, qd = state[:n].copy(), state[n : 2 * n].copy()
+    state[joint] = (chain.lower, chain.upper)[side][joint]
+    M = mass_matrix(chain, q)
+    response = np.linalg.solve(M, np.eye(n)[joint])
+    change = -(1.0 + restitution) * qd[joint] / response[joint] * response
+    state[n : 2 * n] = qd + change
+    state[-1] += 0.5 * (qd @ M @ qd - (qd + change) @ M @ (qd + change))
+    return state
+
+
+def zero(crossing: Callable[[Array], float], dense: Any, before: float, after: float) -> float:
+    """Find when a function of the state goes through zero, just before it does."""
+    from scipy.optimize import brentq
+
+    if crossing(dense(before)) < 0.0:
+        return before
+    if crossing(dense(after)) >= 0.0:
+        return after
+    return float(brentq(lambda t: crossing(dense(t)), before, after, xtol=1e-14, rtol=1e-14))
+
+
+def note(
+    watched: list[Event],
+    dense: Any,
+    before: float,
+    after: float,
+    n: int,
+    seen: list[tuple[float, int]],
+) -> tuple[float, int] | None:
+    """Note the events of a step in order; returns the first that ends the simulation."""
+    from scipy.optimize import brentq
+
+    found = []
+    for number, event in enumerate(watched):
+
+        def value(t: float, event: Event = event) -> float:
+            y = dense(t)
+            return float(event(t, y[:n], y[n : 2 * n]))
+
+        first, last = value(before), value(after)
+        if first != 0.0 and (first < 0.0) != (last < 0.0):
+            root = brentq(value, before, after, xtol=1e-14, rtol=1e-14) if last else after
+            found.append((float(root), number))
+    for at, number in sorted(found):
+        seen.append((at, number))
+        if getattr(watched[number], "terminal", False):
+            return at, number
+    return None

@@ -1,0 +1,120 @@
+"""The implicit midpoint rule for a chain, in joint values and momenta: symplectic."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics.inverse import gravity_torque
+from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["MidpointSolver"]
+
+Array = NDArray[np.float64]
+
+_ITERATIONS = 100
+# Change (of values and momenta, relative to their size) at which an iteration has arrived.
+_ARRIVED = 1e-14
+
+
+class _Forces(Protocol):
+    """What acts on a chain."""
+
+    @property
+    def chain(self) -> SerialChain: ...
+
+    @property
+    def options(self) -> dict[str, object]: ...
+
+    def drives(self, t: float, q: Array, qd: Array) -> Array: ...
+
+    def friction_torque(self, qd: Array) -> Array: ...
+
+
+class MidpointSolver:
+    """Steps of a fixed length, with the face of scipy's solvers.
+
+    Parameters
+    ----------
+    forces : object
+        The chain, and what acts on it.
+    t, end : float
+        In s.
+    state : ndarray, shape (2 n + 2,)
+        Joint values and rates, work and heat.
+    step : float
+        In s; the last one ends at ``end``.
+    """
+
+    def __init__(self, forces: _Forces, t: float, state: Array, end: float, step: float) -> None:
+        self.forces, self.t, self.y, self.end, self.length = forces, t, state, end, step
+        self.status = "running" if t < end else "finished"
+        self._from = (t, state)
+
+    def step(self) -> str | None:
+        """Do a step; returns what went wrong, with ``status`` then "failed"."""
+        h = min(self.length, self.end - self.t)
+        n = self.forces.chain.n
+        q, qd = self.y[:n].copy(), self.y[n : 2 * n].copy()
+        try:
+            after = self._after(h, q, qd)
+        except (RobomechError, np.linalg.LinAlgError) as error:
+            self.status = "failed"
+            return str(error)
+        if after is None:
+            self.status = "failed"
+            return f"the midpoint is not found in {_ITERATIONS} iterations; the step is too long"
+        q_after, qd_after, power, loss = after
+        self._from = (self.t, self.y)
+        self.t += h
+        gains = self.y[2 * n :] + h * np.array([power, loss])
+        self.y = np.concatenate((q_after, qd_after, gains))
+        if self.t >= self.end * (1.0 - 1e-15):
+            self.t, self.status = self.end, "finished"
+        return None
+
+    def _after(self, h: float, q: Array, qd: Array) -> tuple[Array, Array, float, float] | None:
+        """Find the midpoint by iteration: ``q' = M^-1 p`` and ``p' = C^T q' - g + tau`` at it."""
+        from robomech_ros.kinetostatics.jacobians import jacobian
+
+        chain, options = self.forces.chain, self.forces.options
+        p = mass_matrix(chain, q) @ qd
+        wrench = options["tip_wrench"]
+        middle, momentum, size = q + 0.5 * h * qd, p, 1.0 + np.abs(p).max()
+        for _ in range(_ITERATIONS):
+            rate = np.linalg.solve(mass_matrix(chain, middle), momentum)
+            tau = self.forces.drives(self.t + 0.5 * h, middle, rate)
+            lost = self.forces.friction_torque(rate)
+            held = gravity_torque(chain, middle, **options)  # type: ignore[arg-type]
+            force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost
+            q_next, p_next = q + 0.5 * h * rate, p + 0.5 * h * force
+            change = max(
+                float(np.abs(q_next - middle).max()), float(np.abs(p_next - momentum).max()) / size
+            )
+            middle, momentum = q_next, p_next
+            if change < _ARRIVED:
+                power = float(tau @ rate)
+                if wrench is not None:
+                    power += float(wrench @ (jacobian(chain, middle) @ rate))
+                q_after, p_after = q + h * rate, p + h * force
+                qd_after = np.linalg.solve(mass_matrix(chain, q_after), p_after)
+                return q_after, qd_after, power, float(lost @ rate)
+        return None
+
+    def dense_output(self) -> "_Line":
+        """Give the state in the last step, between its ends on a straight line."""
+        return _Line(*self._from, self.t, self.y)
+
+
+class _Line:
+    """Between two states."""
+
+    def __init__(self, t0: float, y0: Array, t1: float, y1: Array) -> None:
+        self.ends = t0, y0, t1, y1
+
+    def __call__(self, t: float) -> Array:
+        t0, y0, t1, y1 = self.ends
+        part = (t - t0) / (t1 - t0) if t1 > t0 else 1.0
+        return y0 + part * (y1 - y0)

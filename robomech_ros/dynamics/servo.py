@@ -1,0 +1,198 @@
+"""A robot that obeys its dynamics under a torque controller, in fixed steps of time."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_servo as kernels
+from robomech_ros.dynamics.friction import friction_model
+from robomech_ros.dynamics.matrices import mass_matrix
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice, as_finite
+
+__all__ = ["CONTROLS", "Servo", "ServoMotion"]
+
+Array = NDArray[np.float64]
+
+CONTROLS = ("computed-torque", "pd-gravity")
+
+_MOST_SUBSTEPS = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class ServoMotion:
+    """What became of a chain under a controller, at the end of each period.
+
+    Attributes
+    ----------
+    q, qd : ndarray, shape (m, n)
+        Joint values (rad or m) and rates (rad/s or m/s) at the end of each period that was done.
+    effort : ndarray, shape (m, n)
+        Torques or forces of the drives in each (N m or N), within their limits.
+    saturated : ndarray of bool, shape (m, n)
+        Which were at their limits.
+    reason : str
+        Empty, or why it stopped before the end; the state is then the last one that was finite.
+    """
+
+    q: Array
+    qd: Array
+    effort: Array
+    saturated: NDArray[np.bool_]
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Servo:
+    """A controller of torques, the chain that it knows, and the one that it drives.
+
+    ``"computed-torque"`` asks the inverse dynamics for the torques of ``qdd + kd (qd - rate) + kp
+    (q - value)``, wanted less measured; ``"pd-gravity"`` adds ``kd (..) + kp (..)`` to the torques
+    that hold the chain.  Both add the friction of the model at the wanted rate.  Without kp and kd
+    errors decay as of a critically damped oscillator of the natural frequency ``bandwidth``.
+
+    The chain moves by steps that let dry friction stick and break away, and stops hold it without a
+    rebound at the position limits.
+
+    Parameters
+    ----------
+    model : SerialChain
+        Of n joints: what the controller knows.
+    plant : SerialChain, optional
+        What moves; default the model.  It may carry a payload that the model does not know.
+    control : str, optional
+        One of CONTROLS.
+    bandwidth : float, optional
+        In rad/s.
+    kp, kd : array_like, shape (n,), optional
+        Gains of errors and of their rates: for computed torque in 1/s^2 and 1/s, else in N m/rad
+        and N m s/rad, or N/m and N s/m.
+    period : float, optional
+        Of the controller (s).
+    substeps : int, optional
+        Steps of the chain in each period.
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        A chain has no bodies, or no possible ones; both differ in the number of joints; or a
+        number is not what it has to be.
+    """
+
+    model: SerialChain
+    plant: SerialChain | None = None
+    control: str = CONTROLS[0]
+    bandwidth: float = 50.0
+    kp: ArrayLike | None = None
+    kd: ArrayLike | None = None
+    period: float = 1e-3
+    substeps: int = 1
+    gravity: ArrayLike = GRAVITY
+    _arguments: tuple[object, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        check_chain(self.model)
+        plant = self.model if self.plant is None else self.plant
+        check_chain(plant)
+        n = self.model.n
+        if plant.n != n:
+            raise WrongSizeError("joints of the plant", plant.n, f"{n}, as many as of the model")
+        if n > kernels.MOST_SERVO_JOINTS:
+            raise BadValueError("number of joints", n, f"at most {kernels.MOST_SERVO_JOINTS}")
+        mode = CONTROLS.index(as_choice("control", self.control, CONTROLS))
+        period = positive_number("period", self.period)
+        if (
+            not isinstance(self.substeps, int | np.integer)
+            or isinstance(self.substeps, bool)
+            or not 1 <= self.substeps <= _MOST_SUBSTEPS
+        ):
+            expected = f"a whole number from 1 to {_MOST_SUBSTEPS}"
+            raise BadValueError("substeps", self.substeps, expected)
+        effort = np.where(np.isfinite(self.model.effort), self.model.effort, np.inf)
+        arguments = (
+            dynamic_model(plant),
+            friction_model(plant),
+            np.array([plant.lower, plant.upper]),
+            dynamic_model(self.model),
+            friction_model(self.model),
+            self._gains(mode),
+            mode,
+            effort,
+            surroundings((), self.gravity)[0].copy(),
+        )
+        object.__setattr__(self, "plant", plant)
+        object.__setattr__(self, "_arguments", (arguments, period, int(self.substeps)))
+
+    def _gains(self, mode: int) -> Array:
+        frequency = positive_number("bandwidth", self.bandwidth)
+        scale = np.ones(self.model.n)
+        if mode == kernels.PD_WITH_GRAVITY:
+            scale = np.diag(mass_matrix(self.model, self.model.midrange())).copy()
+        gains = np.array([frequency**2 * scale, 2.0 * frequency * scale])
+        for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
+            if given is not None:
+                gains[row] = as_finite(name, given, (self.model.n,))
+                if gains[row].min(initial=0.0) < 0.0:
+                    raise BadValueError(name, gains[row].min(), "no negative gain")
+        return gains
+
+    def run(self, q: Array, qd: Array, wanted: ArrayLike) -> ServoMotion:
+        """Drive the chain along what is wanted, from a state that is brought to the end.
+
+        Parameters
+        ----------
+        q, qd : ndarray of float64, shape (n,)
+            Joint values (rad or m), within the position limits of the plant, and rates; overwritten
+            by those at the end.
+        wanted : array_like, shape (m, 3, n)
+            Joint values, rates and accelerations at the beginning of each period.
+
+        Returns
+        -------
+        ServoMotion
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            The arrays are not what they have to be.
+        """
+        n = self.model.n
+        wanted = np.ascontiguousarray(as_finite("wanted", wanted, (3, n)))
+        if wanted.ndim != 3:
+            raise WrongSizeError("wanted", wanted.shape, f"(m, 3, {n})")
+        state = np.empty((2, n))
+        for row, (name, array) in enumerate((("q", q), ("qd", qd))):
+            if not isinstance(array, np.ndarray) or array.dtype != np.float64:
+                raise BadValueError(name, array, "an array of float64, to be overwritten")
+            if array.shape != (n,):
+                raise WrongSizeError(name, array.shape, f"({n},)")
+            if not np.isfinite(array).all():
+                raise NonFiniteError(name, array)
+            state[row] = array
+        arguments, period, substeps = self._arguments
+        assert isinstance(arguments, tuple)
+        out = np.empty((len(wanted), 3, n))
+        stops = arguments[2]
+        arguments = (*arguments[:2], _around(stops, state[0]), *arguments[3:])
+        done = kernels.servo_steps(*arguments, wanted, period, substeps, state, out)
+        q[:], qd[:] = state
+        effort = out[:done, 2]
+        reason = ""
+        if done < len(wanted):
+            reason = (
+                f"the motion ran away after {done * period:.6g} s: the rates of the "
+                f"joints, {np.abs(qd).max():.3g} at most, or the torques asked for are not finite"
+            )
+        saturated = np.abs(effort) >= arguments[7]
+        return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
+
+
+def _around(stops: Array, q: Array) -> Array:
+    """Move stops out to a state that is beyond them, which would be thrown back otherwise."""
+    return np.array([np.minimum(stops[0], q), np.maximum(stops[1], q)])

@@ -1,0 +1,361 @@
+"""Simulation: the motion of a chain under torques that are given or computed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.crossings import Event, bounced, limit_events, note, zero
+from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
+from robomech_ros.dynamics.forward import forward_dynamics
+from robomech_ros.dynamics.friction import friction_model
+from robomech_ros.dynamics.midpoint import MidpointSolver
+from robomech_ros.dynamics.model import GRAVITY, positive_number
+from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
+
+__all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
+
+Array = NDArray[np.float64]
+Torque = Callable[[float, Array, Array], ArrayLike]
+
+SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
+AT_LIMITS = ("ignore", "end", "bounce")
+
+_MOST_STEPS = 1_000_000
+_MOST_BOUNCES = 1000
+# A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
+_REST = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What a chain did.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        The times asked for, or those of the integrator's steps (s), as far as it came.
+    q, qd : ndarray, shape (m, n)
+        Joint values (rad or m) and rates (rad/s or m/s).
+    kinetic, potential : ndarray, shape (m,)
+        Energies (J).
+    work, heat : ndarray, shape (m,)
+        What drives and tip wrench have put in, and friction and bounces have taken (J).
+    drift : float
+        Largest magnitude of what the energy balance leaves (J).
+    events : tuple of (float, int)
+        Time and number of each of the user's events, in order.
+    reason : str
+        ``"finished"``, or why it ended before: at which limit, by which event, or because the
+        numbers ran away.  The last state is the last that was good.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    kinetic: Array
+    potential: Array
+    work: Array
+    heat: Array
+    drift: float
+    events: tuple[tuple[float, int], ...]
+    reason: str
+
+
+class _RunAwayError(Exception):
+    """The state, or what acts on it, is no longer finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The equations of motion; a state is q, qd, work and heat."""
+
+    chain: SerialChain
+    torque: Torque
+    options: dict[str, Any]
+    friction: Array
+    rest_rate: float
+
+    def friction_torque(self, qd: Array) -> Array:
+        viscous, coulomb, excess, decay = self.friction
+        dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
+        return viscous * qd + dry * np.tanh(qd / self.rest_rate)
+
+    def drives(self, t: float, q: Array, qd: Array) -> Array:
+        tau = np.ascontiguousarray(np.asarray(self.torque(t, q, qd), dtype=np.float64))
+        if tau.shape != q.shape:
+            raise WrongSizeError("torque", tau.shape, q.shape)
+        if not np.isfinite(tau).all():
+            raise _RunAwayError(f"the torque at {t:.6g} s is not finite")
+        return tau
+
+    def rates(self, t: float, state: Array) -> Array:
+        n = self.chain.n
+        q, qd = state[:n].copy(), state[n : 2 * n].copy()
+        if not np.isfinite(state).all():
+            raise _RunAwayError(f"the state at {t:.6g} s is not finite")
+        tau, lost = self.drives(t, q, qd), self.friction_torque(qd)
+        try:
+            qdd = forward_dynamics(self.chain, q, qd, tau - lost, **self.options)
+        except RobomechError as error:
+            raise _RunAwayError(f"at {t:.6g} s: {error}") from None
+        with np.errstate(over="ignore", invalid="ignore"):
+            power, loss = tau @ qd, lost @ qd
+        wrench = self.options["tip_wrench"]
+        if wrench is not None:
+            power += wrench @ (jacobian(self.chain, q) @ qd)
+        return np.concatenate((qd, qdd, [power, loss]))
+
+
+def simulate(
+    chain: SerialChain,
+    q0: ArrayLike,
+    qd0: ArrayLike,
+    torque: ArrayLike | Torque | None,
+    duration: float,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    method: str = "DOP853",
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    step: float | None = None,
+    rest_rate: float = 1e-2,
+    at_limits: str = "ignore",
+    restitution: float = 0.5,
+    events: Sequence[Event] = (),
+    times: ArrayLike | None = None,
+) -> Simulation:
+    """Integrate the motion of a chain, with the friction of its drives.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q0, qd0 : array_like, shape (n,)
+        Joint values (rad or m) and rates (rad/s or m/s) at the start.
+    torque : array_like of shape (n,), callable, or None
+        Of the drives (N m or N): constant, ``torque(t, q, qd)``, or none.
+    duration : float
+        In s.
+    gravity, tip_wrench
+        As for :func:`inverse_dynamics`; the wrench keeps its direction and goes with the tip.
+    method : str, optional
+        One of SOLVERS: those of scipy's solve_ivp, with a step that keeps the tolerances, or
+        ``"midpoint"``, the implicit midpoint rule in joint values and momenta with a fixed
+        step, which is symplectic: without friction the energy does not drift, however long.
+    rtol, atol : float, optional
+        Relative and absolute tolerance of a step; not for ``"midpoint"``.
+    step : float, optional
+        Longest step (s), or the step of ``"midpoint"``, 1e-3 unless given.
+    rest_rate : float, optional
+        Rate (rad/s or m/s) within which dry friction goes over from one direction to the other,
+        as ``tanh(rate / rest_rate)``: joints that it holds creep.  :class:`Servo` has friction
+        that holds.
+    at_limits : str, optional
+        What happens where a joint comes to a position limit: ``"ignore"``, ``"end"`` of the
+        simulation, or ``"bounce"``.
+    restitution : float, optional
+        Part of its rate with which a joint bounces, from 0 to 1.
+    events : sequence of callable, optional
+        ``event(t, q, qd)``; its zeros are noted, and end the simulation where the attribute
+        ``terminal`` is true.
+    times : array_like, shape (m,), optional
+        Where the state is told (s), increasing; default after each step.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`, for the start.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.3; Hairer, Lubich,
+    Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, section II.1, for the rule.
+    """
+    q, qd = _start(chain, q0, "q0"), _start(chain, qd0, "qd0")
+    duration = positive_number("duration", duration)
+    if step is not None:
+        step = positive_number("step", step)
+    choice = as_choice("method", method, SOLVERS)
+    limits = as_choice("at_limits", at_limits, AT_LIMITS)
+    part = real_number("restitution", restitution, "a number from 0 to 1")
+    if not 0.0 <= part <= 1.0:
+        raise BadValueError("restitution", restitution, "a number from 0 to 1")
+    wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
+    motion = _Motion(
+        chain,
+        _as_torque(chain, torque),
+        {"gravity": gravity, "tip_wrench": wrench},
+        friction_model(chain),
+        positive_number("rest_rate", rest_rate),
+    )
+    # The start is refused where it is wrong; what comes later is told.
+    forward_dynamics(chain, q, qd, motion.drives(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
+    watched = _watched(events)
+    record = _Record(_as_times(times, duration))
+    state = np.concatenate((q, qd, [0.0, 0.0]))
+    tolerances = (positive_number("rtol", rtol), positive_number("atol", atol))
+    seen: list[tuple[float, int]] = []
+
+    def make(t: float, y: Array) -> Any:
+        return _solver(choice, motion, t, y, duration, step, tolerances)
+
+    reason = _integrate(make, motion, state, limits, part, watched, record, seen)
+    return _told(motion, record, tuple(seen), reason)
+
+
+def _integrate(
+    make: Callable[[float, Array], Any],
+    motion: _Motion,
+    state: Array,
+    limits: str,
+    restitution: float,
+    watched: list[Event],
+    record: "_Record",
+    seen: list[tuple[float, int]],
+) -> str:
+    """Step to the end, or to what ends it before; returns the reason."""
+    chain, n = motion.chain, motion.chain.n
+    bounds = [] if limits == "ignore" else list(limit_events(chain))
+    record.add(0.0, state, None)
+    if limits != "ignore" and any(crossing(state) < 0.0 for _, crossing in bounds):
+        raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
+    bounces = 0
+    try:
+        solver = make(0.0, state)
+        for _ in range(_MOST_STEPS):
+            if solver.status == "finished":
+                return "finished"
+            before, y_before = solver.t, solver.y.copy()
+            message = solver.step()
+            if solver.status == "failed":
+                return f"the integration failed at {before:.6g} s: {message}"
+            dense = solver.dense_output()
+            y_after = solver.y
+            hits = [
+                (zero(crossing, dense, before, solver.t), i, direction)
+                for i, (direction, crossing) in enumerate(bounds)
+                if crossing(y_after) < 0.0 <= crossing(y_before)
+            ]
+            end, joint, _ = min(hits, default=(solver.t, -1, 0))
+            ended = note(watched, dense, before, end, n, seen)
+            if ended is not None:
+                record.add(ended[0], dense(ended[0]), dense)
+                return f"event {ended[1]} at {ended[0]:.9g} s"
+            record.add(end, dense(end) if hits else y_after, dense)
+            if not hits:
+                continue
+            name, side = chain.joint_names[joint // 2], ("lower", "upper")[joint % 2]
+            if limits == "end":
+                return f"joint '{name}' came to its {side} limit at {end:.9g} s"
+            bounces += 1
+            rate = abs(dense(end)[n + joint // 2])
+            if bounces > _MOST_BOUNCES or rate < _REST:
+                return f"joint '{name}' came to rest at its {side} limit at {end:.9g} s"
+            state = bounced(chain, dense(end), joint // 2, joint % 2, restitution)
+            solver = make(end, state)
+    except _RunAwayError as error:
+        return f"the motion ran away: {error}"
+    return f"{_MOST_STEPS} steps did not reach the end"
+
+
+class _Record:
+    """States at the times asked for, or at the steps, and always the last."""
+
+    def __init__(self, times: Array | None) -> None:
+        self.times = times
+        self.t: list[float] = []
+        self.states: list[Array] = []
+
+    def add(self, t: float, state: Array, dense: Any) -> None:
+        if self.times is None:
+            self.t.append(t)
+            self.states.append(np.array(state))
+            return
+        for wanted in self.times[len(self.t) :]:
+            if wanted > t:
+                break
+            self.t.append(float(wanted))
+            self.states.append(np.array(state if dense is None else dense(wanted)))
+
+
+def _told(
+    motion: _Motion, record: _Record, seen: tuple[tuple[float, int], ...], reason: str
+) -> Simulation:
+    chain, n = motion.chain, motion.chain.n
+    rows = np.array(record.states).reshape(-1, 2 * n + 2)
+    q, qd = rows[:, :n].copy(), rows[:, n : 2 * n].copy()
+    work, heat = rows[:, -2].copy(), rows[:, -1].copy()
+    kinetic = kinetic_energy(chain, q, qd)
+    potential = potential_energy(chain, q, gravity=motion.options["gravity"])
+    left = kinetic + potential - work + heat
+    drift = float(np.abs(left - left[0]).max()) if len(left) else 0.0
+    return Simulation(
+        np.array(record.t), q, qd, kinetic, potential, work, heat, drift, seen, reason
+    )
+
+
+def _solver(
+    method: str,
+    motion: _Motion,
+    t: float,
+    state: Array,
+    end: float,
+    step: float | None,
+    tolerances: tuple[float, float],
+) -> Any:
+    if method == "midpoint":
+        return MidpointSolver(motion, t, state, end, 1e-3 if step is None else step)
+    from scipy import integrate
+
+    rtol, atol = tolerances
+    kind = getattr(integrate, method)
+    longest = np.inf if step is None else step
+    return kind(motion.rates, t, state, end, rtol=rtol, atol=atol, max_step=longest)
+
+
+def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
+    check_chain(chain)
+    array = as_joint_values(chain, value, what)
+    if array.ndim != 1:
+        raise WrongSizeError(what, array.shape, f"({chain.n},)")
+    if not np.isfinite(array).all():
+        raise_not_finite(chain, array, what)
+    return array
+
+
+def _as_torque(chain: SerialChain, torque: ArrayLike | Torque | None) -> Torque:
+    if callable(torque):
+        return torque
+    constant = np.zeros(chain.n) if torque is None else _start(chain, torque, "torque")
+    return lambda t, q, qd: constant
+
+
+def _watched(events: Sequence[Event]) -> list[Event]:
+    watched = list(listed("events", events, "a list of functions of t, q and qd"))
+    for event in watched:
+        if not callable(event):
+            raise BadValueError("one of events", event, "a function of t, q and qd")
+    return watched
+
+
+def _as_times(times: ArrayLike | None, duration: float) -> Array | None:
+    if times is None:
+        return None
+    array = as_finite("times", times, ())
+    if array.ndim != 1:
+        raise WrongSizeError("times", array.shape, "(m,)")
+    if len(array) and (array[0] < 0.0 or array[-1] > duration or (np.diff(array) < 0.0).any()):
+        raise BadValueError("times", array.tolist(), f"increasing times from 0 to {duration:g} s")
+    return array
