@@ -52,7 +52,7 @@ setup(
     ],
     python_requires=">=3.10",
     install_requires=requirements("core.in"),
-    extras_require={"dask": requirements("dask.in")},
+    extras_require={"dask": requirements("dask.in"), "symbolic": ["sympy"]},
     zip_safe=False,
     entry_points={
         "console_scripts": [

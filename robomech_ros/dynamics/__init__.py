@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
+    from robomech_ros.dynamics.complexity import (
+        Operations,
+        operation_counts,
+    )
     from robomech_ros.dynamics.derivatives import (
         ForwardDerivatives,
         InverseDerivatives,
@@ -22,42 +26,119 @@ if TYPE_CHECKING:
         potential_energy,
         power_balance,
     )
-    from robomech_ros.dynamics.forward import forward_dynamics
-    from robomech_ros.dynamics.friction import dissipated_power, dissipation, friction_torque
-    from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics
-    from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
-    from robomech_ros.dynamics.model import body_parameters
-    from robomech_ros.dynamics.payload import with_payload
-    from robomech_ros.dynamics.regressor import BaseParameters, base_parameters, torque_regressor
+    from robomech_ros.dynamics.forward import (
+        forward_dynamics,
+    )
+    from robomech_ros.dynamics.friction import (
+        dissipated_power,
+        dissipation,
+        friction_torque,
+    )
+    from robomech_ros.dynamics.identification import (
+        ConsistentFit,
+        Identification,
+        consistent_fit,
+        excitation,
+        identify,
+    )
+    from robomech_ros.dynamics.inverse import (
+        bias_torque,
+        gravity_torque,
+        inverse_dynamics,
+    )
+    from robomech_ros.dynamics.kane import (
+        PartialVelocities,
+        forward_dynamics_by_kane,
+        inverse_dynamics_by_kane,
+        partial_velocities,
+    )
+    from robomech_ros.dynamics.lagrange import (
+        christoffel_symbols,
+        forward_dynamics_by_lagrange,
+        inverse_dynamics_by_lagrange,
+        mass_matrix_gradient,
+    )
+    from robomech_ros.dynamics.matrices import (
+        coriolis_matrix,
+        mass_matrix,
+    )
+    from robomech_ros.dynamics.model import (
+        body_parameters,
+    )
+    from robomech_ros.dynamics.orthogonal_complement import (
+        OrthogonalComplement,
+        forward_dynamics_by_cholesky,
+        forward_dynamics_by_reflections,
+        inverse_dynamics_by_orthogonal_complement,
+        natural_orthogonal_complement,
+    )
+    from robomech_ros.dynamics.payload import (
+        with_payload,
+    )
+    from robomech_ros.dynamics.pseudo_inertias import (
+        bodies_from_parameters,
+        is_consistent,
+        nearest_consistent,
+        pseudo_inertia,
+    )
+    from robomech_ros.dynamics.regressor import (
+        BaseParameters,
+        base_parameters,
+        torque_regressor,
+    )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
 
 __all__ = [
     "BaseParameters",
+    "ConsistentFit",
     "ForwardDerivatives",
+    "Identification",
     "InverseDerivatives",
+    "Operations",
+    "OrthogonalComplement",
+    "PartialVelocities",
     "PowerBalance",
     "Servo",
     "ServoMotion",
     "Simulation",
     "base_parameters",
     "bias_torque",
+    "bodies_from_parameters",
     "body_parameters",
     "center_of_mass",
+    "christoffel_symbols",
+    "consistent_fit",
     "coriolis_matrix",
     "dissipated_power",
     "dissipation",
+    "excitation",
     "forward_dynamics",
+    "forward_dynamics_by_cholesky",
+    "forward_dynamics_by_kane",
+    "forward_dynamics_by_lagrange",
+    "forward_dynamics_by_reflections",
     "forward_dynamics_derivatives",
     "friction_torque",
     "gravity_torque",
+    "identify",
     "inverse_dynamics",
+    "inverse_dynamics_by_kane",
+    "inverse_dynamics_by_lagrange",
+    "inverse_dynamics_by_orthogonal_complement",
     "inverse_dynamics_derivatives",
+    "is_consistent",
     "kinetic_energy",
     "mass_matrix",
+    "mass_matrix_gradient",
     "momentum",
+    "natural_orthogonal_complement",
+    "nearest_consistent",
+    "operation_counts",
+    "partial_velocities",
     "potential_energy",
     "power_balance",
+    "pseudo_inertia",
     "simulate",
     "torque_regressor",
     "with_payload",
@@ -65,30 +146,54 @@ __all__ = [
 
 _MODULES = {
     "BaseParameters": "regressor",
+    "ConsistentFit": "identification",
     "ForwardDerivatives": "derivatives",
+    "Identification": "identification",
     "InverseDerivatives": "derivatives",
+    "Operations": "complexity",
+    "OrthogonalComplement": "orthogonal_complement",
+    "PartialVelocities": "kane",
     "PowerBalance": "energy",
     "Servo": "servo",
     "ServoMotion": "servo",
     "Simulation": "simulation",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
+    "bodies_from_parameters": "pseudo_inertias",
     "body_parameters": "model",
     "center_of_mass": "energy",
+    "christoffel_symbols": "lagrange",
+    "consistent_fit": "identification",
     "coriolis_matrix": "matrices",
     "dissipated_power": "friction",
     "dissipation": "friction",
+    "excitation": "identification",
     "forward_dynamics": "forward",
+    "forward_dynamics_by_cholesky": "orthogonal_complement",
+    "forward_dynamics_by_kane": "kane",
+    "forward_dynamics_by_lagrange": "lagrange",
+    "forward_dynamics_by_reflections": "orthogonal_complement",
     "forward_dynamics_derivatives": "derivatives",
     "friction_torque": "friction",
     "gravity_torque": "inverse",
+    "identify": "identification",
     "inverse_dynamics": "inverse",
+    "inverse_dynamics_by_kane": "kane",
+    "inverse_dynamics_by_lagrange": "lagrange",
+    "inverse_dynamics_by_orthogonal_complement": "orthogonal_complement",
     "inverse_dynamics_derivatives": "derivatives",
+    "is_consistent": "pseudo_inertias",
     "kinetic_energy": "energy",
     "mass_matrix": "matrices",
+    "mass_matrix_gradient": "lagrange",
     "momentum": "energy",
+    "natural_orthogonal_complement": "orthogonal_complement",
+    "nearest_consistent": "pseudo_inertias",
+    "operation_counts": "complexity",
+    "partial_velocities": "kane",
     "potential_energy": "energy",
     "power_balance": "energy",
+    "pseudo_inertia": "pseudo_inertias",
     "simulate": "simulation",
     "torque_regressor": "regressor",
     "with_payload": "payload",

@@ -18,6 +18,7 @@ COMMANDS = {
     "map": "map which orientations an arm can take where, and how well",
     "plot-map": "draw slices through a map",
     "plot-workspace": "draw what an arm reaches: boundaries and numbers of postures",
+    "symbolic": "print closed forms of a robot's kinematics and dynamics",
     "robots": "list the robots that are known by name",
     "warmup": "compile the numeric kernels, once",
     "doctor": "say what is missing on this machine, and how to mend it",

@@ -1,0 +1,122 @@
+"""Where the bodies of a chain are, and the axes that they turn about or slide along."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
+
+__all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies", "reflected_inertias"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PosedBodies:
+    """Axes and bodies at given joint values, all in the axes of the base.
+
+    Parameters
+    ----------
+    revolute : ndarray of bool, shape (n,)
+    axes : ndarray, shape (..., n, 3)
+        Unit vectors e_i.
+    origins : ndarray, shape (..., n, 3)
+        Points o_i of the axes, fixed to link i (m).
+    centres : ndarray, shape (..., n, 3)
+        Mass centres c_i (m).
+    masses : ndarray, shape (n,)
+        kg.
+    inertias : ndarray, shape (..., n, 3, 3)
+        About the mass centres (kg m^2).
+    tip : ndarray, shape (..., 3)
+        Origin of the tip (m).
+    """
+
+    revolute: NDArray[np.bool_]
+    axes: Array
+    origins: Array
+    centres: Array
+    masses: Array
+    inertias: Array
+    tip: Array
+
+
+def link_transforms(chain: SerialChain, q: Array) -> Array:
+    """Compute the poses of the frames that move with the joints, and of the tip.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : ndarray, shape (..., n)
+        Joint values (rad or m).
+
+    Returns
+    -------
+    ndarray, shape (..., n + 1, 4, 4)
+        In the base (m); the tip last.
+    """
+    constants = unpack_chain(chain.packed)
+    poses = np.empty((*q.shape[:-1], chain.n + 1, 4, 4))
+    T = np.broadcast_to(constants[0], (*q.shape[:-1], 4, 4))
+    for i in range(chain.n):
+        joint = np.zeros((*q.shape[:-1], 4, 4))
+        joint[...] = np.eye(4)
+        if chain.types[i] == REVOLUTE:
+            c, s = np.cos(q[..., i]), np.sin(q[..., i])
+            joint[..., 0, 0], joint[..., 0, 1] = c, -s
+            joint[..., 1, 0], joint[..., 1, 1] = s, c
+        else:
+            joint[..., 2, 3] = q[..., i]
+        poses[..., i, :, :] = T @ joint
+        T = poses[..., i, :, :] @ constants[i + 1]
+    poses[..., chain.n, :, :] = T
+    return poses
+
+
+def body_moments(chain: SerialChain) -> tuple[Array, Array, Array]:
+    """Give masses (n,), mass centres (n, 3) and inertias about them (n, 3, 3) in link frames.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError
+        As :attr:`SerialChain.packed_bodies`.
+    """
+    rows = chain.packed_bodies
+    inertias = rows[:, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(-1, 3, 3)
+    return rows[:, 0], rows[:, 1:4], inertias
+
+
+def reflected_inertias(chain: SerialChain) -> Array:
+    """Give what the rotors add to the diagonal of the mass matrix (kg m^2 or kg), shape (n,)."""
+    return np.array([drive.reflected_inertia for drive in chain.drives])
+
+
+def posed_bodies(chain: SerialChain, q: Array) -> PosedBodies:
+    """Compute where axes and bodies are.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the inertia of all its bodies.
+    q : ndarray, shape (..., n)
+        Joint values (rad or m).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError
+        As :attr:`SerialChain.packed_bodies`.
+    """
+    masses, centres, inertias = body_moments(chain)
+    T = link_transforms(chain, q)
+    R, o = T[..., :-1, :3, :3], T[..., :-1, :3, 3]
+    return PosedBodies(
+        revolute=chain.types == REVOLUTE,
+        axes=R[..., 2],
+        origins=o,
+        centres=o + np.einsum("...nij,nj->...ni", R, centres),
+        masses=masses,
+        inertias=R @ inertias @ np.swapaxes(R, -1, -2),
+        tip=T[..., -1, :3, 3],
+    )

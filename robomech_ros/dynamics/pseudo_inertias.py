@@ -1,0 +1,219 @@
+"""Pseudo-inertias of bodies: the matrices that are positive definite for every body there can be.
+
+Of a body with the ten parameters m, m c, and the moments xx, xy, xz, yy, yz, zz about the origin of
+its frame, it is ``[[Sigma, m c], [m c^T, m]]`` with the second moments ``Sigma = tr(I)/2 - I``.
+
+References
+----------
+Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter
+identification, IEEE Robotics and Automation Letters 3, 2018.
+Rucker, Wensing, Smooth parameterization of rigid-body inertia, IEEE Robotics and Automation Letters
+7, 2022.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots.bodies import Body
+from robomech_ros.spatial.arrays import as_finite, real_number
+
+__all__ = [
+    "bodies_from_parameters",
+    "is_consistent",
+    "log_cholesky",
+    "log_cholesky_derivative",
+    "nearest_consistent",
+    "parameters_from_log_cholesky",
+    "parameters_from_pseudo_inertia",
+    "pseudo_inertia",
+]
+
+Array = NDArray[np.float64]
+
+# Products of parameters up to this, and exponentials of numbers up to this, do not overflow.
+_LARGEST = 1e30
+_LARGEST_LOGARITHM = 30.0
+_UPPER = np.triu_indices(3)
+_FACTOR = np.triu_indices(4)
+
+
+def pseudo_inertia(parameters: ArrayLike) -> Array:
+    """Form pseudo-inertias.
+
+    Parameters
+    ----------
+    parameters : array_like, shape (..., 10)
+        kg, kg m, kg m^2.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+        Symmetric.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not ten finite real numbers a body.
+    """
+    p = _bounded("parameters", parameters, (10,), _LARGEST)
+    moments = np.empty((*p.shape[:-1], 3, 3))
+    moments[..., _UPPER[0], _UPPER[1]] = moments[..., _UPPER[1], _UPPER[0]] = p[..., 4:]
+    J = np.empty((*p.shape[:-1], 4, 4))
+    half = 0.5 * np.trace(moments, axis1=-2, axis2=-1)
+    J[..., :3, :3] = half[..., None, None] * np.eye(3) - moments
+    J[..., :3, 3] = J[..., 3, :3] = p[..., 1:4]
+    J[..., 3, 3] = p[..., 0]
+    return J
+
+
+def parameters_from_pseudo_inertia(J: ArrayLike) -> Array:
+    """Invert :func:`pseudo_inertia`: (..., 4, 4) to (..., 10).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not finite real numbers of this shape.
+    """
+    matrix = _bounded("pseudo-inertia", J, (4, 4), _LARGEST)
+    second = matrix[..., :3, :3]
+    trace = np.trace(second, axis1=-2, axis2=-1)
+    moments = trace[..., None, None] * np.eye(3) - second
+    parameters = np.empty((*matrix.shape[:-2], 10))
+    parameters[..., 0] = matrix[..., 3, 3]
+    parameters[..., 1:4] = matrix[..., :3, 3]
+    parameters[..., 4:] = moments[..., _UPPER[0], _UPPER[1]]
+    return parameters
+
+
+def is_consistent(parameters: ArrayLike) -> NDArray[np.bool_]:
+    """Say which parameters (..., 10) a body of positive volume can have: shape (...).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`pseudo_inertia`.
+    """
+    J = pseudo_inertia(parameters)
+    least = np.linalg.eigvalsh(J)[..., 0]
+    answer: NDArray[np.bool_] = np.asarray(least > 0.0)
+    return answer
+
+
+def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
+    """Raise the eigenvalues of each pseudo-inertia that are too small.
+
+    It is the nearest one by the Frobenius norm; how well the torques of a motion are met does not
+    count here.
+
+    Parameters
+    ----------
+    parameters : array_like, shape (..., 10)
+        kg, kg m, kg m^2.
+    least : float, optional
+        Least eigenvalue of what is returned.
+
+    Returns
+    -------
+    ndarray, shape (..., 10)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`pseudo_inertia`, or ``least`` is not positive.
+    """
+    bound = real_number("least", least, "a positive number")
+    if not 0.0 < bound <= _LARGEST:
+        raise BadValueError("least", bound, f"a positive number, at most {_LARGEST:g}")
+    values, vectors = np.linalg.eigh(pseudo_inertia(parameters))
+    raised = vectors * np.maximum(values, bound)[..., None, :]
+    return parameters_from_pseudo_inertia(raised @ np.swapaxes(vectors, -1, -2))
+
+
+def log_cholesky(parameters: ArrayLike) -> Array:
+    """Describe consistent bodies (..., 10) by ten numbers that may take any value.
+
+    They are the entries of the upper triangle U with ``J = U U^T``, logarithms on its diagonal.
+
+    Raises
+    ------
+    BadValueError
+        A body that is not consistent; and as for :func:`pseudo_inertia`.
+    """
+    if not is_consistent(parameters).all():
+        raise BadValueError("parameters", np.asarray(parameters), "those of bodies there can be")
+    # An upper factor is the lower one with rows and columns in reverse order.
+    J = pseudo_inertia(parameters)
+    U = np.array(np.linalg.cholesky(J[..., ::-1, ::-1])[..., ::-1, ::-1], dtype=np.float64)
+    diagonal = np.arange(4)
+    U[..., diagonal, diagonal] = np.log(U[..., diagonal, diagonal])
+    numbers: Array = U[..., _FACTOR[0], _FACTOR[1]]
+    return numbers
+
+
+def parameters_from_log_cholesky(numbers: ArrayLike) -> Array:
+    """Invert :func:`log_cholesky`: every ten numbers (..., 10) are those of a body.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not ten finite real numbers a body, or exponentials that overflow.
+    """
+    U = _factor(_bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM))
+    return parameters_from_pseudo_inertia(U @ np.swapaxes(U, -1, -2))
+
+
+def log_cholesky_derivative(numbers: ArrayLike) -> Array:
+    """Differentiate :func:`parameters_from_log_cholesky`: shape (..., 10, 10).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`parameters_from_log_cholesky`.
+    """
+    given = _bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM)
+    U = _factor(given)
+    derivative = np.empty((*given.shape, 10))
+    for k, (i, j) in enumerate(zip(*_FACTOR, strict=True)):
+        step = np.zeros_like(U)
+        step[..., i, j] = U[..., i, i] if i == j else 1.0
+        half = step @ np.swapaxes(U, -1, -2)
+        column = parameters_from_pseudo_inertia(half + np.swapaxes(half, -1, -2))
+        derivative[..., k] = column
+    return derivative
+
+
+def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
+    """Make bodies of parameters, shape (n, 10), of positive mass.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`pseudo_inertia`, or a mass that is not positive.
+    """
+    rows = _bounded("parameters", parameters, (10,), _LARGEST).reshape(-1, 10)
+    if not (rows[:, 0] > 0.0).all():
+        raise BadValueError("masses", rows[:, 0].tolist(), "positive numbers")
+    bodies = []
+    for row in rows:
+        com, moments = row[1:4] / row[0], np.empty((3, 3))
+        moments[_UPPER] = moments[_UPPER[::-1]] = row[4:]
+        shift = row[0] * (com @ com * np.eye(3) - np.outer(com, com))
+        bodies.append(Body(float(row[0]), com, moments - shift))
+    return tuple(bodies)
+
+
+def _bounded(what: str, value: ArrayLike, tail: tuple[int, ...], largest: float) -> Array:
+    array = as_finite(what, value, tail)
+    found = float(np.abs(array).max(initial=0.0))
+    if found > largest:
+        raise BadValueError(f"largest of {what}", found, f"at most {largest:g}")
+    return array
+
+
+def _factor(numbers: Array) -> Array:
+    U = np.zeros((*numbers.shape[:-1], 4, 4))
+    U[..., _FACTOR[0], _FACTOR[1]] = numbers
+    diagonal = np.arange(4)
+    U[..., diagonal, diagonal] = np.exp(U[..., diagonal, diagonal])
+    return U

@@ -1,0 +1,164 @@
+"""The matrices of stacked twists and wrenches: constraints, shaping, mass, angular velocity.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics.posed_bodies import PosedBodies
+from robomech_ros.spatial.cross_product import cross_product_matrix
+
+__all__ = [
+    "base_shaping",
+    "constraints",
+    "drive_wrenches",
+    "extended_angular_velocity",
+    "extended_mass",
+    "mass_roots",
+    "solved",
+    "times",
+    "transposed",
+    "twist_shaping",
+    "twist_shaping_rate",
+]
+
+Array = NDArray[np.float64]
+
+
+def twist_shaping(bodies: PosedBodies) -> Array:
+    """Form T (..., 6 n, n): ``[e_j; e_j x (c_i - o_j)]`` or ``[0; e_j]`` for j <= i."""
+    n = len(bodies.masses)
+    T = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
+    for i in range(n):
+        for j in range(i + 1):
+            e = bodies.axes[..., j, :]
+            if bodies.revolute[j]:
+                arm = bodies.centres[..., i, :] - bodies.origins[..., j, :]
+                T[..., i, :3, j] = e
+                T[..., i, 3:, j] = np.cross(e, arm)
+            else:
+                T[..., i, 3:, j] = e
+    return T.reshape(*T.shape[:-3], 6 * n, n)
+
+
+def twist_shaping_rate(bodies: PosedBodies, twists: Array) -> Array:
+    """Differentiate T in time, for twists (..., n, 6) of the bodies."""
+    n = len(bodies.masses)
+    T_dot = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
+    for j in range(n):
+        e, omega = bodies.axes[..., j, :], twists[..., j, :3]
+        e_dot = np.cross(omega, e)
+        o = bodies.origins[..., j, :]
+        o_dot = twists[..., j, 3:] + np.cross(omega, o - bodies.centres[..., j, :])
+        for i in range(j, n):
+            if bodies.revolute[j]:
+                arm = bodies.centres[..., i, :] - o
+                arm_dot = twists[..., i, 3:] - o_dot
+                T_dot[..., i, :3, j] = e_dot
+                T_dot[..., i, 3:, j] = np.cross(e_dot, arm) + np.cross(e, arm_dot)
+            else:
+                T_dot[..., i, 3:, j] = e_dot
+    return T_dot.reshape(*T_dot.shape[:-3], 6 * n, n)
+
+
+def base_shaping(arms: Array) -> Array:
+    """Transfer a twist of the base's origin to points at these arms (..., n, 3) from it."""
+    T_0 = np.zeros((*arms.shape[:-1], 6, 6))
+    T_0[...] = np.eye(6)
+    T_0[..., 3:, :3] = -cross_product_matrix(arms)
+    return T_0.reshape(*arms.shape[:-2], -1, 6)
+
+
+def constraints(bodies: PosedBodies) -> tuple[Array, Array]:
+    """Rows ``E_i (omega_i - omega_i-1)`` and ``v_i - v_i-1 + R_i omega_i + D_i-1 omega_i-1``.
+
+    A slide leaves no turn, and its axis is free: there E_i stands in front of the lower rows.
+    """
+    n, batch = len(bodies.masses), bodies.centres.shape[:-2]
+    K = np.zeros((*batch, 6 * n, 6 * (n + 1)))
+    previous = np.zeros((*batch, 3))
+    for i in range(n):
+        E = cross_product_matrix(bodies.axes[..., i, :])
+        R = cross_product_matrix(bodies.centres[..., i, :] - bodies.origins[..., i, :])
+        D = cross_product_matrix(bodies.origins[..., i, :] - previous)
+        one = np.broadcast_to(np.eye(3), E.shape)
+        turn, slide = (E, one) if bodies.revolute[i] else (one, E)
+        row, own, before = 6 * i, 6 * (i + 1), 6 * i
+        K[..., row : row + 3, own : own + 3] = turn
+        K[..., row : row + 3, before : before + 3] = -turn
+        K[..., row + 3 : row + 6, own : own + 3] = slide @ R
+        K[..., row + 3 : row + 6, own + 3 : own + 6] = slide
+        K[..., row + 3 : row + 6, before : before + 3] = slide @ D
+        K[..., row + 3 : row + 6, before + 3 : before + 6] = -slide
+        previous = bodies.centres[..., i, :]
+    return K[..., 6:], K[..., :6]
+
+
+def drive_wrenches(bodies: PosedBodies) -> Array:
+    """Moments about, or forces along the axes, on the body of each joint and back on the last."""
+    n = len(bodies.masses)
+    A = np.zeros((*bodies.centres.shape[:-2], n, 6, n))
+    for j in range(n):
+        e = bodies.axes[..., j, :]
+        for i, sign in ((j, 1.0), (j - 1, -1.0)):
+            if i < 0:
+                continue
+            if bodies.revolute[j]:
+                A[..., i, :3, j] = sign * e
+            else:
+                arm = bodies.origins[..., j, :] - bodies.centres[..., i, :]
+                A[..., i, :3, j] = sign * np.cross(arm, e)
+                A[..., i, 3:, j] = sign * e
+    return A.reshape(*A.shape[:-3], 6 * n, n)
+
+
+def extended_mass(bodies: PosedBodies) -> Array:
+    """Form M (..., 6 n, 6 n), blocks diag(I_i, m_i 1)."""
+    blocks = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
+    blocks[..., :3, :3] = bodies.inertias
+    blocks[..., 3:, 3:] = bodies.masses[:, None, None] * np.eye(3)
+    return _block_diagonal(blocks)
+
+
+def mass_roots(bodies: PosedBodies) -> Array:
+    """H with ``H^T H`` the extended mass matrix, from principal moments and axes."""
+    moments, axes = (np.asarray(one) for one in np.linalg.eigh(bodies.inertias))
+    roots = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
+    roots[..., :3, :3] = np.sqrt(np.maximum(moments, 0.0))[..., None] * transposed(axes)
+    roots[..., 3:, 3:] = np.sqrt(bodies.masses)[:, None, None] * np.eye(3)
+    return _block_diagonal(roots)
+
+
+def extended_angular_velocity(twists: Array) -> Array:
+    """Form W (..., 6 n, 6 n), blocks diag(Omega_i, 0), for twists (..., n, 6)."""
+    blocks = np.zeros((*twists.shape, 6))
+    blocks[..., :3, :3] = cross_product_matrix(twists[..., :3])
+    return _block_diagonal(blocks)
+
+
+def _block_diagonal(blocks: Array) -> Array:
+    """Set blocks of shape (..., n, 6, 6) along the diagonal of (..., 6 n, 6 n)."""
+    n = blocks.shape[-3]
+    matrix = np.zeros((*blocks.shape[:-3], 6 * n, 6 * n))
+    for i in range(n):
+        matrix[..., 6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = blocks[..., i, :, :]
+    return matrix
+
+
+def transposed(matrix: Array) -> Array:
+    """Swap the last two axes."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def times(matrix: Array, vector: Array) -> Array:
+    """Multiply matrices (..., m, n) and vectors (..., n)."""
+    product: Array = (matrix @ vector[..., None])[..., 0]
+    return product
+
+
+def solved(matrix: Array, vector: Array) -> Array:
+    """Solve for vectors (..., n) with regular matrices (..., n, n)."""
+    return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)

@@ -1,0 +1,95 @@
+"""Joint positions, rates and accelerations of several states, checked together."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["as_vector", "finite_result", "finite_states"]
+
+Array = NDArray[np.float64]
+P = ParamSpec("P")
+
+# Products of a few numbers up to this do not overflow.
+_LARGEST = 1e30
+
+
+def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
+    """Give joint values, rates, accelerations or torques as float64 arrays of one shape.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    **values : array_like, shape (..., n)
+        By the name that messages give them.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        One is not an array of n finite real numbers or of rows of them, or they differ in shape.
+    """
+    arrays: list[Array] = []
+    for what, value in values.items():
+        array = as_joint_values(chain, value, what)
+        if arrays and array.shape != arrays[0].shape:
+            raise WrongSizeError(
+                what, array.shape, f"{arrays[0].shape}, that of {next(iter(values))}"
+            )
+        if not np.isfinite(array).all():
+            raise_not_finite(chain, array, what)
+        _refuse_large(what, array)
+        arrays.append(array)
+    return tuple(arrays)
+
+
+def as_vector(what: str, value: ArrayLike, size: int) -> Array:
+    """Give a vector of finite real numbers, shape (size,), or raise an error that names it."""
+    vector = as_finite(what, value, (size,))
+    if vector.ndim != 1:
+        raise WrongSizeError(what, vector.shape, (size,))
+    _refuse_large(what, vector)
+    return vector
+
+
+def _refuse_large(what: str, array: Array) -> None:
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest > _LARGEST:
+        raise BadValueError(f"largest of {what}", largest, f"at most {_LARGEST:g}")
+
+
+def finite_result(function: Callable[P, Array]) -> Callable[P, Array]:
+    """Make a function refuse arguments whose result overflows, or that no inertia resists.
+
+    Parameters
+    ----------
+    function : callable
+        Its result is an array.
+
+    Returns
+    -------
+    callable
+        It raises BadValueError then.
+    """
+
+    @wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> Array:
+        try:
+            with np.errstate(all="ignore"):
+                result = function(*args, **kwargs)
+        except np.linalg.LinAlgError:
+            expected = "bodies or rotors that resist every motion of it"
+            raise BadValueError("least inertia of the chain", 0.0, expected) from None
+        if not np.isfinite(result).all():
+            value = float(result[~np.isfinite(result)].flat[0])
+            raise BadValueError("result", value, "arguments that have a finite one")
+        return result
+
+    return checked
