@@ -54,8 +54,8 @@ class TorqueSummary:
         over = np.flatnonzero(self.saturation > 1.0)
         if len(over):
             told = [
-                f"'{joint_names[i]}' at {self.saturation_time[i]:.3f} s (peak {self.peak_effort[i]:.4g}, "
-                f"limit {self.effort_limit[i]:.4g})"
+                f"'{joint_names[i]}' at {self.saturation_time[i]:.3f} s "
+                f"(peak {self.peak_effort[i]:.4g}, limit {self.effort_limit[i]:.4g})"
                 for i in over
             ]
             return f"saturates: {', '.join(told)}"

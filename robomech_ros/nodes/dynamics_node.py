@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ from robomech_ros.trajectory import sample_many
 Array = NDArray[np.float64]
 
 _NO_GRAVITY = (0.0, 0.0, 0.0)
-# At which a torque summary looks at a trajectory, besides the points; each takes some 200 bytes a joint.
+# At which a torque summary looks besides the points; each takes some 200 bytes for a joint.
 _MOST_INSTANTS = 100_000
 
 
@@ -217,11 +218,11 @@ class DynamicsNode(Node):
 
 
 def _instants(times: Array, period: float) -> Array:
-    """Divide the spans between instants so that none is above a period (s) that is not too short."""
+    """Divide the spans between instants; none is above a period (s), but there are not too many."""
     period = max(period, float(times[-1] - times[0]) / _MOST_INSTANTS)
     parts = [
         np.linspace(begin, end, max(int(np.ceil((end - begin) / period)), 1), endpoint=False)
-        for begin, end in zip(times[:-1], times[1:], strict=True)
+        for begin, end in pairwise(times)
     ]
     return np.concatenate([*parts, times[-1:]])
 
