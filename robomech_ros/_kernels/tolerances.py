@@ -37,6 +37,10 @@ LARGEST_INERTIA = 1e12
 # miss what a body can have.
 INERTIA_ROUNDING = 2e-3
 
+# A column of a torque regressor, of unit length, that is nearer than this to those before it
+# depends on them: rounding leaves 1e-13, and what a motion can show is above 1e-4.
+BASE_PARAMETER = 1e-8
+
 # --- Polishing of a solution on the pose ---
 # Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
 POLISHED = 1e-14

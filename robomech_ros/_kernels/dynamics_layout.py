@@ -1,0 +1,34 @@
+"""How the kernels of dynamics read a chain with bodies, and what surrounds it.
+
+A chain is an array ``model`` (n + 1, 24).  Row i holds, of joint i and what moves with it, in the
+frame that moves with the joint: the type of the joint and the constant transform in front of it
+(13 numbers as in ``serial``), the mass, the first moment of mass (3), the moments of inertia xx,
+xy, xz, yy, yz, zz about the frame's origin, and the rotor's inertia reflected to the joint.  The
+last row has the transform to the tip only.  Torques and momenta are linear in the ten numbers from
+MASS on.
+
+What surrounds the chain is an array of 15 numbers in the axes of the base: its angular velocity and
+acceleration, the acceleration of its origin less gravity, and the wrench [n; f] that acts on the
+tip, at the tip's origin.
+"""
+
+__all__ = [
+    "LINEAR_ACCELERATION",
+    "MASS",
+    "MODEL_WIDTH",
+    "MOST_JOINTS",
+    "ROTOR",
+    "SURROUNDINGS",
+    "TIP_WRENCH",
+]
+
+MODEL_WIDTH = 24
+MASS = 13
+ROTOR = 23
+
+SURROUNDINGS = 15
+LINEAR_ACCELERATION = 6
+TIP_WRENCH = 9
+
+# Their numbers stand on the stack, of which a thread may have half a megabyte.
+MOST_JOINTS = 100

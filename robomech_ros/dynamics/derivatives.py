@@ -1,0 +1,155 @@
+"""Derivatives of inverse and of forward dynamics."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_derivatives as kernels
+from robomech_ros._kernels._jit import direct
+from robomech_ros.dynamics.forward import forward_dynamics
+from robomech_ros.dynamics.model import (
+    GRAVITY,
+    as_states,
+    dynamic_model,
+    raise_outcome,
+    surroundings,
+)
+from robomech_ros.kinematics.joint_values import as_rows
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = [
+    "ForwardDerivatives",
+    "InverseDerivatives",
+    "forward_dynamics_derivatives",
+    "inverse_dynamics_derivatives",
+]
+
+Array = NDArray[np.float64]
+
+_derivatives_one = direct(kernels.inverse_derivatives_one)
+
+
+@dataclass(frozen=True, eq=False)
+class InverseDerivatives:
+    """Derivatives of the torques, each of shape (n, n) or (..., n, n): row i is that of torque i.
+
+    Attributes
+    ----------
+    by_q, by_qd, by_qdd : ndarray
+        By joint values, rates and accelerations; the last is the mass matrix.
+    """
+
+    by_q: Array
+    by_qd: Array
+    by_qdd: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDerivatives:
+    """Derivatives of the accelerations, each of shape (n, n) or (..., n, n).
+
+    Attributes
+    ----------
+    by_q, by_qd, by_tau : ndarray
+        By joint values, rates and torques; the last is the inverse of the mass matrix.
+    qdd : ndarray, shape (n,) or (..., n)
+        The accelerations themselves.
+    """
+
+    by_q: Array
+    by_qd: Array
+    by_tau: Array
+    qdd: Array
+
+
+def inverse_dynamics_derivatives(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> InverseDerivatives:
+    """Compute the derivatives of :func:`inverse_dynamics`.
+
+    Parameters
+    ----------
+    chain, q, qd, qdd, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics`; the wrench keeps its direction and goes with the tip.
+
+    Returns
+    -------
+    InverseDerivatives
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+
+    References
+    ----------
+    Singh, Russo, Wensing, IEEE Robotics and Automation Letters 7, 2022.
+    """
+    q, qd, qdd = as_states(chain, q, qd=qd, qdd=qdd)
+    model = dynamic_model(chain)
+    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
+    n = chain.n
+    by_q, by_qd, M = (np.empty((*q.shape, n)) for _ in range(3))
+    if q.ndim == 1:
+        status = _derivatives_one(model, q, qd, qdd, around[0], by_q, by_qd, M)
+    else:
+        out = [array.reshape(-1, n, n) for array in (by_q, by_qd, M)] if q.size else ()
+        status = out and kernels.inverse_derivatives(
+            model, as_rows(q), as_rows(qd), as_rows(qdd), around, *out
+        )
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
+    return InverseDerivatives(by_q, by_qd, M)
+
+
+def forward_dynamics_derivatives(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> ForwardDerivatives:
+    """Compute the derivatives of :func:`forward_dynamics`.
+
+    Parameters
+    ----------
+    chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`forward_dynamics`; the wrench keeps its direction and goes with the tip.
+
+    Returns
+    -------
+    ForwardDerivatives
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
+
+    References
+    ----------
+    Carpentier, Mansard, Analytical derivatives of rigid body dynamics algorithms, Robotics: Science
+    and Systems 2018.
+    """
+    around = {
+        "gravity": gravity,
+        "tip_wrench": tip_wrench,
+        "base_twist": base_twist,
+        "base_twist_rate": base_twist_rate,
+    }
+    qdd = forward_dynamics(chain, q, qd, tau, **around)
+    torques = inverse_dynamics_derivatives(chain, q, qd, qdd, **around)
+    by_tau = np.linalg.inv(torques.by_qdd)
+    return ForwardDerivatives(-by_tau @ torques.by_q, -by_tau @ torques.by_qd, by_tau, qdd)

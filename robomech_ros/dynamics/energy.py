@@ -1,0 +1,205 @@
+"""Energy, momentum and power of serial chains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_mass as kernels
+from robomech_ros.dynamics.forward import forward_dynamics
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics
+from robomech_ros.dynamics.model import (
+    GRAVITY,
+    as_states,
+    dynamic_model,
+    raise_outcome,
+    surroundings,
+)
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = [
+    "PowerBalance",
+    "center_of_mass",
+    "kinetic_energy",
+    "momentum",
+    "potential_energy",
+    "power_balance",
+]
+
+Array = NDArray[np.float64]
+
+
+def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
+    """Compute the kinetic energy of bodies and rotors, the base at rest.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    qd : array_like, of the same shape
+        Joint rates (rad/s or m/s).
+
+    Returns
+    -------
+    ndarray, shape () or (...,)
+        In J.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    return _totals(chain, q, qd)[..., 10]
+
+
+def momentum(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
+    """Compute the momentum of the bodies, the base at rest.
+
+    Parameters
+    ----------
+    chain, q, qd
+        As for :func:`kinetic_energy`.
+
+    Returns
+    -------
+    ndarray, shape (6,) or (..., 6)
+        Angular momentum about the origin of the base (kg m^2/s), then linear (kg m/s), in the axes
+        of the base; the rotors' own spin is not in it.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    return _totals(chain, q, qd)[..., 4:10]
+
+
+def center_of_mass(chain: SerialChain, q: ArrayLike) -> Array:
+    """Compute the mass centre of what the joints move.
+
+    Parameters
+    ----------
+    chain, q
+        As for :func:`kinetic_energy`.
+
+    Returns
+    -------
+    ndarray, shape (3,) or (..., 3)
+        In the base (m).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    totals = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))
+    center: Array = totals[..., 1:4] / totals[..., :1]
+    return center
+
+
+def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
+    """Compute the potential energy of the bodies; it is 0 with their mass centre at the base.
+
+    Parameters
+    ----------
+    chain, q
+        As for :func:`kinetic_energy`.
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+
+    Returns
+    -------
+    ndarray, shape () or (...,)
+        In J.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    upwards = surroundings((), gravity)[0, 6:9]
+    energy: Array = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))[..., 1:4] @ upwards
+    return energy
+
+
+def _totals(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
+    """Mass, first moment (3), momentum (6) and kinetic energy, shape (..., 11)."""
+    q, qd = as_states(chain, q, qd=qd)
+    rows = as_rows(q)
+    out = np.empty((len(rows), 11))
+    status = kernels.totals(dynamic_model(chain), rows, as_rows(qd), out)
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd)
+    return out.reshape(*q.shape[:-1], 11)
+
+
+@dataclass(frozen=True, eq=False)
+class PowerBalance:
+    """Where the power goes, each an array of shape () or (...,) in W.
+
+    ``drives + tip = kinetic + potential + friction``.
+
+    Attributes
+    ----------
+    drives : ndarray
+        What the drives put in.
+    tip : ndarray
+        What the surroundings put in at the tip.
+    kinetic, potential : ndarray
+        Rates of the two energies.
+    friction : ndarray
+        What becomes heat.
+    """
+
+    drives: Array
+    tip: Array
+    kinetic: Array
+    potential: Array
+    friction: Array
+
+
+def power_balance(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+) -> PowerBalance:
+    """Compute where the power of the drives goes, with the friction of the joints.
+
+    Parameters
+    ----------
+    chain, q, qd
+        As for :func:`kinetic_energy`.
+    tau : array_like, of the same shape
+        Torques or forces of the drives, friction included (N m or N).
+    gravity, tip_wrench
+        As for :func:`inverse_dynamics`.
+
+    Returns
+    -------
+    PowerBalance
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
+    """
+    q, qd, tau = as_states(chain, q, qd=qd, tau=tau)
+    heat = friction_torque(chain, qd)
+    qdd = forward_dynamics(chain, q, qd, tau - heat, gravity=gravity, tip_wrench=tip_wrench)
+    nowhere = np.zeros(3)
+    held = bias_torque(chain, q, qd, gravity=nowhere)
+    pulled = bias_torque(chain, q, qd, gravity=nowhere, tip_wrench=tip_wrench)
+    inert = inverse_dynamics(chain, q, qd, qdd, gravity=nowhere)
+    weight = gravity_torque(chain, q, gravity=gravity)
+    drives, tip, kinetic, potential, friction = (
+        np.sum(qd * torque, axis=-1) for torque in (tau, held - pulled, inert, weight, heat)
+    )
+    return PowerBalance(drives, tip, kinetic, potential, friction)

@@ -1,0 +1,91 @@
+"""Forward dynamics: the accelerations that torques give."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_forward as kernels
+from robomech_ros._kernels._jit import direct
+from robomech_ros.dynamics.model import (
+    GRAVITY,
+    as_states,
+    dynamic_model,
+    raise_outcome,
+    surroundings,
+)
+from robomech_ros.kinematics.joint_values import as_rows
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice
+
+__all__ = ["METHODS", "forward_dynamics"]
+
+Array = NDArray[np.float64]
+
+METHODS = ("articulated-body", "cholesky")
+
+_forward_one = direct(kernels.forward_dynamics_one)
+
+
+def forward_dynamics(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+    method: str = "articulated-body",
+) -> Array:
+    """Compute the joint accelerations that torques give.
+
+    The inverse of :func:`inverse_dynamics`.  With friction, pass the torques of the drives less
+    those of :func:`friction_torque`.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
+    qd, tau : array_like, of the same shape
+        Joint rates (rad/s or m/s), and torques or forces that the drives exert (N m or N).
+    gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics`.
+    method : str, optional
+        One of METHODS: ``"articulated-body"``, in a time that grows with n, or ``"cholesky"``,
+        from the factor of the mass matrix, as the book does it.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Accelerations (rad/s^2 or m/s^2).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`; or nothing resists some motion of the chain.
+
+    References
+    ----------
+    Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7; Angeles, Fundamentals of
+    Robotic Mechanical Systems, 4th ed., section 7.6.
+    """
+    q, qd, tau = as_states(chain, q, qd=qd, tau=tau)
+    model = dynamic_model(chain)
+    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
+    qdd = np.empty(q.shape)
+    if method == METHODS[0] and q.ndim == 1:
+        status = _forward_one(model, q, qd, tau, around[0], qdd)
+    elif as_choice("method", method, METHODS) == METHODS[0]:
+        status = kernels.forward_dynamics(
+            model, as_rows(q), as_rows(qd), as_rows(tau), around, as_rows(qdd)
+        )
+    else:
+        room = np.empty((chain.n + 1, chain.n))
+        status = kernels.forward_dynamics_cholesky(
+            model, as_rows(q), as_rows(qd), as_rows(tau), around, room, as_rows(qdd)
+        )
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd, tau=tau)
+    return qdd

@@ -1,0 +1,137 @@
+"""Friction of the drives, and the power that it takes."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["dissipated_power", "dissipation", "friction_model", "friction_torque"]
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=256)
+def friction_model(chain: SerialChain) -> Array:
+    """Give what the kernels know of friction: viscous, Coulomb, excess at rest, one over its rate.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        The excess of the static friction over that of motion decays with the square of the rate
+        times the last row.
+    """
+    rows = np.zeros((4, chain.n))
+    for i, drive in enumerate(chain.drives):
+        rows[:2, i] = drive.viscous, drive.coulomb
+        if drive.static > drive.coulomb:
+            rows[2:, i] = drive.static - drive.coulomb, 1.0 / drive.stribeck_velocity
+    rows.setflags(write=False)
+    return rows
+
+
+def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
+    """Compute the torques that the drives need to overcome their friction.
+
+    ``beta v + (c + (s - c) exp(-(v / v_s)^2)) sign(v)`` at rate v, with the viscous coefficient
+    beta, the Coulomb friction c and the static friction s of :class:`Drive`, and 0 at rest, where
+    friction takes any value up to s.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    qd : array_like, shape (n,) or (..., n)
+        Joint rates (rad/s or m/s).
+
+    Returns
+    -------
+    ndarray, of the same shape
+        To be added to :func:`inverse_dynamics` (N m or N); of the sign of the rate.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        qd is not an array of n finite real numbers, or of rows of them.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.8; Armstrong-Helouvry,
+    Dupont, Canudas de Wit, Automatica 30, 1994, for the decay of static friction.
+    """
+    qd = _rates(chain, qd)
+    viscous, coulomb, excess, decay = friction_model(chain)
+    dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
+    torque: Array = viscous * qd + dry * np.sign(qd)
+    return torque
+
+
+def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
+    """Compute the dissipation function, whose derivative by the rates is the friction torque.
+
+    The sum over the joints of ``beta v^2 / 2 + c |v| + (s - c) v_s sqrt(pi) / 2 erf(|v| / v_s)``.
+
+    Parameters
+    ----------
+    chain, qd
+        As for :func:`friction_torque`.
+
+    Returns
+    -------
+    ndarray, shape () or (...,)
+        In W.  Of a viscous joint half the power that is lost, of a dry one all of it.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`friction_torque`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.8.
+    """
+    from scipy.special import erf
+
+    qd = np.abs(_rates(chain, qd))
+    viscous, coulomb, excess, decay = friction_model(chain)
+    scale = np.divide(excess, decay, out=np.zeros(chain.n), where=decay > 0.0)
+    terms = 0.5 * viscous * qd**2 + coulomb * qd
+    total: Array = np.sum(terms + scale * (0.5 * np.sqrt(np.pi)) * erf(qd * decay), axis=-1)
+    return total
+
+
+def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
+    """Compute the power that friction turns into heat, ``qd . friction_torque(qd)``.
+
+    Parameters
+    ----------
+    chain, qd
+        As for :func:`friction_torque`.
+
+    Returns
+    -------
+    ndarray, shape () or (...,)
+        In W, never negative.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`friction_torque`.
+    """
+    qd = _rates(chain, qd)
+    power: Array = np.sum(qd * friction_torque(chain, qd), axis=-1)
+    return power
+
+
+def _rates(chain: SerialChain, qd: ArrayLike) -> Array:
+    qd = as_joint_values(chain, qd, "qd")
+    if not np.isfinite(qd).all():
+        raise_not_finite(chain, qd, "qd")
+    return qd

@@ -1,0 +1,167 @@
+"""Inverse dynamics: the torques that a motion takes."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_inverse as kernels
+from robomech_ros._kernels._jit import direct
+from robomech_ros.dynamics.model import (
+    GRAVITY,
+    as_states,
+    dynamic_model,
+    raise_outcome,
+    surroundings,
+)
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["bias_torque", "gravity_torque", "inverse_dynamics"]
+
+Array = NDArray[np.float64]
+
+_inverse_one = direct(kernels.inverse_dynamics_one)
+_gravity_one = direct(kernels.gravity_torque_one)
+
+
+def inverse_dynamics(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> Array:
+    """Compute the joint torques that a motion takes, ``M(q) qdd + h(q, qd)``.
+
+    Those of the rigid bodies and of the rotors, which add their inertia reflected to the joint, and
+    nothing else of their motion.  Friction is added by :func:`friction_torque`.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
+    qd, qdd : array_like, of the same shape
+        Joint rates (rad/s or m/s) and accelerations (rad/s^2 or m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+    tip_wrench : array_like, shape (6,) or (..., 6), optional
+        Moment and force [n; f] that the surroundings exert on the tip (N m and N), at the tip's
+        origin, in the axes of the base.  Default none.
+    base_twist, base_twist_rate : array_like, shape (6,) or (..., 6), optional
+        Of a base that moves: angular velocity and velocity of its origin [omega; v] (rad/s, m/s),
+        and the accelerations [omega'; v'] (rad/s^2, m/s^2), in the axes that the base has at that
+        moment; v' is the acceleration of the origin in space.  No torque depends on v.  Default at
+        rest.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Torques or forces that the drives exert on the joints (N m or N).
+
+    Raises
+    ------
+    MissingInertiaError
+        Of some joints nothing is known that moves with them; their links are named.
+    BadValueError, WrongSizeError, NonFiniteError
+        An argument is not of finite real numbers of its shape, the result is not finite, or no
+        body can have the numbers of one.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4, 7.5.2 and 7.7.
+    """
+    q, qd, qdd = as_states(chain, q, qd=qd, qdd=qdd)
+    model = dynamic_model(chain)
+    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
+    tau = np.empty(q.shape)
+    if q.ndim == 1:
+        status = _inverse_one(model, q, qd, qdd, around[0], tau)
+    else:
+        status = kernels.inverse_dynamics(
+            model, as_rows(q), as_rows(qd), as_rows(qdd), around, as_rows(tau)
+        )
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
+    return tau
+
+
+def bias_torque(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> Array:
+    """Compute the torques at which no joint accelerates: :func:`inverse_dynamics` with qdd = 0.
+
+    Parameters
+    ----------
+    chain, q, qd, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Coriolis and centrifugal terms, gravity and the wrench on the tip (N m or N).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    q = as_joint_values(chain, q)
+    return inverse_dynamics(
+        chain,
+        q,
+        qd,
+        np.zeros(q.shape),
+        gravity=gravity,
+        tip_wrench=tip_wrench,
+        base_twist=base_twist,
+        base_twist_rate=base_twist_rate,
+    )
+
+
+def gravity_torque(
+    chain: SerialChain,
+    q: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+) -> Array:
+    """Compute the torques that hold the chain still.
+
+    Parameters
+    ----------
+    chain, q, gravity, tip_wrench
+        As for :func:`inverse_dynamics`.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (..., n)
+        Torques or forces that the drives exert (N m or N).
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+    """
+    q = as_joint_values(chain, q)
+    model = dynamic_model(chain)
+    around = surroundings(q.shape[:-1], gravity, tip_wrench)
+    tau = np.empty(q.shape)
+    if q.ndim == 1:
+        status = _gravity_one(model, q, around[0], tau)
+    else:
+        status = kernels.gravity_torque(model, as_rows(q), around, as_rows(tau))
+    if status:
+        raise_outcome(chain, status, q=q)
+    return tau

@@ -1,0 +1,93 @@
+"""The mass matrix and the Coriolis matrix of serial chains."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels import dynamics_mass as kernels
+from robomech_ros._kernels._jit import direct
+from robomech_ros.dynamics.model import as_states, dynamic_model, raise_outcome
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["coriolis_matrix", "mass_matrix"]
+
+Array = NDArray[np.float64]
+
+_mass_one = direct(kernels.mass_matrix_one)
+
+
+def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
+    """Compute the mass matrix M, the generalised inertia: ``qd . M qd / 2`` is the kinetic energy.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
+
+    Returns
+    -------
+    ndarray, shape (n, n) or (..., n, n)
+        Symmetric (kg m^2, kg m or kg), with the rotors' inertia reflected to the joints on the
+        diagonal.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5; Walker, Orin, ASME J.
+    Dynamic Systems, Measurement and Control 104, 1982.
+    """
+    q = as_joint_values(chain, q)
+    model = dynamic_model(chain)
+    M = np.empty((*q.shape, chain.n))
+    if q.ndim == 1:
+        status = _mass_one(model, q, M)
+    else:
+        rows = as_rows(q)
+        status = kernels.mass_matrix(model, rows, M.reshape(len(rows), chain.n, chain.n))
+    if status:
+        raise_outcome(chain, status, q=q)
+    return M
+
+
+def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
+    """Compute the matrix C of the Coriolis and centrifugal torques ``C qd``.
+
+    Of the many with this product it is the one by Christoffel's symbols, with which the rate of the
+    mass matrix less 2 C is skew.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+    qd : array_like, of the same shape
+        Joint rates (rad/s or m/s).
+
+    Returns
+    -------
+    ndarray, shape (n, n) or (..., n, n)
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+
+    References
+    ----------
+    Echeandia, Wensing, ASME J. Computational and Nonlinear Dynamics 16, 2021; Angeles, Fundamentals
+    of Robotic Mechanical Systems, 4th ed., section 7.5.
+    """
+    q, qd = as_states(chain, q, qd=qd)
+    rows = as_rows(q)
+    C = np.empty((len(rows), chain.n, chain.n))
+    status = kernels.coriolis_matrix(dynamic_model(chain), rows, as_rows(qd), C)
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd)
+    return C.reshape(*q.shape, chain.n)

@@ -1,0 +1,224 @@
+"""A chain's bodies and what surrounds it, checked and laid out for the kernels of dynamics."""
+
+from functools import lru_cache
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.dynamics_layout import (
+    LINEAR_ACCELERATION,
+    MASS,
+    MODEL_WIDTH,
+    MOST_JOINTS,
+    ROTOR,
+    SURROUNDINGS,
+    TIP_WRENCH,
+)
+from robomech_ros._kernels.serial import NOT_FINITE
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, check_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import real_array
+
+__all__ = [
+    "GRAVITY",
+    "as_states",
+    "body_parameters",
+    "dynamic_model",
+    "raise_outcome",
+    "surroundings",
+]
+
+Array = NDArray[np.float64]
+
+GRAVITY = (0.0, 0.0, -9.81)
+
+
+@lru_cache(maxsize=256)
+def dynamic_model(chain: SerialChain) -> Array:
+    """Lay out a chain with its bodies and rotors as ``_kernels.dynamics_layout`` says.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+
+    Returns
+    -------
+    ndarray, shape (n + 1, 24)
+
+    Raises
+    ------
+    MissingInertiaError
+        Of some joints nothing is known that moves with them; their links are named.
+    BadValueError
+        No body can have the numbers of one, or the joints are too many.
+    """
+    check_chain(chain)
+    if chain.n > MOST_JOINTS:
+        raise BadValueError("number of joints", chain.n, f"at most {MOST_JOINTS}")
+    model = np.zeros((chain.n + 1, MODEL_WIDTH))
+    model[:, :MASS] = chain.packed
+    model[:-1, MASS:ROTOR] = body_parameters(chain)
+    model[:-1, ROTOR] = [drive.reflected_inertia for drive in chain.drives]
+    model.setflags(write=False)
+    return model
+
+
+def body_parameters(chain: SerialChain) -> Array:
+    """Give the ten numbers of each body in which the torques are linear.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+
+    Returns
+    -------
+    ndarray, shape (n, 10)
+        Mass (kg), first moment (kg m), and the moments xx, xy, xz, yy, yz, zz about the origin
+        (kg m^2) of the frame that moves with the joint, z its axis.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError
+        As for :func:`dynamic_model`.
+    """
+    check_chain(chain)
+    rows = chain.packed_bodies.copy()
+    mass, com = rows[:, 0], rows[:, 1:4].copy()
+    rows[:, 1:4] *= mass[:, None]
+    square = (com**2).sum(axis=1)
+    for column, (i, j) in enumerate(zip(*np.triu_indices(3), strict=True), start=4):
+        rows[:, column] += mass * ((square if i == j else 0.0) - com[:, i] * com[:, j])
+    return rows
+
+
+def as_states(chain: SerialChain, q: ArrayLike, **others: ArrayLike) -> tuple[Array, ...]:
+    """Give joint values, and what else belongs to them by its name, as arrays of one shape.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,) or (..., n)
+        Joint values.
+    **others : array_like
+        Rates, accelerations or torques, of the same shape.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not arrays of real numbers, or of another shape.
+    """
+    q = as_joint_values(chain, q)
+    arrays = [q]
+    for name, value in others.items():
+        array = as_joint_values(chain, value, name)
+        if array.shape != q.shape:
+            raise WrongSizeError(name, array.shape, f"{q.shape}, that of q")
+        arrays.append(array)
+    return tuple(arrays)
+
+
+def surroundings(
+    batch: tuple[int, ...],
+    gravity: ArrayLike,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> Array:
+    """Lay out what surrounds the chain: one row for all states of a batch, or one for each.
+
+    Parameters
+    ----------
+    batch : tuple of int
+        Shape of the batch of states.
+    gravity : array_like, shape (3,)
+        Of the base (m/s^2), in its axes.
+    tip_wrench, base_twist, base_twist_rate : array_like, shape (6,) or (*batch, 6), optional
+
+    Returns
+    -------
+    ndarray, shape (1, 15) or (m, 15)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not finite real numbers of that shape.
+    """
+    if gravity is GRAVITY and tip_wrench is None and base_twist is None and base_twist_rate is None:
+        return _ON_EARTH
+    parts = [
+        (None if gravity is None else gravity, "gravity", 3),
+        (tip_wrench, "tip_wrench", 6),
+        (base_twist, "base_twist", 6),
+        (base_twist_rate, "base_twist_rate", 6),
+    ]
+    g, wrench, twist, rate = (_part(name, value, size, batch) for value, name, size in parts)
+    rows = max(len(part) for part in (g, wrench, twist, rate))
+    around = np.zeros((rows, SURROUNDINGS))
+    around[:, :3] = twist[:, :3]
+    around[:, 3:TIP_WRENCH] = rate
+    around[:, LINEAR_ACCELERATION:TIP_WRENCH] -= g
+    around[:, TIP_WRENCH:] = wrench
+    return around
+
+
+def _part(name: str, value: ArrayLike | None, size: int, batch: tuple[int, ...]) -> Array:
+    if value is None and name != "gravity":
+        return np.zeros((1, size))
+    array = real_array(name, value)
+    if array.shape == (size,):
+        rows = array[None]
+    elif array.shape == (*batch, size) and name != "gravity":
+        rows = array.reshape(-1, size)
+    else:
+        shapes = f"({size},)" if name == "gravity" else f"({size},) or {(*batch, size)}"
+        raise WrongSizeError(name, array.shape, shapes)
+    if not np.isfinite(rows).all():
+        raise NonFiniteError(name, array)
+    return rows
+
+
+_ON_EARTH = np.zeros((1, SURROUNDINGS))
+_ON_EARTH[0, LINEAR_ACCELERATION:TIP_WRENCH] = np.negative(GRAVITY)
+_ON_EARTH.setflags(write=False)
+
+
+def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:
+    """Raise the error for a status of a kernel that is not 0.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        That was asked about.
+    status : int
+        What the kernel returned.
+    **arrays : ndarray, shape (..., n)
+        What it was given for each joint.
+
+    Raises
+    ------
+    NonFiniteError
+        An entry is not finite; its joint is named.
+    BadValueError
+        All are, but the result is not; or nothing resists some motion of the chain.
+    """
+    for name, array in arrays.items():
+        bad = np.argwhere(~np.isfinite(array))
+        if len(bad):
+            *row, joint = (int(i) for i in bad[0])
+            where = f" in row {', '.join(map(str, row))}" if row else ""
+            what = f"{name} of joint '{chain.joint_names[joint]}'{where}"
+            raise NonFiniteError(what, float(array[(*row, joint)]))
+    if status & ~NOT_FINITE:
+        raise BadValueError(
+            "least inertia of the chain", 0.0, "bodies or rotors that resist every motion of it"
+        )
+    name, largest = max(
+        ((name, float(np.abs(array).max(initial=0.0))) for name, array in arrays.items()),
+        key=lambda pair: pair[1],
+    )
+    raise BadValueError(f"largest of {name}", largest, "values with a finite result")

@@ -1,0 +1,41 @@
+"""A load in the hand of a robot."""
+
+import dataclasses
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.chain import SerialChain, unpack_chain
+
+__all__ = ["with_payload"]
+
+
+def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
+    """Give the chain that carries a load at its tip.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+    payload : Body
+        Seen in the frame of the tip.
+
+    Returns
+    -------
+    SerialChain
+
+    Raises
+    ------
+    BadValueError
+        No body can have the numbers of the load, or the chain has no joint.
+    """
+    check_chain(chain)
+    if not isinstance(payload, Body):
+        raise BadValueError("payload", payload, "a Body")
+    if fault := payload.fault():
+        raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
+    if chain.n == 0:
+        raise BadValueError("number of joints", 0, "at least one, to carry a payload")
+    held = payload.seen_from(unpack_chain(chain.packed)[-1])
+    last = combined(body for body in (chain.bodies[-1], held) if body is not None)
+    return dataclasses.replace(chain, bodies=(*chain.bodies[:-1], last))
