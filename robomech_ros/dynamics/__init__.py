@@ -50,12 +50,14 @@ if TYPE_CHECKING:
         base_parameters,
         torque_regressor,
     )
+    from robomech_ros.dynamics.torque_summary import TorqueSummary, torque_summary
 
 __all__ = [
     "BaseParameters",
     "ForwardDerivatives",
     "InverseDerivatives",
     "PowerBalance",
+    "TorqueSummary",
     "base_parameters",
     "bias_torque",
     "body_parameters",
@@ -75,6 +77,7 @@ __all__ = [
     "potential_energy",
     "power_balance",
     "torque_regressor",
+    "torque_summary",
     "with_payload",
 ]
 
@@ -83,6 +86,7 @@ _MODULES = {
     "ForwardDerivatives": "derivatives",
     "InverseDerivatives": "derivatives",
     "PowerBalance": "energy",
+    "TorqueSummary": "torque_summary",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
     "body_parameters": "model",
@@ -102,6 +106,7 @@ _MODULES = {
     "potential_energy": "energy",
     "power_balance": "energy",
     "torque_regressor": "regressor",
+    "torque_summary": "torque_summary",
     "with_payload": "payload",
 }
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from robomech_ros.dynamics.inverse import inverse_dynamics
 from scipy.integrate import trapezoid
 
+from robomech_ros.dynamics.inverse import inverse_dynamics
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array

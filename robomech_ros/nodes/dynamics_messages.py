@@ -15,6 +15,7 @@ from robomech_ros.nodes.conversions import duration_from_seconds, floats, positi
 from robomech_ros.nodes.reference_axes import reference_axes
 from robomech_ros.nodes.robot_description import RobotModel
 from robomech_ros.robots import Body, SerialChain
+from robomech_ros.spatial import inverse_pose
 
 __all__ = [
     "Motions",
@@ -138,7 +139,7 @@ def tip_wrench(message: WrenchStamped, model: RobotModel, q: Array) -> Array:
 
 
 def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | None:
-    """Read a load in the frame that moves with the last joint; None = no load.
+    """Read a load, in the frame of the tip; None = no load.
 
     Raises
     ------
@@ -159,7 +160,7 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
     body = Body(inertia.m, _vector(inertia.com, "payload.inertia.com"), moments)
     if fault := body.fault():
         raise BadValueError("payload.inertia", moments.tolist(), f"those of a body; {fault}")
-    return body.seen_from(link.offset)
+    return body.seen_from(inverse_pose(chain.link_frame(chain.tip).offset) @ link.offset)
 
 
 def _vector(given: Vector3, what: str) -> Array:

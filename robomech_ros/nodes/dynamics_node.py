@@ -1,6 +1,5 @@
 """The node that answers questions of dynamics: efforts, accelerations, inertia, payload."""
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,8 +23,9 @@ from robomech_ros.dynamics import (
     inverse_dynamics,
     mass_matrix,
     torque_summary,
+    with_payload,
 )
-from robomech_ros.errors import MissingInertiaError, WrongSizeError
+from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.given import read_waypoints
 from robomech_ros.nodes.controller.given_trajectory import given_trajectory
 from robomech_ros.nodes.conversions import floats
@@ -43,8 +43,8 @@ from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.parameters import NodeParameters, parameter
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
-from robomech_ros.robots import SerialChain, combined
-from robomech_ros.trajectory import sample_many
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.many_samples import sample_many
 
 Array = NDArray[np.float64]
 
@@ -115,18 +115,19 @@ class DynamicsNode(Node):
             (MassMatrix, "~/mass_matrix", self._mass_matrix),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
-        self._announce(model.chain)
+        try:
+            # The kernels are compiled or loaded now, not in the first request.
+            self._announce(model.chain)
+        except RobomechError as error:
+            self.get_logger().warning(f"ready, but every request will be refused: {error}")
 
     def _announce(self, chain: SerialChain) -> None:
-        ready = f"{chain.name}, {chain.base} to {chain.tip}, {chain.n} joints"
-        try:
-            mass = float(chain.packed_bodies[:, 0].sum())
-            # The kernels are compiled or loaded now, not in the first request.
-            mass_matrix(chain, chain.midrange())
-        except ValueError as error:
-            self.get_logger().warning(f"ready: {ready}; every request will be refused: {error}")
-            return
-        self.get_logger().info(f"ready: {ready}, moving mass {mass:.4g} kg")
+        mass_matrix(chain, chain.midrange())
+        mass = float(chain.packed_bodies[:, 0].sum())
+        self.get_logger().info(
+            f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, moving mass "
+            f"{mass:.4g} kg"
+        )
 
     @guarded
     def _inverse_dynamics(self, request: Any, response: Any) -> Any:
@@ -172,13 +173,9 @@ class DynamicsNode(Node):
     def _set_payload(self, request: Any, response: Any) -> Any:
         chain, given = self._model.chain, request.payload
         load = payload_body(given.inertia, given.header.frame_id, chain)
-        last = chain.bodies[-1]
-        if last is None and load is not None:
-            raise MissingInertiaError([chain.tip], [chain.joint_names[-1]])
-        together = combined(body for body in (last, load) if body is not None)
-        self._loaded = dataclasses.replace(chain, bodies=(*chain.bodies[:-1], together))
-        mass = 0.0 if load is None else load.mass
-        self.get_logger().info(f"payload: {mass:g} kg")
+        loaded = chain if load is None else with_payload(chain, load)
+        self._announce(loaded)
+        self._loaded = loaded
         return answer(response)
 
     @guarded

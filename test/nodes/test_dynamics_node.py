@@ -138,9 +138,9 @@ def test_a_summary_tells_peaks_energy_and_saturation(rod):
     assert net == pytest.approx(MASS * G * LENGTH / 2.0, rel=1e-5)
     assert answer.effort_limit[0] == 7.0
     assert answer.saturation[0] == pytest.approx(answer.peak_effort[0] / 7.0)
-    # Slowing down at the top costs less than the weight that was lifted there.
+    # It is slowed down at the top, where the weight has its longest arm.
     when = answer.peak_effort_time[0].sec + answer.peak_effort_time[0].nanosec * 1e-9
-    assert 0.0 < when < 1.0
+    assert when == 1.0
     assert (answer.saturated_joints == ["hinge"]) == (answer.saturation[0] > 1.0)
     assert "'hinge'" in answer.summary
     limp = SummarizeTorques.Request(trajectory=trajectory, gravity=Vector3(z=-1e-3))
