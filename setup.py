@@ -57,6 +57,7 @@ setup(
     entry_points={
         "console_scripts": [
             "kinematics_node = robomech_ros.nodes.start:kinematics_node",
+            "dynamics_node = robomech_ros.nodes.start:dynamics_node",
             "trajectory_planner_node = robomech_ros.nodes.start:trajectory_planner_node",
             "trajectory_publisher_node = robomech_ros.nodes.start:trajectory_publisher_node",
             "joint_state_simulator_node = robomech_ros.nodes.start:joint_state_simulator_node",

@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
+    from robomech_ros.dynamics.torque_summary import TorqueSummary, torque_summary
 
 __all__ = [
     "BaseParameters",
@@ -102,6 +103,7 @@ __all__ = [
     "Servo",
     "ServoMotion",
     "Simulation",
+    "TorqueSummary",
     "base_parameters",
     "bias_torque",
     "bodies_from_parameters",
@@ -141,6 +143,7 @@ __all__ = [
     "pseudo_inertia",
     "simulate",
     "torque_regressor",
+    "torque_summary",
     "with_payload",
 ]
 
@@ -157,6 +160,7 @@ _MODULES = {
     "Servo": "servo",
     "ServoMotion": "servo",
     "Simulation": "simulation",
+    "TorqueSummary": "torque_summary",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
     "bodies_from_parameters": "pseudo_inertias",
@@ -196,6 +200,7 @@ _MODULES = {
     "pseudo_inertia": "pseudo_inertias",
     "simulate": "simulation",
     "torque_regressor": "regressor",
+    "torque_summary": "torque_summary",
     "with_payload": "payload",
 }
 

@@ -158,7 +158,7 @@ def surroundings(
         (base_twist_rate, "base_twist_rate", 6),
     ]
     g, wrench, twist, rate = (_part(name, value, size, batch) for value, name, size in parts)
-    rows = max(len(part) for part in (g, wrench, twist, rate))
+    (rows,) = np.broadcast_shapes(*((len(part),) for part in (g, wrench, twist, rate)))
     around = np.zeros((rows, SURROUNDINGS))
     around[:, :3] = twist[:, :3]
     around[:, 3:TIP_WRENCH] = rate

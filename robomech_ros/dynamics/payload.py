@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, MissingInertiaError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import SerialChain, unpack_chain
@@ -28,6 +28,8 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
     ------
     BadValueError
         No body can have the numbers of the load, or the chain has no joint.
+    MissingInertiaError
+        Nothing is known of the mass of the tip itself.
     """
     check_chain(chain)
     if not isinstance(payload, Body):
@@ -36,6 +38,8 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
         raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
     if chain.n == 0:
         raise BadValueError("number of joints", 0, "at least one, to carry a payload")
+    if chain.bodies[-1] is None:
+        raise MissingInertiaError([chain.tip], chain.joint_names[-1:])
     held = payload.seen_from(unpack_chain(chain.packed)[-1])
-    last = combined(body for body in (chain.bodies[-1], held) if body is not None)
+    last = combined((chain.bodies[-1], held))
     return dataclasses.replace(chain, bodies=(*chain.bodies[:-1], last))

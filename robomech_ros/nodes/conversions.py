@@ -53,9 +53,13 @@ _POINTS_KEPT = 2000
 
 
 def positions_by_name(
-    state: JointState, joint_names: Sequence[str], what: str, others: Iterable[str] = ()
+    state: JointState,
+    joint_names: Sequence[str],
+    what: str,
+    others: Iterable[str] = (),
+    field: str = "position",
 ) -> Array:
-    """Read the positions of joints from a joint state, matched by name.
+    """Read the positions of joints, or other numbers, from a joint state, matched by name.
 
     Parameters
     ----------
@@ -67,6 +71,8 @@ def positions_by_name(
         What the state is, for messages: ``"seed"``, ``"start"``.
     others : iterable of str, optional
         Further joints of the robot, which the state may contain and which are passed over.
+    field : {"position", "velocity", "effort"}
+        Which numbers.
 
     Returns
     -------
@@ -82,19 +88,20 @@ def positions_by_name(
     NonFiniteError
         A position that is not a finite number; the joint is named.
     """
-    names, positions = state.name, state.position
+    names, positions = state.name, getattr(state, field)
     if names:
         if len(names) != len(positions):
             expected = f"{len(names)}, one for every name"
-            raise WrongSizeError(f"{what}.position", len(positions), expected)
+            raise WrongSizeError(f"{what}.{field}", len(positions), expected)
         if list(names) != list(joint_names):
             positions = _matched(names, positions, joint_names, what, others)
     elif len(positions) != len(joint_names):
         expected = f"{len(joint_names)} for {', '.join(joint_names)}"
-        raise WrongSizeError(f"{what}.position", len(positions), expected)
+        raise WrongSizeError(f"{what}.{field}", len(positions), expected)
     for name, value in zip(joint_names, positions, strict=True):
         if not math.isfinite(value):
-            raise NonFiniteError(f"{what} of joint '{name}'", value)
+            number = what if field == "position" else f"{what}.{field}"
+            raise NonFiniteError(f"{number} of joint '{name}'", value)
     return np.array(positions, dtype=np.float64)
 
 

@@ -73,6 +73,7 @@ _CODES: dict[type[BaseException], int] = {
     NoStateError: ErrorCode.NO_STATE,
     errors.WrongSizeError: ErrorCode.WRONG_SIZE,
     errors.MissingLimitsError: ErrorCode.MISSING_LIMITS,
+    errors.MissingInertiaError: ErrorCode.MISSING_INERTIA,
     errors.LimitExceededError: ErrorCode.LIMIT,
     errors.DurationTooShortError: ErrorCode.LIMIT,
     TrajectoryRefusedError: ErrorCode.REJECTED,

@@ -14,6 +14,7 @@ from importlib import import_module
 __all__ = [
     "NODE_MODULES",
     "STOP_SIGNALS",
+    "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",
     "leave_on_signals",
@@ -27,6 +28,7 @@ __all__ = [
 NODE_MODULES = {
     "joint_trajectory_controller": "robomech_ros.nodes.joint_state_simulator_node",
     "kinematics": "robomech_ros.nodes.kinematics_node",
+    "dynamics": "robomech_ros.nodes.dynamics_node",
     "trajectory_planner": "robomech_ros.nodes.trajectory_planner_node",
     "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher_node",
     "servo": "robomech_ros.nodes.servo_node",
@@ -44,6 +46,11 @@ def main(args: Sequence[str] | None = None) -> int:
 def kinematics_node() -> int:
     """Run the node kinematics; returns the exit code of the process."""
     return _run("kinematics", sys.argv)
+
+
+def dynamics_node() -> int:
+    """Run the node dynamics; returns the exit code of the process."""
+    return _run("dynamics", sys.argv)
 
 
 def trajectory_planner_node() -> int:
