@@ -56,7 +56,7 @@ class TorqueSummary:
             told = [
                 f"'{joint_names[i]}' at {self.saturation_time[i]:.3f} s "
                 f"(peak {self.peak_effort[i]:.4g}, limit {self.effort_limit[i]:.4g})"
-                for i in over
+                for i in over.tolist()
             ]
             return f"saturates: {', '.join(told)}"
         limited = np.isfinite(self.effort_limit)
