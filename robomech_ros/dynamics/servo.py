@@ -132,13 +132,18 @@ class Servo:
 
     def _gains(self, mode: int) -> Array:
         frequency = positive_number("bandwidth", self.bandwidth)
+        if frequency > LARGEST_SERVO_RATE:
+            raise BadValueError("bandwidth", frequency, f"at most {LARGEST_SERVO_RATE:g} rad/s")
         scale = np.ones(self.model.n)
         if mode == kernels.PD_WITH_GRAVITY:
             scale = np.diag(mass_matrix(self.model, self.model.midrange())).copy()
         gains = np.array([frequency**2 * scale, 2.0 * frequency * scale])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:
-                gains[row] = as_finite(name, given, (self.model.n,))
+                array = as_finite(name, given, (self.model.n,))
+                if array.ndim != 1:
+                    raise WrongSizeError(name, array.shape, f"({self.model.n},)")
+                gains[row] = array
                 if gains[row].min(initial=0.0) < 0.0:
                     raise BadValueError(name, gains[row].min(), "no negative gain")
         return gains
