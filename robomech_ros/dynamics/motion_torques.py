@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import trapezoid
 
 from robomech_ros.dynamics.inverse import inverse_dynamics
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
@@ -96,9 +97,12 @@ def torque_summary(
     ------
     WrongSizeError, NonFiniteError, BadValueError, MissingInertiaError
     """
+    check_chain(chain)
     instants, rates = real_array("times", times), real_array("qd", qd)
     if instants.ndim != 1 or not len(instants):
         raise WrongSizeError("times", instants.shape, "(m,) with at least one instant")
+    if not np.isfinite(instants).all():
+        raise NonFiniteError("times", instants)
     if rates.shape != (len(instants), chain.n):
         raise WrongSizeError("qd", rates.shape, (len(instants), chain.n))
     if not (np.diff(instants) >= 0.0).all():
@@ -111,11 +115,13 @@ def torque_summary(
     limit = np.where(np.isnan(chain.effort), np.inf, chain.effort)
     beyond = size > limit
     first = np.where(beyond.any(axis=0), instants[beyond.argmax(axis=0)], np.nan)
-    squares = trapezoid(effort**2, instants, axis=0) / span if span else effort[0] ** 2
+    # Against the peak, whose square may overflow.
+    part = size / np.maximum(size.max(axis=0), np.finfo(float).tiny)
+    squares = trapezoid(part**2, instants, axis=0) / span if span else part[0] ** 2
     return TorqueSummary(
         peak_effort=size[peak, columns],
         peak_effort_time=instants[peak],
-        rms_effort=np.sqrt(squares),
+        rms_effort=np.sqrt(squares) * size.max(axis=0),
         peak_power=np.abs(power).max(axis=0),
         energy_out=trapezoid(np.maximum(power, 0.0), instants, axis=0),
         energy_back=trapezoid(np.maximum(-power, 0.0), instants, axis=0),
