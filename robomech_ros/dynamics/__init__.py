@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from robomech_ros.dynamics.model import (
         body_parameters,
     )
+    from robomech_ros.dynamics.motion_torques import TorqueSummary, torque_summary
     from robomech_ros.dynamics.orthogonal_complement import (
         OrthogonalComplement,
         forward_dynamics_by_cholesky,
@@ -88,7 +89,6 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
-    from robomech_ros.dynamics.motion_torques import TorqueSummary, torque_summary
 
 __all__ = [
     "BaseParameters",

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
+    from robomech_ros.kinetostatics.free_intervals import SingularityFree, singularity_free
     from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
         NearestSingularity,
         nearest_singular_posture,
     )
-    from robomech_ros.kinetostatics.free_intervals import SingularityFree, singularity_free
     from robomech_ros.kinetostatics.statics import joint_torques, wrench_from_torques
     from robomech_ros.kinetostatics.workspace import (
         BoundaryCurve,
