@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import trapezoid
 
 from robomech_ros.dynamics.inverse import inverse_dynamics
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
@@ -117,15 +116,21 @@ def torque_summary(
     first = np.where(beyond.any(axis=0), instants[beyond.argmax(axis=0)], np.nan)
     # Against the peak, whose square may overflow.
     part = size / np.maximum(size.max(axis=0), np.finfo(float).tiny)
-    squares = trapezoid(part**2, instants, axis=0) / span if span else part[0] ** 2
+    squares = _integral(part**2, instants) / span if span else part[0] ** 2
     return TorqueSummary(
         peak_effort=size[peak, columns],
         peak_effort_time=instants[peak],
         rms_effort=np.sqrt(squares) * size.max(axis=0),
         peak_power=np.abs(power).max(axis=0),
-        energy_out=trapezoid(np.maximum(power, 0.0), instants, axis=0),
-        energy_back=trapezoid(np.maximum(-power, 0.0), instants, axis=0),
+        energy_out=_integral(np.maximum(power, 0.0), instants),
+        energy_back=_integral(np.maximum(-power, 0.0), instants),
         effort_limit=limit,
         saturation=size.max(axis=0) / limit,
         saturation_time=first,
     )
+
+
+def _integral(rows: Array, times: Array) -> Array:
+    """Integrate columns over time by trapezia."""
+    integral: Array = 0.5 * np.diff(times) @ (rows[1:] + rows[:-1])
+    return integral
