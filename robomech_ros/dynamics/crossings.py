@@ -1,6 +1,7 @@
 """Where a simulated motion crosses a limit or an event, and what a bounce does."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,12 @@ Event = Callable[[float, Array, Array], float]
 def limit_events(chain: SerialChain) -> Iterator[tuple[int, Callable[[Array], float]]]:
     """Give, for the lower and upper limit of each joint, how far inside it a state is."""
     for i in range(chain.n):
-        yield 0, lambda y, i=i, limit=chain.lower[i]: float(y[i] - limit)
-        yield 1, lambda y, i=i, limit=chain.upper[i]: float(limit - y[i])
+        yield 0, partial(_inside, i, 1.0, float(chain.lower[i]))
+        yield 1, partial(_inside, i, -1.0, float(chain.upper[i]))
+
+
+def _inside(joint: int, sign: float, limit: float, state: Array) -> float:
+    return float(sign * (state[joint] - limit))
 
 
 def bounced(chain: SerialChain, state: Array, joint: int, side: int, restitution: float) -> Array:

@@ -1,6 +1,7 @@
 """Derivatives of inverse and of forward dynamics."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -143,7 +144,7 @@ def forward_dynamics_derivatives(
     Carpentier, Mansard, Analytical derivatives of rigid body dynamics algorithms, Robotics: Science
     and Systems 2018.
     """
-    around = {
+    around: dict[str, Any] = {
         "gravity": gravity,
         "tip_wrench": tip_wrench,
         "base_twist": base_twist,
@@ -151,5 +152,5 @@ def forward_dynamics_derivatives(
     }
     qdd = forward_dynamics(chain, q, qd, tau, **around)
     torques = inverse_dynamics_derivatives(chain, q, qd, qdd, **around)
-    by_tau = np.linalg.inv(torques.by_qdd)
+    by_tau: Array = np.linalg.inv(torques.by_qdd).astype(np.float64)
     return ForwardDerivatives(-by_tau @ torques.by_q, -by_tau @ torques.by_qd, by_tau, qdd)

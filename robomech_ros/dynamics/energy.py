@@ -16,6 +16,7 @@ from robomech_ros.dynamics.model import (
     raise_outcome,
     surroundings,
 )
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
 from robomech_ros.robots.chain import SerialChain
 
@@ -122,7 +123,12 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
         As for :func:`inverse_dynamics`.
     """
     upwards = surroundings((), gravity)[0, 6:9]
-    energy: Array = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))[..., 1:4] @ upwards
+    moments = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))[..., 1:4]
+    with np.errstate(over="ignore", invalid="ignore"):
+        energy: Array = moments @ upwards
+    if not np.isfinite(energy).all():
+        largest = float(np.abs(upwards).max())
+        raise BadValueError("largest of gravity", largest, "values with a finite result")
     return energy
 
 
@@ -199,7 +205,8 @@ def power_balance(
     pulled = bias_torque(chain, q, qd, gravity=nowhere, tip_wrench=tip_wrench)
     inert = inverse_dynamics(chain, q, qd, qdd, gravity=nowhere)
     weight = gravity_torque(chain, q, gravity=gravity)
-    drives, tip, kinetic, potential, friction = (
-        np.sum(qd * torque, axis=-1) for torque in (tau, held - pulled, inert, weight, heat)
-    )
+    with np.errstate(over="ignore"):
+        drives, tip, kinetic, potential, friction = (
+            np.sum(qd * torque, axis=-1) for torque in (tau, held - pulled, inert, weight, heat)
+        )
     return PowerBalance(drives, tip, kinetic, potential, friction)

@@ -75,9 +75,10 @@ def forward_dynamics(
     model = dynamic_model(chain)
     around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
     qdd = np.empty(q.shape)
-    if method == METHODS[0] and q.ndim == 1:
+    recursive = method is METHODS[0] or as_choice("method", method, METHODS) == METHODS[0]
+    if recursive and q.ndim == 1:
         status = _forward_one(model, q, qd, tau, around[0], qdd)
-    elif as_choice("method", method, METHODS) == METHODS[0]:
+    elif recursive:
         status = kernels.forward_dynamics(
             model, as_rows(q), as_rows(qd), as_rows(tau), around, as_rows(qdd)
         )

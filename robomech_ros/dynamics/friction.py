@@ -5,6 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.serial import NOT_FINITE
+from robomech_ros.dynamics.model import raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
@@ -69,8 +71,8 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     qd = _rates(chain, qd)
     viscous, coulomb, excess, decay = friction_model(chain)
     dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
-    torque: Array = viscous * qd + dry * np.sign(qd)
-    return torque
+    with np.errstate(over="ignore"):
+        return _finite(chain, qd, viscous * qd + dry * np.sign(qd))
 
 
 def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
@@ -102,9 +104,10 @@ def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
     qd = np.abs(_rates(chain, qd))
     viscous, coulomb, excess, decay = friction_model(chain)
     scale = np.divide(excess, decay, out=np.zeros(chain.n), where=decay > 0.0)
-    terms = 0.5 * viscous * qd**2 + coulomb * qd
-    total: Array = np.sum(terms + scale * (0.5 * np.sqrt(np.pi)) * erf(qd * decay), axis=-1)
-    return total
+    with np.errstate(over="ignore"):
+        terms = 0.5 * viscous * qd**2 + coulomb * qd
+        fading = scale * (0.5 * np.sqrt(np.pi)) * erf(qd * decay)
+        return _finite(chain, qd, np.sum(terms + fading, axis=-1))
 
 
 def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
@@ -126,8 +129,15 @@ def dissipated_power(chain: SerialChain, qd: ArrayLike) -> Array:
         As for :func:`friction_torque`.
     """
     qd = _rates(chain, qd)
-    power: Array = np.sum(qd * friction_torque(chain, qd), axis=-1)
-    return power
+    with np.errstate(over="ignore"):
+        return _finite(chain, qd, np.sum(qd * friction_torque(chain, qd), axis=-1))
+
+
+def _finite(chain: SerialChain, qd: Array, result: Array) -> Array:
+    """Give a result, unless the rates are too large for a finite one."""
+    if not np.isfinite(result).all():
+        raise_outcome(chain, NOT_FINITE, qd=qd)
+    return result
 
 
 def _rates(chain: SerialChain, qd: ArrayLike) -> Array:

@@ -1,6 +1,6 @@
 """The implicit midpoint rule for a chain, in joint values and momenta: symplectic."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,17 @@ class _Forces(Protocol):
     def chain(self) -> SerialChain: ...
 
     @property
-    def options(self) -> dict[str, object]: ...
+    def options(self) -> dict[str, Any]: ...
 
     def drives(self, t: float, q: Array, qd: Array) -> Array: ...
 
     def friction_torque(self, qd: Array) -> Array: ...
+
+
+def _solved(M: Array, p: Array) -> Array:
+    """Give the rates that have momenta p."""
+    rates: Array = np.linalg.solve(M, p).astype(np.float64)
+    return rates
 
 
 class MidpointSolver:
@@ -84,10 +90,10 @@ class MidpointSolver:
         wrench = options["tip_wrench"]
         middle, momentum, size = q + 0.5 * h * qd, p, 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
-            rate = np.linalg.solve(mass_matrix(chain, middle), momentum)
+            rate = _solved(mass_matrix(chain, middle), momentum)
             tau = self.forces.drives(self.t + 0.5 * h, middle, rate)
             lost = self.forces.friction_torque(rate)
-            held = gravity_torque(chain, middle, **options)  # type: ignore[arg-type]
+            held = gravity_torque(chain, middle, **options)
             force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost
             q_next, p_next = q + 0.5 * h * rate, p + 0.5 * h * force
             change = max(
@@ -99,7 +105,7 @@ class MidpointSolver:
                 if wrench is not None:
                     power += float(wrench @ (jacobian(chain, middle) @ rate))
                 q_after, p_after = q + h * rate, p + h * force
-                qd_after = np.linalg.solve(mass_matrix(chain, q_after), p_after)
+                qd_after = _solved(mass_matrix(chain, q_after), p_after)
                 return q_after, qd_after, power, float(lost @ rate)
         return None
 

@@ -33,6 +33,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+_FLOAT = np.dtype(np.float64)
+
 GRAVITY = (0.0, 0.0, -9.81)
 
 
@@ -114,12 +116,14 @@ def as_states(chain: SerialChain, q: ArrayLike, **others: ArrayLike) -> tuple[Ar
         Not arrays of real numbers, or of another shape.
     """
     q = as_joint_values(chain, q)
-    arrays = [q]
+    arrays, shape = [q], q.shape
     for name, value in others.items():
-        array = as_joint_values(chain, value, name)
-        if array.shape != q.shape:
-            raise WrongSizeError(name, array.shape, f"{q.shape}, that of q")
-        arrays.append(array)
+        # What is right already, as in most calls, costs no more than this look.
+        if type(value) is not np.ndarray or value.dtype is not _FLOAT or value.shape != shape:
+            value = as_joint_values(chain, value, name)
+            if value.shape != shape:
+                raise WrongSizeError(name, value.shape, f"{shape}, that of q")
+        arrays.append(value if value.flags.c_contiguous else np.ascontiguousarray(value))
     return tuple(arrays)
 
 
@@ -151,13 +155,15 @@ def surroundings(
     """
     if gravity is GRAVITY and tip_wrench is None and base_twist is None and base_twist_rate is None:
         return _ON_EARTH
-    parts = [
-        (None if gravity is None else gravity, "gravity", 3),
-        (tip_wrench, "tip_wrench", 6),
-        (base_twist, "base_twist", 6),
-        (base_twist_rate, "base_twist_rate", 6),
-    ]
-    g, wrench, twist, rate = (_part(name, value, size, batch) for value, name, size in parts)
+    g = _part("gravity", gravity, (3,), ())
+    wrench, twist, rate = (
+        np.zeros((1, 6)) if value is None else _part(name, value, (6,), batch)
+        for name, value in (
+            ("tip_wrench", tip_wrench),
+            ("base_twist", base_twist),
+            ("base_twist_rate", base_twist_rate),
+        )
+    )
     (rows,) = np.broadcast_shapes(*((len(part),) for part in (g, wrench, twist, rate)))
     around = np.zeros((rows, SURROUNDINGS))
     around[:, :3] = twist[:, :3]
@@ -167,20 +173,15 @@ def surroundings(
     return around
 
 
-def _part(name: str, value: ArrayLike | None, size: int, batch: tuple[int, ...]) -> Array:
-    if value is None and name != "gravity":
-        return np.zeros((1, size))
+def _part(name: str, value: ArrayLike, tail: tuple[int, ...], batch: tuple[int, ...]) -> Array:
+    """Give rows of a vector that is one for all of a batch, or one for each."""
     array = real_array(name, value)
-    if array.shape == (size,):
-        rows = array[None]
-    elif array.shape == (*batch, size) and name != "gravity":
-        rows = array.reshape(-1, size)
-    else:
-        shapes = f"({size},)" if name == "gravity" else f"({size},) or {(*batch, size)}"
-        raise WrongSizeError(name, array.shape, shapes)
-    if not np.isfinite(rows).all():
+    if array.shape not in (tail, (*batch, *tail)):
+        expected = f"{tail} or {(*batch, *tail)}" if batch else tail
+        raise WrongSizeError(name, array.shape, expected)
+    if not np.isfinite(array).all():
         raise NonFiniteError(name, array)
-    return rows
+    return array.reshape(-1, *tail)
 
 
 _ON_EARTH = np.zeros((1, SURROUNDINGS))

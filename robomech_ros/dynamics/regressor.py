@@ -133,7 +133,7 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
         if left > BASE_PARAMETER:
             columns.append(k)
             directions = np.column_stack([directions, rest / left])
-    combination = np.linalg.lstsq(Y[:, columns], Y, rcond=None)[0]
+    combination: Array = np.linalg.lstsq(Y[:, columns], Y, rcond=None)[0].astype(np.float64)
     combination[np.abs(combination) < BASE_PARAMETER] = 0.0
     combination[:, columns] = np.eye(len(columns))
     return BaseParameters(np.array(columns, dtype=np.int64), combination)

@@ -136,9 +136,15 @@ class Servo:
     def _gains(self, mode: int) -> Array:
         frequency = positive_number("bandwidth", self.bandwidth)
         damping = positive_number("damping", self.damping)
+        for name, value, unit in (("bandwidth", frequency, " rad/s"), ("damping", damping, "")):
+            if value > LARGEST_SERVO_RATE:
+                raise BadValueError(name, value, f"at most {LARGEST_SERVO_RATE:g}{unit}")
         stiffness = viscosity = np.ones(self.model.n)
         if mode == kernels.PD_WITH_GRAVITY:
             inertia = mass_matrix(self.model, self.model.midrange())
+            if np.linalg.matrix_rank(inertia) < self.model.n:
+                expected = "bodies or rotors that resist every motion of it"
+                raise BadValueError("least inertia of the chain", 0.0, expected)
             # Joints that are nearly parallel feel much less inertia with the others free than with
             # them at rest: stiff for the one and damped for the other, they neither chatter nor
             # swing.
@@ -147,7 +153,10 @@ class Servo:
         gains = np.array([frequency**2 * stiffness, 2.0 * damping * frequency * viscosity])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:
-                gains[row] = as_finite(name, given, (self.model.n,))
+                array = as_finite(name, given, (self.model.n,))
+                if array.ndim != 1:
+                    raise WrongSizeError(name, array.shape, f"({self.model.n},)")
+                gains[row] = array
                 if gains[row].min(initial=0.0) < 0.0:
                     raise BadValueError(name, gains[row].min(), "no negative gain")
         return gains

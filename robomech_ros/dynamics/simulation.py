@@ -91,7 +91,8 @@ class _Motion:
     def friction_torque(self, qd: Array) -> Array:
         viscous, coulomb, excess, decay = self.friction
         dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
-        return viscous * qd + dry * np.tanh(qd / self.rest_rate)
+        torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
+        return torque
 
     def drives(self, t: float, q: Array, qd: Array) -> Array:
         tau = np.ascontiguousarray(np.asarray(self.torque(t, q, qd), dtype=np.float64))

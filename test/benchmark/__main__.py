@@ -10,7 +10,7 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
-GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "nodes")
+GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "dynamics", "nodes")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -56,6 +56,10 @@ def main() -> int:
         trajectory_rows, trajectory_remarks = bench_trajectory.rows()
         rows += trajectory_rows
         remarks += trajectory_remarks
+    if "dynamics" in groups:
+        import bench_dynamics
+
+        rows += bench_dynamics.rows()
     if "nodes" in groups:
         import bench_nodes
 

@@ -14,7 +14,7 @@ from robomech_ros.robots import load_robot
 
 
 def torques_of_any_numbers(chain, q, qd, qdd, gravity, wrench):
-    """Newton and Euler's equations about the mass centres, in base axes, complex too."""
+    """Newton's and Euler's equations about the mass centres, in base axes, complex or not."""
     R, p = np.eye(3, dtype=complex), np.zeros(3, dtype=complex)
     omega, alpha, a = np.zeros(3), np.zeros(3), -np.asarray(gravity)
     axes, points, moments, forces, centres = [], [], [], [], []

@@ -1,0 +1,176 @@
+"""Dynamics of a six-joint arm against Pinocchio, and a simulated minute under a controller.
+
+Both sides are given the same states and give the same results; Pinocchio's call returns what ours
+returns, but for the mass matrix, of which it fills the upper triangle.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio
+from peers import Array, constant_transforms
+from table import Row
+from timing import Work, interleave
+
+from robomech_ros._kernels import (
+    dynamics_derivatives,
+    dynamics_forward,
+    dynamics_inverse,
+    dynamics_mass,
+)
+from robomech_ros._kernels._jit import direct
+from robomech_ros.dynamics import (
+    Servo,
+    forward_dynamics,
+    gravity_torque,
+    inverse_dynamics,
+    inverse_dynamics_derivatives,
+    mass_matrix,
+)
+from robomech_ros.dynamics.model import dynamic_model
+from robomech_ros.robots import SerialChain, load_robot
+
+BATCH = 500
+SINGLES = 50
+AGREEMENT = 1e-9
+KERNEL_RATIO = 1.0
+BATCH_RATIO = 0.5
+ABOVE_KERNEL = 2.0
+MINUTE = 60.0
+
+
+def rows() -> list[Row]:
+    """Measure on the PUMA 560 and return the rows of the table."""
+    chain = load_robot("puma560")
+    n = chain.n
+    model, peer = dynamic_model(chain), pinocchio_model(chain)
+    data = peer.createData()
+    states = np.random.default_rng(560).uniform(-2.0, 2.0, (3, BATCH, n))
+    around = np.zeros(15)
+    around[8] = 9.81
+    out, M, by_q, by_qd = np.empty(n), *np.empty((3, n, n))
+    inverse = direct(dynamics_inverse.inverse_dynamics_one)
+    gravity = direct(dynamics_inverse.gravity_torque_one)
+    forward = direct(dynamics_forward.forward_dynamics_one)
+    mass = direct(dynamics_mass.mass_matrix_one)
+    derivatives = direct(dynamics_derivatives.inverse_derivatives_one)
+
+    def peer_mass(q: Array) -> Array:
+        upper = np.triu(pinocchio.crba(peer, data, q))
+        return upper + np.triu(upper, 1).T
+
+    cases: list[tuple[str, int, Callable, Callable, Callable, Callable]] = [
+        (
+            "inverse dynamics",
+            3,
+            lambda *s: inverse(model, *s, around, out),
+            inverse_dynamics,
+            lambda *s: pinocchio.rnea(peer, data, *s),
+            inverse_dynamics,
+        ),
+        (
+            "mass matrix",
+            1,
+            lambda q: mass(model, q, M),
+            mass_matrix,
+            lambda q: pinocchio.crba(peer, data, q),
+            mass_matrix,
+        ),
+        (
+            "forward dynamics",
+            3,
+            lambda *s: forward(model, *s, around, out),
+            forward_dynamics,
+            lambda *s: pinocchio.aba(peer, data, *s),
+            forward_dynamics,
+        ),
+        (
+            "gravity",
+            1,
+            lambda q: gravity(model, q, around, out),
+            gravity_torque,
+            lambda q: pinocchio.computeGeneralizedGravity(peer, data, q),
+            gravity_torque,
+        ),
+        (
+            "derivatives",
+            3,
+            lambda *s: derivatives(model, *s, around, by_q, by_qd, M),
+            lambda *s: inverse_dynamics_derivatives(chain, *s).by_q,
+            lambda *s: pinocchio.computeRNEADerivatives(peer, data, *s),
+            lambda chain, *s: inverse_dynamics_derivatives(chain, *s),
+        ),
+    ]
+    found = []
+    for name, count, kernel, public, peer_call, batch in cases:
+        given = [tuple(part[k] for part in states[:count]) for k in range(SINGLES)]
+        whole = states[:count]
+        if name != "derivatives":
+            ours = public(chain, *given[0])
+            public_call = lambda s, f=public: f(chain, *s)  # noqa: E731
+        else:
+            ours = public(*given[0])
+            public_call = lambda s, f=public: f(*s)  # noqa: E731
+        theirs = peer_call(*given[0])
+        theirs = peer_mass(*given[0]) if name == "mass matrix" else theirs
+        theirs = theirs[0] if name == "derivatives" else theirs
+        if np.abs(ours - theirs).max() > AGREEMENT * np.abs(theirs).max():
+            raise SystemExit(f"{name}: ours and Pinocchio's differ")
+        works = {
+            "kernel": Work(lambda g=given, f=kernel: [f(*s) for s in g], SINGLES),
+            "public": Work(lambda g=given, f=public_call: [f(s) for s in g], SINGLES),
+            "batch": Work(lambda w=whole, f=batch: f(chain, *w), BATCH),
+            "peer": Work(lambda g=given, f=peer_call: [f(*s) for s in g], SINGLES),
+        }
+        times = interleave(works)
+        against = {"peer": times["peer"].median, "peer_name": "Pinocchio"}
+        bound = times["kernel"].median + ABOVE_KERNEL
+        for what, key, target in (
+            ("kernel from Python", "kernel", {"ratio_limit": KERNEL_RATIO}),
+            ("public function", "public", {"limit": round(bound, 1)}),
+            ("batch, a state", "batch", {"ratio_limit": BATCH_RATIO}),
+        ):
+            timing = times[key]
+            spread = timing.spread
+            found.append(Row(f"{name}, {what}", timing.median, spread=spread, **against, **target))
+    return [*found, simulated_minute(chain)]
+
+
+def pinocchio_model(chain: SerialChain) -> pinocchio.Model:
+    """Return Pinocchio's model of a chain with bodies and rotors."""
+    model, joint = pinocchio.Model(), 0
+    placed = constant_transforms(chain)
+    for index, name in enumerate(chain.joint_names):
+        kind = pinocchio.JointModelPZ() if chain.types[index] else pinocchio.JointModelRZ()
+        T, body = placed[index], chain.bodies[index]
+        joint = model.addJoint(joint, kind, pinocchio.SE3(T[:3, :3], T[:3, 3]), name)
+        inertia = pinocchio.Inertia(body.mass, np.array(body.com), np.array(body.inertia))
+        model.appendBodyToJoint(joint, inertia, pinocchio.SE3.Identity())
+    model.armature = np.array([drive.reflected_inertia for drive in chain.drives])
+    return model
+
+
+def simulated_minute(chain: SerialChain) -> Row:
+    """Time a minute of motion under computed torque at 1 kHz, friction included."""
+    t = np.arange(round(1000 * MINUTE))[:, None] * 1e-3
+    w = np.linspace(0.7, 1.7, chain.n)
+    wanted = np.stack(
+        (
+            chain.midrange() + 0.5 * np.sin(w * t),
+            0.5 * w * np.cos(w * t),
+            -0.5 * w**2 * np.sin(w * t),
+        ),
+        axis=1,
+    )
+    servo, seconds = Servo(chain), []
+    for _ in range(5):
+        q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
+        begin = time.perf_counter()
+        motion = servo.run(q, qd, wanted)
+        seconds.append(time.perf_counter() - begin)
+        if motion.reason:
+            raise SystemExit(motion.reason)
+    return Row("a minute under computed torque at 1 kHz", float(np.median(seconds)), "s", limit=1.0)
