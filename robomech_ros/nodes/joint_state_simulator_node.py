@@ -77,9 +77,9 @@ class JointStateSimulatorNode(Node):
         self._cycle = 0
         self._limited = False
         self._cycles = Cycles(self, clock, rate, self._tick)
-        kind = f"by {self._settings.dynamic_control}" if robot.dynamic else "without forces"
+        kind = f" by {self._settings.dynamic_control}" if robot.dynamic else ""
         self.get_logger().info(
-            f"ready: {model.chain.name} simulated {kind}, {model.chain.n} joints at {rate:g} Hz"
+            f"ready: {model.chain.name} simulated{kind}, {model.chain.n} joints at {rate:g} Hz"
         )
         if unlimited := robot.unlimited_joints():
             text = (
