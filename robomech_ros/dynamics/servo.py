@@ -54,7 +54,7 @@ class Servo:
     ``"computed-torque"`` asks the inverse dynamics for the torques of ``qdd + kd (qd - rate) + kp
     (q - value)``, wanted less measured; ``"pd-gravity"`` adds ``kd (..) + kp (..)`` to the torques
     that hold the chain.  Both add the friction of the model at the wanted rate.  Without kp and kd
-    errors decay as of a critically damped oscillator of the natural frequency ``bandwidth``.
+    errors decay as of an oscillator of the natural frequency ``bandwidth`` and this damping ratio.
 
     The chain moves by steps that let dry friction stick and break away, and stops hold it without a
     rebound at the position limits.
@@ -69,6 +69,8 @@ class Servo:
         One of CONTROLS.
     bandwidth : float, optional
         In rad/s.
+    damping : float, optional
+        1 = critical.
     kp, kd : array_like, shape (n,), optional
         Gains of errors and of their rates: for computed torque in 1/s^2 and 1/s, else in N m/rad
         and N m s/rad, or N/m and N s/m.
@@ -90,6 +92,7 @@ class Servo:
     plant: SerialChain | None = None
     control: str = CONTROLS[0]
     bandwidth: float = 50.0
+    damping: float = 1.0
     kp: ArrayLike | None = None
     kd: ArrayLike | None = None
     period: float = 1e-3
@@ -132,12 +135,22 @@ class Servo:
 
     def _gains(self, mode: int) -> Array:
         frequency = positive_number("bandwidth", self.bandwidth)
-        if frequency > LARGEST_SERVO_RATE:
-            raise BadValueError("bandwidth", frequency, f"at most {LARGEST_SERVO_RATE:g} rad/s")
-        scale = np.ones(self.model.n)
+        damping = positive_number("damping", self.damping)
+        for name, value, unit in (("bandwidth", frequency, " rad/s"), ("damping", damping, "")):
+            if value > LARGEST_SERVO_RATE:
+                raise BadValueError(name, value, f"at most {LARGEST_SERVO_RATE:g}{unit}")
+        stiffness = viscosity = np.ones(self.model.n)
         if mode == kernels.PD_WITH_GRAVITY:
-            scale = np.diag(mass_matrix(self.model, self.model.midrange())).copy()
-        gains = np.array([frequency**2 * scale, 2.0 * frequency * scale])
+            inertia = mass_matrix(self.model, self.model.midrange())
+            if np.linalg.matrix_rank(inertia) < self.model.n:
+                expected = "bodies or rotors that resist every motion of it"
+                raise BadValueError("least inertia of the chain", 0.0, expected)
+            # Joints that are nearly parallel feel much less inertia with the others free than with
+            # them at rest: stiff for the one and damped for the other, they neither chatter nor
+            # swing.
+            stiffness = 1.0 / np.diag(np.linalg.inv(inertia))
+            viscosity = np.sqrt(stiffness * np.diag(inertia))
+        gains = np.array([frequency**2 * stiffness, 2.0 * damping * frequency * viscosity])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:
                 array = as_finite(name, given, (self.model.n,))
@@ -148,7 +161,15 @@ class Servo:
                     raise BadValueError(name, gains[row].min(), "no negative gain")
         return gains
 
-    def run(self, q: Array, qd: Array, wanted: ArrayLike) -> ServoMotion:
+    def run(
+        self,
+        q: Array,
+        qd: Array,
+        wanted: ArrayLike,
+        *,
+        period: float | None = None,
+        held: ArrayLike | None = None,
+    ) -> ServoMotion:
         """Drive the chain along what is wanted, from a state that is brought to the end.
 
         Parameters
@@ -158,6 +179,10 @@ class Servo:
             by those at the end.
         wanted : array_like, shape (m, 3, n)
             Joint values, rates and accelerations at the beginning of each period.
+        period : float, optional
+            Of the controller in this run (s); default its own.
+        held : array_like of bool, shape (n,), optional
+            Joints that brakes hold where they are.
 
         Returns
         -------
@@ -181,24 +206,34 @@ class Servo:
             if not np.isfinite(array).all():
                 raise NonFiniteError(name, array)
             state[row] = array
-        arguments, period, substeps = self._arguments
+        arguments, own_period, substeps = self._arguments
         assert isinstance(arguments, tuple)
+        step = own_period if period is None else positive_number("period", period)
         out = np.empty((len(wanted), 3, n))
-        stops = arguments[2]
-        arguments = (*arguments[:2], _around(stops, state[0]), *arguments[3:])
-        done = kernels.servo_steps(*arguments, wanted, period, substeps, state, out)
+        stops = _stops(arguments[2], state[0], held)
+        arguments = (*arguments[:2], stops, *arguments[3:])
+        done = kernels.servo_steps(*arguments, wanted, step, substeps, state, out)
         q[:], qd[:] = state
         effort = out[:done, 2]
         reason = ""
         if done < len(wanted):
             reason = (
-                f"the motion ran away after {done * period:.6g} s, with rates of up to "
+                f"the motion ran away after {done * step:.6g} s, with rates of up to "
                 f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
             )
         saturated = np.abs(effort) >= arguments[7]
         return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
 
 
-def _around(stops: Array, q: Array) -> Array:
-    """Move stops out to a state that is beyond them, which would be thrown back otherwise."""
-    return np.array([np.minimum(stops[0], q), np.maximum(stops[1], q)])
+def _stops(limits: Array, q: Array, held: ArrayLike | None) -> Array:
+    """Give the stops (2, n): a joint beyond its limits, which would be thrown back, stands at one.
+
+    Brakes are stops on both sides.
+    """
+    stops = np.array([np.minimum(limits[0], q), np.maximum(limits[1], q)])
+    if held is None:
+        return stops
+    brakes = np.asarray(held)
+    if brakes.shape != q.shape or brakes.dtype != np.bool_:
+        raise BadValueError("held", held, f"{len(q)} of True and False")
+    return np.where(brakes, q, stops)

@@ -12,7 +12,8 @@ from robomech_ros.execution.job import Code, End, Job, Outcome
 from robomech_ros.execution.joining import join, join_in_steps
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.pacing import paced_step
-from robomech_ros.execution.simulation import JointSimulation, at_rest
+from robomech_ros.execution.saturation import saturation_text
+from robomech_ros.execution.simulation import JointSimulation, Plant, at_rest
 from robomech_ros.execution.smoothing import braking_time
 from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.supervision import verdict
@@ -78,6 +79,8 @@ class Follower:
         What the owner decides.
     now : float
         The time, s, on any clock.
+    plant : Plant, optional
+        Moves the joints by forces.
 
     Attributes
     ----------
@@ -103,6 +106,7 @@ class Follower:
         position: FloatArray,
         settings: FollowerSettings | None = None,
         now: float = 0.0,
+        plant: Plant | None = None,
     ) -> None:
         self.joints = joints
         self.settings = settings or FollowerSettings()
@@ -112,7 +116,7 @@ class Follower:
         self.now = self.held_since = now
         self.pace = self.scale = 1.0
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
-        self.simulation = JointSimulation(position, self.settings.lag)
+        self.simulation = JointSimulation(position, self.settings.lag, plant)
         self.wanted = self.actual = at_rest(position)
 
     def start(
@@ -262,6 +266,7 @@ class Follower:
         # A curve that begins moving begins with the speed that the joints have.
         self.pace = 1.0 if self.wanted.velocity.any() else self.scale
         self.active, self.phase = job, Phase.MOVING
+        self.simulation.count_anew()
 
     def _begin_waiting(self, job: Job) -> None:
         self.waiting = None
@@ -282,6 +287,8 @@ class Follower:
         job, self.active, self.phase = self.active, None, Phase.HOLDING
         self.held_since = self.now
         if job is not None:
+            limited = saturation_text(self.simulation.at_limit, self.joints.names)
+            text = "; ".join(part for part in (text, limited) if part)
             job.finish(end, code, text, self.actual.position)
 
     def _step(self, span: float) -> None:
@@ -324,8 +331,7 @@ class Follower:
 
     def _stand(self) -> None:
         """Have the joints stand where they are."""
-        place = self.simulation.position
-        self.wanted, self.actual = at_rest(place), self.simulation.put(place)
+        self.wanted, self.actual = at_rest(self.simulation.position), self.simulation.stand()
 
     def _supervise(self, job: Job) -> None:
         """End or give up the motion where that is due."""

@@ -1,8 +1,12 @@
-"""Simulated joints, which follow exactly, or with a lag, or with the faults that are asked for."""
+"""Simulated joints, which follow exactly, with a lag, or by the forces of their drives.
+
+They may have faults.
+"""
 
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +14,7 @@ import numpy.typing as npt
 from robomech_ros.execution.joints import State
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Faults", "JointSimulation", "at_rest"]
+__all__ = ["Driven", "Faults", "JointSimulation", "Plant", "at_rest"]
 
 # What sums of cycles may be off, s.
 _ROUNDING = 1e-9
@@ -50,6 +54,52 @@ class Faults:
         return not (wrong or self.delay or self.dropped or self.noise)
 
 
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """What became of joints that forces move.
+
+    Attributes
+    ----------
+    state : State
+        Where they are then.
+    effort : ndarray, shape (n,)
+        What their drives exert then, N m or N.
+    at_limit : ndarray, shape (n,)
+        How much of the time each drive was at its limit, s.
+    """
+
+    state: State
+    effort: FloatArray
+    at_limit: FloatArray
+
+
+class Plant(Protocol):
+    """Joints that have mass, with the controller of their drives."""
+
+    def drive(
+        self, before: State, command: State, span: float, held: npt.NDArray[np.bool_] | None
+    ) -> Driven:
+        """Let time pass in which the command goes over from one to another.
+
+        Parameters
+        ----------
+        before, command : State
+            What the joints are told at the beginning and at the end.
+        span : float
+            How long, s, above 0.
+        held : ndarray of bool, shape (n,), or None
+            Joints that something holds where they are.
+
+        Raises
+        ------
+        RobomechError
+            The motion ran away; the joints stand where that could still be told.
+        """
+
+    def put(self, position: FloatArray) -> Driven:
+        """Have the joints stand somewhere (rad or m), at once."""
+
+
 class JointSimulation:
     """Moves n joints to where they are wanted.
 
@@ -59,15 +109,24 @@ class JointSimulation:
         Where they are at first, rad or m.
     lag : float
         Time constant with which they follow, s; 0 = exactly.
+    plant : Plant, optional
+        Moves them by forces; otherwise they are just where they are told to be.
 
     Attributes
     ----------
     position : ndarray, shape (n,)
         Where the joints really are, rad or m.
+    effort : ndarray, shape (n,), or None
+        What the drives exert, N m or N; None where no forces are simulated.
+    at_limit : ndarray, shape (n,)
+        How long each drive has been at its limit since `count_anew`, s.
     """
 
-    def __init__(self, position: FloatArray, lag: float = 0.0) -> None:
+    def __init__(self, position: FloatArray, lag: float = 0.0, plant: Plant | None = None) -> None:
         self._lag = lag
+        self._plant = plant
+        self.at_limit = np.zeros(len(position))
+        self.effort = None if plant is None else plant.put(position).effort
         self._faults: Faults | None = None
         self._random = np.random.default_rng()
         self._time = 0.0
@@ -99,19 +158,48 @@ class JointSimulation:
         State
             What the sensors show then.
         """
-        if self._faults is None and not self._lag:
+        if self._plant is None and self._faults is None and not self._lag:
             self._state = self._command = wanted
             self._under_way.clear()
             return wanted
         if span > 0.0:
-            self._move(self._delivered(wanted, span), span)
+            before = self._command
+            command = self._delivered(wanted, span)
+            if self._plant is None:
+                self._move(command, span)
+            else:
+                self._drive(self._plant, before, command, span)
         return self._sensed()
 
     def put(self, position: FloatArray) -> State:
         """Have the joints stand somewhere (rad or m), at once; returns what the sensors show."""
         self._under_way.clear()
         self._state = self._command = at_rest(position)
+        self.count_anew()
+        if self._plant is not None:
+            self.effort = self._plant.put(position).effort
         return self._sensed()
+
+    def stand(self) -> State:
+        """Tell the joints to stand where they are; returns what the sensors show.
+
+        Joints with mass move on until their drives have stopped them, and come back.
+        """
+        self._under_way.clear()
+        self._command = at_rest(self._state.position)
+        if self._plant is None:
+            self._state = self._command
+        return self._sensed()
+
+    def count_anew(self) -> None:
+        """Forget how long drives were at their limits."""
+        self.at_limit = np.zeros(len(self.at_limit))
+
+    def _drive(self, plant: Plant, before: State, command: State, span: float) -> None:
+        held = None if self._faults is None else self._faults.stuck
+        driven = plant.drive(before, command, span, held)
+        self._state, self.effort = driven.state, driven.effort
+        self.at_limit = self.at_limit + driven.at_limit
 
     def _delivered(self, wanted: State, span: float) -> State:
         """Give the command that has got to the joints."""

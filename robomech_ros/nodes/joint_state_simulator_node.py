@@ -22,7 +22,7 @@ from robomech_ros.nodes.controller.frame_publisher import frame_publisher
 from robomech_ros.nodes.controller.goal_server import GoalServer
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.robot import SimulatedRobot
-from robomech_ros.nodes.controller.settings import ControllerSettings
+from robomech_ros.nodes.controller.settings import ControllerSettings, check_simulation
 from robomech_ros.nodes.controller.state_publisher import StatePublisher
 from robomech_ros.nodes.error_codes import code_of, name_of
 from robomech_ros.nodes.parameters import NodeParameters
@@ -60,7 +60,7 @@ class JointStateSimulatorNode(Node):
         clock = MotionClock(self)
         robot = self._robot = SimulatedRobot(model.chain, self._settings, clock)
         robot.follower.simulation.inject(faults_of(self._settings, model.chain))
-        self._states = StatePublisher(self, model)
+        self._states = StatePublisher(self, model, robot.dynamic)
         self._frames = frame_publisher(self, model.description, self._settings.publish_frames)
         self._servers = [GoalServer(self, robot, ExecuteAction(robot.joint_names))]
         self._control = ControlInterfaces(self, robot, clock)
@@ -75,21 +75,30 @@ class JointStateSimulatorNode(Node):
         self._frame_cycles = max(round(rate / self._settings.frame_rate), 1)
         self._state_cycles = max(round(rate / self._settings.state_publish_rate), 1)
         self._cycle = 0
+        self._limited = False
         self._cycles = Cycles(self, clock, rate, self._tick)
+        kind = f" by {self._settings.dynamic_control}" if robot.dynamic else ""
         self.get_logger().info(
-            f"ready: {model.chain.name} simulated, {model.chain.n} joints at {rate:g} Hz"
+            f"ready: {model.chain.name} simulated{kind}, {model.chain.n} joints at {rate:g} Hz"
         )
+        if unlimited := robot.unlimited_joints():
+            text = (
+                f"no effort limit is known of {', '.join(unlimited)}: nothing limits their drives"
+            )
+            self.get_logger().warning(text)
 
     def _change(self, settings: ControllerSettings) -> None:
-        """Have the simulated joints the faults that were asked for at run time."""
+        """Have the simulated joints the faults and the payload that were asked for at run time."""
         self._settings = settings
         if self._robot is not None:
             faults = faults_of(settings, self._robot.chain)
             with self._robot.lock:
                 self._robot.follower.simulation.inject(faults)
+                self._robot.carry(settings)
 
     def _check(self, settings: ControllerSettings) -> None:
-        """Refuse faults that the robot cannot have."""
+        """Refuse faults and payloads that the robot cannot have."""
+        check_simulation(settings)
         if self._robot is not None:
             faults_of(settings, self._robot.chain)
 
@@ -103,10 +112,14 @@ class JointStateSimulatorNode(Node):
         """Move on, and tell what is due in this cycle."""
         try:
             robot.advance()
+        except RobomechError as error:
+            self.get_logger().error(str(error), throttle_duration_sec=_SELDOM)
+            robot.follower.halt(Code.PATH_TOLERANCE, str(error))
         except Exception:
             self.get_logger().error(f"motion failed, please report:\n{traceback.format_exc()}")
             robot.follower.halt(900, "internal error of the controller, see its log")
-        self._states.publish(robot.follower.actual)
+        self._publish_state(robot)
+        self._tell_saturation(robot)
         self._tell_standing()
         self._cycle += 1
         if self._frames is not None and self._cycle % self._frame_cycles == 0:
@@ -116,6 +129,18 @@ class JointStateSimulatorNode(Node):
         if self._cycle % self._feedback_cycles == 0:
             for server in self._servers:
                 server.publish_feedback()
+
+    def _publish_state(self, robot: SimulatedRobot) -> None:
+        follower = robot.follower
+        self._states.publish(follower.actual, follower.simulation.effort)
+
+    def _tell_saturation(self, robot: SimulatedRobot) -> None:
+        """Log once in each motion that drives are at their limits."""
+        limited = bool(robot.follower.simulation.at_limit.any())
+        if limited and not self._limited:
+            text = f"the robot may not follow: {robot.saturation()} so far"
+            self.get_logger().warning(text, throttle_duration_sec=_SELDOM)
+        self._limited = limited
 
     def _take(self, trajectory: JointTrajectory) -> None:
         assert self._robot is not None
@@ -145,7 +170,7 @@ class JointStateSimulatorNode(Node):
         assert self._robot is not None
         with self._robot.lock:
             self._robot.reset("ended by the service reset")
-            self._states.publish(self._robot.follower.actual)
+            self._publish_state(self._robot)
         response.success = True
         response.message = "the robot is at its initial position"
         return response
@@ -166,7 +191,7 @@ class JointStateSimulatorNode(Node):
         await standing
         self.destroy_timer(deadline)
         with robot.lock:
-            self._states.publish(robot.follower.actual)
+            self._publish_state(robot)
         for server in self._servers:
             await server.all_ended()
 

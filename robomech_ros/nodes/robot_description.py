@@ -126,7 +126,7 @@ def when_robot_known(
     settings : RobotSettings
         Its parameters.
     on_robot : callable
-        Called once.
+        Called once, and again after a RobomechError, with which it refuses a robot of the topic.
     completed : callable, optional
         Gives the robot what its description lacks.
 
@@ -154,11 +154,11 @@ def when_robot_known(
             return
         try:
             model = model_of(message.data)
+            on_robot(model)
         except RobomechError as error:
             node.get_logger().error(f"unusable robot on '{subscription.topic_name}': {error}")
             return
         known.append(model)
-        on_robot(model)
 
     subscription = node.create_subscription(String, TOPIC, receive, LATCHED)
     node.get_logger().info(f"waiting for the robot on topic '{subscription.topic_name}'")

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 NODES = {
+    "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",
     "robomech",

@@ -30,6 +30,7 @@ from robomech_ros.robots import load_description, load_robot
 
 PATIENCE = 60.0
 NODES = {
+    "/dynamics",
     "/joint_trajectory_controller",
     "/kinematics",
     "/servo",
@@ -364,6 +365,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
 @pytest.mark.parametrize(
     "node",
     [
+        "dynamics_node",
         "joint_state_simulator_node",
         "kinematics_node",
         "servo_node",

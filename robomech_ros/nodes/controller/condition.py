@@ -8,7 +8,11 @@ __all__ = ["robot_condition"]
 
 
 def robot_condition(robot: SimulatedRobot) -> Condition:
-    """Describe the robot; a warning while the last trajectory that came was refused."""
+    """Describe the robot.
+
+    A warning while the last trajectory that came was refused, or drives were at their limits since
+    the last motion began.
+    """
     with robot.lock:
         counts = robot.counts
         values = {
@@ -19,7 +23,11 @@ def robot_condition(robot: SimulatedRobot) -> Condition:
             "last end": counts.last_end,
             "last refusal": counts.last_refusal,
         }
-        return Condition(_summary(robot), bool(counts.last_refusal), values)
+        saturation = robot.saturation()
+        if robot.dynamic:
+            values["at effort limits"] = saturation
+        summary = "; ".join(part for part in (_summary(robot), saturation) if part)
+        return Condition(summary, bool(counts.last_refusal or saturation), values)
 
 
 def _summary(robot: SimulatedRobot) -> str:

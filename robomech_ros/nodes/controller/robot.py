@@ -3,7 +3,10 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
@@ -12,16 +15,22 @@ from robomech_ros.execution.given import read_waypoints
 from robomech_ros.execution.job import Job, Outcome
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.saturation import saturation_text
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.controller.given_trajectory import given_trajectory
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.controller.settings import (
+    DYNAMIC,
     ControllerSettings,
+    check_simulation,
     default_tolerances,
     follower_settings,
     initial_position,
 )
 from robomech_ros.robots import SerialChain
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.controller.dynamic_plant import DynamicPlant
 
 __all__ = ["Counts", "SimulatedRobot"]
 
@@ -63,7 +72,9 @@ class SimulatedRobot:
     Raises
     ------
     ParameterError
-        The initial position does not fit the robot.
+        The initial position does not fit the robot, or parameters do not go together.
+    MissingInertiaError, BadValueError
+        The robot is to be simulated with its dynamics, and its bodies are not known or impossible.
     """
 
     def __init__(
@@ -76,12 +87,37 @@ class SimulatedRobot:
         self.refuse_all = ""
         self._settings = settings
         self._clock = clock
+        check_simulation(settings)
         self._initial = initial_position(settings, chain)
+        self._plant = _dynamic_plant(chain, settings, self._initial)
         self._tolerances = default_tolerances(settings, chain.n)
         self.follower = Follower(
-            Joints.of(chain), self._initial, follower_settings(settings), self._clock.now()
+            Joints.of(chain),
+            self._initial,
+            follower_settings(settings),
+            self._clock.now(),
+            self._plant,
         )
         clock.on_jump(self.follower.clock_jumped)
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether forces move it."""
+        return self._plant is not None
+
+    def unlimited_joints(self) -> list[str]:
+        """Name the joints that forces without a limit move."""
+        limited = np.isfinite(self.chain.effort) | (not self.dynamic)
+        return [self.joint_names[int(joint)] for joint in np.flatnonzero(~limited)]
+
+    def saturation(self) -> str:
+        """Say which drives were at their limits since the last motion began; empty for none."""
+        return saturation_text(self.follower.simulation.at_limit, self.joint_names)
+
+    def carry(self, settings: ControllerSettings) -> None:
+        """Have it carry the payload of these settings from now on."""
+        if self._plant is not None:
+            self._plant.carry(settings)
 
     def advance(self) -> None:
         """Move on to the present time."""
@@ -158,3 +194,15 @@ class SimulatedRobot:
             on_end(outcome)
 
         return count
+
+
+def _dynamic_plant(
+    chain: SerialChain, settings: ControllerSettings, position: NDArray[np.float64]
+) -> "DynamicPlant | None":
+    """Make the drives and what they move; None where no forces are simulated."""
+    if settings.simulation != DYNAMIC:
+        return None
+    # Compiled code is loaded only where it is needed.
+    from robomech_ros.nodes.controller.dynamic_plant import DynamicPlant
+
+    return DynamicPlant(chain, settings, position)

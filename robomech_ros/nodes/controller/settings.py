@@ -12,14 +12,17 @@ from robomech_ros.nodes.robot_description import RobotSettings
 from robomech_ros.robots import SerialChain
 
 __all__ = [
+    "DYNAMIC",
     "FRAMES_AUTO",
     "FRAMES_NEVER",
     "ControllerSettings",
+    "check_simulation",
     "default_tolerances",
     "follower_settings",
     "initial_position",
 ]
 
+KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
 SPLINES, NO_INTERPOLATION = "splines", "none"
 
@@ -107,9 +110,50 @@ class ControllerSettings(RobotSettings):
         1e6,
         "s",
     )
+    simulation: str = parameter(
+        KINEMATIC,
+        "How the robot is simulated: kinematic = the joints are where they are wanted, or behind "
+        "by tracking_lag; dynamic = drives move them, through mass, friction and effort limits",
+        choices=(KINEMATIC, DYNAMIC),
+    )
+    dynamic_control: str = parameter(
+        "computed-torque",
+        "Dynamic: what controls the drives: computed-torque, or pd-gravity = PD with the efforts "
+        "that hold the robot against gravity",
+        choices=("computed-torque", "pd-gravity"),
+    )
+    dynamic_bandwidth: float = parameter(
+        50.0, "Dynamic: natural frequency with which errors decay", 1.0, 200.0, "rad/s"
+    )
+    dynamic_damping: float = parameter(
+        1.0, "Dynamic: damping ratio with which errors decay; 1 = critical", 0.1, 2.0
+    )
+    gravity: tuple[float, ...] = parameter(
+        (0.0, 0.0, -9.81),
+        "Dynamic: acceleration of gravity in the base link of the chain, towards where things fall",
+        -1000.0,
+        1000.0,
+        "m/s^2",
+    )
+    payload_mass: float = parameter(
+        0.0,
+        "Dynamic: mass at the tip that the controller of the drives does not know of",
+        0.0,
+        1000.0,
+        "kg",
+        read_only=False,
+    )
+    payload_com: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Dynamic: where that mass is, as a point in the frame of the tip",
+        -10.0,
+        10.0,
+        "m",
+        read_only=False,
+    )
     tracking_lag: float = parameter(
         0.0,
-        "Time constant with which the simulated joints follow what is wanted; 0 = exactly",
+        "Kinematic: time constant with which the joints follow what is wanted; 0 = exactly",
         0.0,
         100.0,
         "s",
@@ -165,6 +209,24 @@ class ControllerSettings(RobotSettings):
         2**31 - 1,
         read_only=False,
     )
+
+
+def check_simulation(settings: ControllerSettings) -> None:
+    """Check that parameters of the simulation go together.
+
+    Raises
+    ------
+    ParameterError
+        One belongs to the other kind of simulation, or a vector does not have three numbers.
+    """
+    other = "tracking_lag" if settings.simulation == DYNAMIC else "payload_mass"
+    value = getattr(settings, other)
+    if value:
+        raise ParameterError(other, value, f"0 with simulation: {settings.simulation}")
+    for name in ("gravity", "payload_com"):
+        vector = getattr(settings, name)
+        if len(vector) != 3:
+            raise ParameterError(name, list(vector), "a list of 3 numbers: x, y, z")
 
 
 def follower_settings(settings: ControllerSettings) -> FollowerSettings:

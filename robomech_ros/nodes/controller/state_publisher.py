@@ -18,7 +18,8 @@ _DEPTH = 10
 class StatePublisher:
     """Publishes the positions and velocities of all joints of a robot, in the order of its URDF.
 
-    Joints that do not belong to the chain stand still at 0, or at the limit nearest to it.
+    Joints that do not belong to the chain stand still at 0, or at the limit nearest to it; their
+    efforts are not known, NaN.
 
     Parameters
     ----------
@@ -26,9 +27,11 @@ class StatePublisher:
         Owner of the publisher.
     model : RobotModel
         The robot and its chain.
+    with_effort : bool
+        Whether there are efforts to be published.
     """
 
-    def __init__(self, node: Node, model: RobotModel) -> None:
+    def __init__(self, node: Node, model: RobotModel, with_effort: bool) -> None:
         joints = [joint for joint in model.description.joints if joint.moves and not joint.mimic]
         rest = np.array([min(max(0.0, joint.lower), joint.upper) for joint in joints])
         names = [joint.name for joint in joints]
@@ -38,6 +41,9 @@ class StatePublisher:
             name=names, position=floats(rest), velocity=floats(np.zeros(len(names)))
         )
         # The message's arrays, written in place.
+        if with_effort:
+            self._message.effort = floats(np.full(len(names), np.nan))
+        self._effort = np.frombuffer(self._message.effort) if with_effort else None
         self._position = np.frombuffer(self._message.position)
         self._velocity = np.frombuffer(self._message.velocity)
         self._publisher = node.create_publisher(JointState, "joint_states", _DEPTH)
@@ -47,10 +53,12 @@ class StatePublisher:
         """Position (rad or m) of every joint, as published last."""
         return dict(zip(self._message.name, self._message.position, strict=True))
 
-    def publish(self, state: State) -> None:
-        """Publish a state with the present time."""
+    def publish(self, state: State, effort: NDArray[np.float64] | None) -> None:
+        """Publish a state, and what the drives exert (N m or N), with the present time."""
         self._put(self._position, state.position)
         self._put(self._velocity, state.velocity)
+        if self._effort is not None and effort is not None:
+            self._put(self._effort, effort)
         stamp = self._message.header.stamp
         stamp.sec, stamp.nanosec = self._clock.now().seconds_nanoseconds()
         self._publisher.publish(self._message)
