@@ -1,6 +1,6 @@
 """The boundary of what the positioning part of an arm reaches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -241,7 +241,7 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
     """
     section = section_of(chain, respect_limits=respect_limits)
-    pieces, cusps, nodes = divide(section)
+    pieces, cusps, nodes = _divided(section)
     roles = _roles(pieces, section.size)
     curves = tuple(
         BoundaryCurve(role, _cause(section, piece), piece.points, piece.q, piece.more, piece.fewer)
@@ -250,6 +250,24 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     least, greatest = _reach(section, pieces)
     coordinates = ("x", "y") if section.slides[0] else ("rho", "z")
     return Workspace(chain.name, coordinates, curves, cusps, nodes, least, greatest, section)
+
+
+def _divided(section: Section) -> tuple[list[Piece], Array, Array]:
+    """Divide a section in units of the arm's size: steps and tolerances suit one of some metres."""
+    unit = section.size
+    pieces, cusps, nodes = divide(section.over(unit))
+    units = np.where(section.slides[1:], unit, 1.0)
+    bounds = section.lower[1:], section.upper[1:]
+    placed = []
+    for piece in pieces:
+        q = piece.q * units
+        # Slides are at their ends to the last digit, and not beyond.
+        q = np.where(section.round[1:], q, np.clip(q, *bounds))
+        if piece.limit:
+            bound = bounds[piece.limit == "upper"]
+            q[:, piece.joint - 1] = bound[piece.joint - 1]
+        placed.append(replace(piece, q=q, points=section.image(q[:, 0], q[:, 1])))
+    return placed, cusps * unit, nodes * unit
 
 
 def _cause(section: Section, piece: Piece) -> str:

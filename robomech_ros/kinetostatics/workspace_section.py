@@ -11,7 +11,7 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +118,17 @@ class Section:
             return points[..., :2]
         return np.stack((np.hypot(points[..., 0], points[..., 1]), points[..., 2]), axis=-1)
 
+    def image_gradient(self, u: Array, v: Array) -> Array:
+        """Give the derivatives of the coordinates, shape (k, 2, 2) (m per rad or m)."""
+        p, pu, pv = self.derivatives(u, v, 1)
+        if self.slides[0]:
+            first, second = (pu[0], pv[0]), (pu[1], pv[1])
+        else:
+            rho = np.maximum(np.hypot(p[0], p[1]), 1e-300)
+            first = tuple((p[0] * d[0] + p[1] * d[1]) / rho for d in (pu, pv))
+            second = (pu[2], pv[2])
+        return np.stack((np.stack(first, -1), np.stack(second, -1)), axis=1)
+
     def regular(self, u: Array, v: Array) -> tuple[Array, ...]:
         """Give first and second derivatives of smooth coordinates a and b of the section.
 
@@ -179,6 +190,23 @@ class Section:
         """Give points (..., 3) of the frame of joint 1 in the base (m)."""
         moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
         return moved
+
+    def over(self, unit: float) -> "Section":
+        """Give the same arm with all lengths divided by a unit (m)."""
+        frames = [self.base.copy(), self.first.copy(), self.second.copy()]
+        for T in frames:
+            T[:3, 3] /= unit
+        divisor = np.where(np.array(self.slides) & ~self.round, unit, 1.0)
+        return replace(
+            self,
+            base=frames[0],
+            first=frames[1],
+            second=frames[2],
+            point=self.point / unit,
+            lower=self.lower / divisor,
+            upper=self.upper / divisor,
+            size=self.size / unit,
+        )
 
 
 def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -> list[Array]:

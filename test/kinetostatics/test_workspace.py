@@ -3,6 +3,7 @@
 import functools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.kinetostatics.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
+from robomech_ros.robots.chain import PRISMATIC, pack_chain, unpack_chain
 
 H = math.pi / 2
 
@@ -288,6 +290,27 @@ def test_a_planar_arm_in_closed_form():
     points = [[0.3, 0.4, 0.0], [0.0, 0.1, 0.0], [0.0, 1.1, 0.4]]
     assert space.solution_count(points).tolist() == [2, 0, 0]
     assert space.distance(points) == pytest.approx([0.3, -0.1, -0.5], abs=1e-6)
+
+
+def scaled(chain, factor):
+    """Give an arm with all its lengths multiplied."""
+    C, slides = unpack_chain(chain.packed).copy(), chain.types == PRISMATIC
+    C[:, :3, 3] *= factor
+    lower, upper = (np.where(slides, factor, 1.0) * ends for ends in (chain.lower, chain.upper))
+    return replace(chain, packed=pack_chain(C, chain.types), lower=lower, upper=upper)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e4])
+def test_the_size_of_an_arm_does_not_matter(factor):
+    chain = arm("stanford", True)
+    usual, other = space_of("stanford", True), workspace_boundary(scaled(chain, factor))
+    assert len(usual.curves) == len(other.curves)
+    assert len(usual.nodes) == len(other.nodes) > 0
+    assert other.greatest_reach == pytest.approx(factor * usual.greatest_reach)
+    points = np.array([[0.3, 0.2, 0.1], [0.0, 0.0, 3.0], [0.1, -0.4, 0.3]])
+    assert other.distance(factor * points) == pytest.approx(
+        factor * usual.distance(points), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("name", ["ur5e", "panda", "diestro"])
