@@ -1,5 +1,6 @@
 """The examples in doc/: every block of Python runs, every robot in YAML loads; no ROS needed."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -18,12 +19,36 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
 
+# What a comment behind an expression says of its value: a literal, or a number and its unit.
+SHOWN = re.compile(r"  # (True|False|None|\('.*?'\)|-?\d+(?:\.\d+)?)(?= |$|[,;:])")
+
+
+def agrees(value: object, shown: str) -> bool:
+    """Whether a value is what a comment says, a number to the digits that it has."""
+    wanted = ast.literal_eval(shown)
+    if isinstance(wanted, bool | None | tuple):
+        return value == wanted
+    half = 0.5 * 10.0 ** -len(shown.partition(".")[2])
+    return abs(float(value) - wanted) <= half * (1.0 + 1e-9)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.stem)
-def test_python_examples_run(page, monkeypatch, tmp_path):
+def test_python_examples_run_and_give_what_their_comments_say(page, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for source in blocks(page, "python"):
-        exec(compile(source, str(page), "exec"), names)
+        lines = source.splitlines()
+        for statement in ast.parse(source).body:
+            text = ast.unparse(statement)
+            exec(compile(text, str(page), "exec"), names)
+            shown = SHOWN.search(lines[(statement.end_lineno or 1) - 1])
+            if shown is None:
+                continue
+            if isinstance(statement, ast.Assign):
+                value = names[ast.unparse(statement.targets[0])]
+            else:
+                value = eval(text, names)
+            assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
 
 
 def test_robot_in_yaml_loads_and_the_file_beside_a_urdf_is_accepted(tmp_path):

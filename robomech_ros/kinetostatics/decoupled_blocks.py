@@ -13,9 +13,24 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.points import point_jacobian
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["DecoupledJacobian", "decoupled_jacobian"]
+__all__ = ["DecoupledJacobian", "Wrist", "decoupled_jacobian", "wrist_of"]
 
 Array = NDArray[np.float64]
+
+
+class Wrist(NamedTuple):
+    """The centre of a spherical wrist after three joints.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (3,)
+        In the frame of the tip (m).
+    exact : bool
+        Whether the axes meet there to rounding, not just within 1e-5 of the arm's size.
+    """
+
+    centre: Array
+    exact: bool
 
 
 class DecoupledJacobian(NamedTuple):
@@ -76,19 +91,20 @@ def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.
     """
     check_chain(chain)
-    centre = _wrist_centre(chain)
-    if centre is None:
+    wrist = wrist_of(chain)
+    if wrist is None:
         expected = "three joints that move a point freely, then three revolute ones through it"
         raise BadValueError("chain", chain.name, expected)
-    J = point_jacobian(chain, q, centre)
-    return DecoupledJacobian(J[..., :3, :3], J[..., :3, 3:], J[..., 3:, :3], centre)
+    J = point_jacobian(chain, q, wrist.centre)
+    return DecoupledJacobian(J[..., :3, :3], J[..., :3, 3:], J[..., 3:, :3], wrist.centre)
 
 
 @functools.lru_cache(maxsize=64)
-def _wrist_centre(chain: SerialChain) -> Array | None:
+def wrist_of(chain: SerialChain) -> Wrist | None:
+    """Find the spherical wrist of an arm of six joints; None where there is none."""
     data = decoupled.match(chain)
     if data is None:
         return None
     centre = data[decoupled_layout.CENTRE : decoupled_layout.CENTRE + 3].copy()
     centre.setflags(write=False)
-    return centre
+    return Wrist(centre, bool(data[decoupled_layout.EXACT]))

@@ -11,7 +11,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["TIP", "as_point", "point_jacobian"]
+__all__ = ["TIP", "as_point", "point_jacobian", "rotation_of"]
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def point_jacobian(
     if axes is None:
         return J
     # Rows of R^T, for each half.
-    turn = np.swapaxes(_rotation(chain, q, axes), -1, -2)
+    turn = np.swapaxes(rotation_of(chain, q, axes), -1, -2)
     return np.concatenate((turn @ J[..., :3, :], turn @ J[..., 3:, :]), axis=-2)
 
 
@@ -87,8 +87,29 @@ def as_point(point: ArrayLike) -> Array:
     return np.ascontiguousarray(arm)
 
 
-def _rotation(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
-    """Give the rotation ``R_base_axes``, that of a link for every row of q."""
+def rotation_of(chain: SerialChain, q: Array, axes: ArrayLike | str) -> Array:
+    """Give the rotation ``R_base_axes`` of axes, that of a link for every row of q.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : ndarray, shape (n,) or (..., n)
+        Joint values (rad or m).
+    axes : str or array_like, shape (3, 3)
+        The name of a link, or the rotation itself.
+
+    Returns
+    -------
+    ndarray, shape (3, 3) or (..., 3, 3)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        No rotation.
+    UnknownLinkError
+        The chain has no such link.
+    """
     if isinstance(axes, str):
         part = chain.with_tip(axes)
         return forward_kinematics(part, q[..., : part.n])[..., :3, :3]

@@ -1,18 +1,15 @@
 """Joint rates from the twist of the tip."""
 
-import functools
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import decoupled_layout, rates
+from robomech_ros._kernels import rates
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics import decoupled
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.kinetostatics.indices import as_length
+from robomech_ros.kinetostatics.points import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial import as_rotation
 from robomech_ros.spatial.arrays import as_finite, real_number
 
 __all__ = ["joint_rates"]
@@ -22,28 +19,13 @@ Array = NDArray[np.float64]
 _LARGEST_DAMPING = 1e9
 
 
-class _Wrist(NamedTuple):
-    """Whether the last three axes meet, and where in the tip frame (m)."""
-
-    spherical: bool
-    centre: Array
-
-
-@functools.lru_cache(maxsize=64)
-def _wrist(chain: SerialChain) -> _Wrist:
-    data = decoupled.match(chain)
-    if data is None or not data[decoupled_layout.EXACT]:
-        return _Wrist(False, np.zeros(3))
-    return _Wrist(True, data[decoupled_layout.CENTRE : decoupled_layout.CENTRE + 3].copy())
-
-
 def joint_rates(
     chain: SerialChain,
     q: ArrayLike,
     twist: ArrayLike,
     *,
-    point: ArrayLike = (0.0, 0.0, 0.0),
-    axes: ArrayLike | None = None,
+    point: ArrayLike = TIP,
+    axes: ArrayLike | str | None = None,
     length: float | None = None,
     damping: float = 0.0,
     secondary: ArrayLike | None = None,
@@ -72,9 +54,9 @@ def joint_rates(
         or one each.
     point : array_like, shape (3,), optional
         Of the tip link, in its frame (m), that has the twist; default the tip's origin.
-    axes : array_like, shape (3, 3), optional
-        Rotation ``R_base_axes`` of the frame in whose axes the twist is expressed; default the
-        base.
+    axes : str or array_like, shape (3, 3), optional
+        In what axes the twist is expressed: the name of a link, such as ``chain.tip``, or a
+        rotation ``R_base_axes``; default the base.
     length : float, optional
         What linear velocities are divided by where errors and singular values are measured (m),
         such as the characteristic length; default 1 m.
@@ -94,6 +76,8 @@ def joint_rates(
     BadValueError, WrongSizeError, NonFiniteError
         An argument is not as described, the length is not from 1e-9 to 1e9 m, the damping not from
         0 to 1e9, or the rates are too large for a number.
+    UnknownLinkError
+        The chain has no link with the name of the axes.
 
     References
     ----------
@@ -105,18 +89,16 @@ def joint_rates(
     if not chain.n:
         raise BadValueError("chain", chain.name, "one with a joint")
     rows = as_rows(q)
-    twists = _twists(twist, q.shape[:-1], axes)
+    twists = _twists(chain, q, twist, axes)
     metres = 1.0 if length is None else as_length(length)
     wished = np.empty((0, chain.n)) if secondary is None else _secondary(chain, secondary, q)
-    arm = as_finite("point", point, (3,))
-    if arm.ndim != 1:
-        raise WrongSizeError("point", arm.shape, (3,))
-    wrist = _wrist(chain)
+    arm, wrist = as_point(point), wrist_of(chain)
+    split = wrist is not None and wrist.exact
     out = np.empty(rows.shape)
     if rates.joint_rates(
         chain.packed,
-        wrist.spherical,
-        wrist.centre,
+        split,
+        arm if wrist is None else wrist.centre,
         arm,
         metres,
         _damping(damping),
@@ -132,18 +114,17 @@ def joint_rates(
     return out.reshape(q.shape)
 
 
-def _twists(twist: ArrayLike, batch: tuple[int, ...], axes: ArrayLike | None) -> Array:
+def _twists(chain: SerialChain, q: Array, twist: ArrayLike, axes: ArrayLike | str | None) -> Array:
     """Give the twists in base axes, one row for each row of q."""
-    given = as_finite("twist", twist, (6,))
+    given, batch = as_finite("twist", twist, (6,)), q.shape[:-1]
     if given.ndim > 1 and given.shape[:-1] != batch:
         raise WrongSizeError("twist", given.shape, f"(6,) or {(*batch, 6)}, as q")
     if axes is not None:
-        turn = as_rotation(axes, what="axes")
-        if turn.ndim != 2:
-            raise WrongSizeError("axes", turn.shape, (3, 3))
+        back = np.swapaxes(rotation_of(chain, q, axes), -1, -2)
         parts = given.reshape(*given.shape[:-1], 2, 3)
         with np.errstate(over="ignore", invalid="ignore"):
-            given = (parts @ turn.T).reshape(given.shape)
+            turned = parts @ back
+        given = turned.reshape(*turned.shape[:-2], 6)
     return np.ascontiguousarray(as_rows(np.broadcast_to(given, (*batch, 6))))
 
 

@@ -1,6 +1,6 @@
 """The boundary of what the positioning part of an arm reaches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -22,6 +22,8 @@ Role = Literal["outer", "inner", "interior"]
 
 # Ends of curves nearer to each other than this, over the arm's size, are joined.
 _JOINED = 1e-5
+# Points nearer to the plane of a planar arm than this, over the arm's size, are in it.
+_IN_PLANE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +39,9 @@ class BoundaryCurve:
     points : ndarray, shape (k, 2)
         rho and z, or x and y (m); the side with more postures is on the left.
     q : ndarray, shape (k, 2)
-        Values of joints 2 and 3 there (rad or m).
+        Values of joints 2 and 3 there, of a planar arm of joints 1 and 2 (rad or m).
     more, fewer : int
-        Postures of the three joints on either side, the first joint being free.
+        Postures on either side, the first of three joints being free.
     """
 
     role: Role
@@ -52,7 +54,7 @@ class BoundaryCurve:
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """What the first three joints of an arm reach with the point that they place.
+    """What the first joints of an arm reach with the point that they place.
 
     Points are given in the base of the chain (m). Make one with :func:`workspace_boundary`.
 
@@ -62,7 +64,8 @@ class Workspace:
         The robot.
     coordinates : tuple of two str
         ``("rho", "z")``: distance from axis 1 and height along it; ``("x", "y")`` across the
-        slide where the first joint is one.  Both are those of the frame of joint 1.
+        slide where the first joint is one, all in the frame of joint 1; or in the plane of a planar
+        arm, from joint 1, with the axes of :func:`planar_rows`.
     curves : tuple of BoundaryCurve
         They divide the section into regions with different numbers of postures.
     cusps, nodes : ndarray, shape (k, 2)
@@ -84,9 +87,11 @@ class Workspace:
     section: Section
 
     def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
-        """Count the postures of the three joints, inside all limits, at points (..., 3) (m)."""
+        """Count the postures of these joints, inside all limits, at points (..., 3) (m)."""
         rows = as_finite("points", points, (3,))
-        counts: NDArray[np.int64] = self._postures.count(rows.reshape(-1, 3))
+        flat = rows.reshape(-1, 3)
+        counts: NDArray[np.int64] = self._postures.count(flat)
+        counts[self._beyond(self.section.in_frame(flat)) > 0.0] = 0
         return counts.reshape(rows.shape[:-1])
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
@@ -95,7 +100,7 @@ class Workspace:
         return inside
 
     def section_count(self, coordinates: ArrayLike) -> NDArray[np.int64]:
-        """Count the postures at points (..., 2) of the section, the first joint being free (m)."""
+        """Count postures at points (..., 2) of the section, the first of three being free (m)."""
         rows = as_finite("coordinates", coordinates, (2,))
         points = self.section.on_section(rows.reshape(-1, 2))
         counts: NDArray[np.int64] = self._free_postures.count(points)
@@ -112,9 +117,9 @@ class Workspace:
         Returns
         -------
         ndarray, shape (...)
-            m; limits of all three joints included.  Where the nearest point is on an edge that
+            m; limits of all these joints included.  Where the nearest point is on an edge that
             the limits of the first joint make, it is exact to some thousandths of the arm's size,
-            else to a millionth.
+            else to a millionth.  What is beside the plane of a planar arm is outside.
 
         Raises
         ------
@@ -129,7 +134,9 @@ class Workspace:
         else:
             found = self._limited.distance(local)
         signed: Array = np.where(self._postures.count(flat) > 0, found, -found)
-        return signed.reshape(rows.shape[:-1])
+        beyond = self._beyond(local)
+        away = -np.hypot(beyond, np.minimum(signed, 0.0))
+        return np.where(beyond > 0.0, away, signed).reshape(rows.shape[:-1])
 
     def swept(self, azimuth: float, *, curve: BoundaryCurve) -> Array:
         """Give a curve's points (k, 3) in the base, turned by an azimuth (rad) or slid (m)."""
@@ -139,6 +146,12 @@ class Workspace:
         else:
             local = np.column_stack((np.cos(azimuth) * x, np.sin(azimuth) * x, y))
         return self.section.in_base(local)
+
+    def _beyond(self, local: Array) -> Array:
+        """Give how far points (m, 3) in the frame of joint 1 are from a planar arm's plane (m)."""
+        height = np.abs(local[:, 2])
+        inside = height <= _IN_PLANE * self.section.size
+        return np.where(inside | (not self.section.flat), 0.0, height)
 
     def to_dict(self) -> dict[str, Any]:
         """Give the curves and features as plain numbers, lists and text, fit for JSON or YAML."""
@@ -199,16 +212,18 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
 
     The part is the first three joints, and the point is what they place: the centre of a
     spherical wrist, or the tip of an arm of three joints.  Its singular postures, and those with
-    a joint at a limit, are curves in the plane section that the first joint sweeps.
+    a joint at a limit, are curves in the plane section that the first joint sweeps.  Of a planar
+    arm two joints place its tip, or the axis of a third, and the section is its plane.
 
     Parameters
     ----------
     chain : SerialChain
         An arm with a spherical wrist after any three joints, or one of three joints; also arms of
-        four and five joints whose later axes pass through one point.
+        four and five joints whose later axes pass through one point; planar arms of two joints, or
+        of three of which the last turns.
     respect_limits : bool, optional
-        Whether the limits of turning joints count; those of slides always do, but for a first
-        one's.
+        Whether the limits of turning joints count; those of slides always do, but for the one
+        that moves a section.
 
     Returns
     -------
@@ -226,10 +241,10 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
     """
     section = section_of(chain, respect_limits=respect_limits)
-    pieces, cusps, nodes = divide(section)
+    pieces, cusps, nodes = _divided(section)
     roles = _roles(pieces, section.size)
     curves = tuple(
-        BoundaryCurve(role, _cause(chain, piece), piece.points, piece.q, piece.more, piece.fewer)
+        BoundaryCurve(role, _cause(section, piece), piece.points, piece.q, piece.more, piece.fewer)
         for role, piece in zip(roles, pieces, strict=True)
     )
     least, greatest = _reach(section, pieces)
@@ -237,8 +252,26 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     return Workspace(chain.name, coordinates, curves, cusps, nodes, least, greatest, section)
 
 
-def _cause(chain: SerialChain, piece: Piece) -> str:
-    return f"{chain.joint_names[piece.joint]} {piece.limit}" if piece.limit else "singular"
+def _divided(section: Section) -> tuple[list[Piece], Array, Array]:
+    """Divide a section in units of the arm's size: steps and tolerances suit one of some metres."""
+    unit = section.size
+    pieces, cusps, nodes = divide(section.over(unit))
+    units = np.where(section.slides[1:], unit, 1.0)
+    bounds = section.lower[1:], section.upper[1:]
+    placed = []
+    for piece in pieces:
+        q = piece.q * units
+        # Slides are at their ends to the last digit, and not beyond.
+        q = np.where(section.round[1:], q, np.clip(q, *bounds))
+        if piece.limit:
+            bound = bounds[piece.limit == "upper"]
+            q[:, piece.joint - 1] = bound[piece.joint - 1]
+        placed.append(replace(piece, q=q, points=section.image(q[:, 0], q[:, 1])))
+    return placed, cusps * unit, nodes * unit
+
+
+def _cause(section: Section, piece: Piece) -> str:
+    return f"{section.names[piece.joint]} {piece.limit}" if piece.limit else "singular"
 
 
 def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:

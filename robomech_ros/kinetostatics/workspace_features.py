@@ -273,7 +273,7 @@ def _nodes(
             u, v = q[side, :, 0], q[side, :, 1]
             place = slice(2 * side, 2 * side + 2)
             values[:, :2] += sign * section.image(u, v)
-            J[:, :2, place] = sign * _image_gradient(section, u, v)
+            J[:, :2, place] = sign * section.image_gradient(u, v)
             f, fu, fv = section.determinant_gradient(u, v)
             at_limit = joint[side] > 0
             values[:, 2 + side] = np.where(at_limit, 0.0, f)
@@ -295,14 +295,3 @@ def _nodes(
     sound &= np.abs(between).max(axis=1) > 1e-5
     sound &= (section.round[1:] | ((q >= lower) & (q <= upper))).all(axis=(0, 2))
     return q, points, sound
-
-
-def _image_gradient(section: Section, u: Array, v: Array) -> Array:
-    """Give the derivatives of the coordinates, shape (k, 2, 2)."""
-    p, pu, pv = section.derivatives(u, v, 1)
-    if section.slides[0]:
-        rows = np.stack((np.stack((pu[0], pv[0]), -1), np.stack((pu[1], pv[1]), -1)), axis=1)
-        return rows
-    rho = np.maximum(np.hypot(p[0], p[1]), 1e-300)
-    au, av = (p[0] * pu[0] + p[1] * pu[1]) / rho, (p[0] * pv[0] + p[1] * pv[1]) / rho
-    return np.stack((np.stack((au, av), -1), np.stack((pu[2], pv[2]), -1)), axis=1)

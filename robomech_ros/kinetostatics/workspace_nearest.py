@@ -87,10 +87,7 @@ class NearestOnCurves:
         along[joint == 1] = (0.0, 1.0)
         along[joint == 2] = (1.0, 0.0)
         along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
-        h = 1e-6
-        ahead = section.image(u + h * along[:, 0], v + h * along[:, 1])
-        behind = section.image(u - h * along[:, 0], v - h * along[:, 1])
-        velocity = (ahead - behind) / (2.0 * h)
+        velocity = np.einsum("kij,kj->ki", section.image_gradient(u, v), along)
         gap = coordinates - section.image(u, v)
         step = (gap * velocity).sum(axis=1) / np.maximum((velocity**2).sum(axis=1), 1e-300)
         moved = q + np.clip(step, -longest, longest)[:, None] * along

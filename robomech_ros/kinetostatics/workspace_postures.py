@@ -78,6 +78,9 @@ class PointPostures:
     """
 
     def __init__(self, section: Section, *, first_free: bool) -> None:
+        # In units of the arm's size, as tolerances suit arms of some metres.
+        self._unit = section.size
+        section = section.over(self._unit)
         types = np.array([*(PRISMATIC if s else REVOLUTE for s in section.slides), 0, 0, 0])
         bounds = np.stack((section.lower, section.upper))
         bounds[:, section.round] = ((-np.inf,), (np.inf,))
@@ -117,16 +120,14 @@ class PointPostures:
             counts[part] = self._unflipped(points[part])[1].sum(axis=1)
         return counts
 
-    def at(self, point: Array) -> Array:
-        """Give the postures (k, 3) of the first three joints at a point (3,) of the base (m)."""
-        q, kept = self._unflipped(point[None])
-        return np.ascontiguousarray(q[0, kept[0], :3])
-
     def _unflipped(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Solve for points (m, 3); give solutions (m, 16, 6) and which stand for one posture."""
+        """Solve for points (m, 3) of the base (m); give solutions (m, 16, 6) in units of the size.
+
+        Also which of them, (m, 16), stand for one posture each.
+        """
         T = np.zeros((len(points), 4, 4))
         T[:, :3, :3] = _ORIENTATION
-        T[:, :3, 3] = points
+        T[:, :3, 3] = points / self._unit
         T[:, 3, 3] = 1.0
         q, counts = solved(self._family, T, self._seed, bounded=True)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]

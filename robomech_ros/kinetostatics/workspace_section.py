@@ -2,30 +2,30 @@
 
 The first joint moves the whole space of the other two along circles about its axis, or along its
 slide.  What is left is a map of two joint values to the plane: ``(rho, z)`` in the half-plane that
-turns about axis 1, or ``(x, y)`` across a slide.  Its singular set is where det J21 vanishes.
+turns about axis 1, or ``(x, y)`` across a slide.  Its singular set is where det J21 vanishes.  A
+planar arm is its own section: its two joints count as the second and the third, after a slide
+across its plane that stands still.
 
 References
 ----------
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
 """
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import ARM_RANK, CONCURRENT
+from robomech_ros._kernels.tolerances import ARM_RANK
 from robomech_ros.errors import BadValueError, MissingLimitsError
-from robomech_ros.kinematics.decoupled import common_point, nearest_points
-from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics.positioning_part import PositioningPart, positioning_part
 from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["Section", "point_in_tip", "positioned_point", "section_of"]
+__all__ = ["Section", "section_of"]
 
 Array = NDArray[np.float64]
 
-_POSITIONING = 3
 # Nodes in each direction on which it is looked whether the arm is singular everywhere.
 _LOOK = 24
 
@@ -36,6 +36,8 @@ class Section:
 
     Parameters
     ----------
+    names : tuple of three str
+        Of the joints; that of a planar arm's slide is empty.
     slides : tuple of three bool
         Which of the joints are prismatic.
     base : ndarray, shape (4, 4)
@@ -50,8 +52,11 @@ class Section:
         Which of them turn all the way round, or, of the first joint, have no limit.
     size : float
         Of the arm, its slides at their farthest (m).
+    flat : bool
+        Whether the arm is a planar one.
     """
 
+    names: tuple[str, str, str]
     slides: tuple[bool, bool, bool]
     base: Array
     first: Array
@@ -61,6 +66,7 @@ class Section:
     upper: Array
     round: NDArray[np.bool_]
     size: float
+    flat: bool
 
     def derivatives(self, u: Array, v: Array, order: int = 2) -> tuple[Array, ...]:
         """Give the point before joint 1 moves it, and its derivatives by the other two values.
@@ -96,7 +102,7 @@ class Section:
 
     @staticmethod
     def _through(T: Array, vectors: Array, *, shifted: bool) -> Array:
-        turned: Array = np.tensordot(T[:3, :3], vectors, axes=1)
+        turned: Array = (T[:3, :3] @ vectors.reshape(3, -1)).reshape(vectors.shape)
         if shifted:
             turned = turned + T[:3, 3].reshape((3,) + (1,) * (vectors.ndim - 1))
         return turned
@@ -111,6 +117,17 @@ class Section:
         if self.slides[0]:
             return points[..., :2]
         return np.stack((np.hypot(points[..., 0], points[..., 1]), points[..., 2]), axis=-1)
+
+    def image_gradient(self, u: Array, v: Array) -> Array:
+        """Give the derivatives of the coordinates, shape (k, 2, 2) (m per rad or m)."""
+        p, pu, pv = self.derivatives(u, v, 1)
+        if self.slides[0]:
+            first, second = (pu[0], pv[0]), (pu[1], pv[1])
+        else:
+            rho = np.maximum(np.hypot(p[0], p[1]), 1e-300)
+            first = tuple((p[0] * d[0] + p[1] * d[1]) / rho for d in (pu, pv))
+            second = (pu[2], pv[2])
+        return np.stack((np.stack(first, -1), np.stack(second, -1)), axis=1)
 
     def regular(self, u: Array, v: Array) -> tuple[Array, ...]:
         """Give first and second derivatives of smooth coordinates a and b of the section.
@@ -174,6 +191,23 @@ class Section:
         moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
         return moved
 
+    def over(self, unit: float) -> "Section":
+        """Give the same arm with all lengths divided by a unit (m)."""
+        frames = [self.base.copy(), self.first.copy(), self.second.copy()]
+        for T in frames:
+            T[:3, 3] /= unit
+        divisor = np.where(np.array(self.slides) & ~self.round, unit, 1.0)
+        return replace(
+            self,
+            base=frames[0],
+            first=frames[1],
+            second=frames[2],
+            point=self.point / unit,
+            lower=self.lower / divisor,
+            upper=self.upper / divisor,
+            size=self.size / unit,
+        )
+
 
 def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -> list[Array]:
     """Apply a joint to vectors (3, ...): the result and its first two derivatives.
@@ -196,79 +230,13 @@ def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -
     return [np.stack((a, b, z + none)), np.stack((-b, a, none)), np.stack((-a, -b, none))]
 
 
-def positioned_point(chain: SerialChain) -> Array:
-    """Find the point that the first three joints of an arm place and the later ones leave.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of three joints (its tip), or of four to six of which those after the third turn about
-        axes through one point: the centre of the wrist; of four, about an axis through the tip.
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        In the frame that moves with joint 3 (m).
-
-    Raises
-    ------
-    BadValueError
-        There is no such point.
-    """
-    check_chain(chain)
-    C = unpack_chain(chain.packed)
-    found = None
-    if 3 <= chain.n <= 6 and not chain.types[3:].any():
-        found = _height_on_axis_4(C, chain.n)
-    if found is None:
-        expected = (
-            "one whose first three joints place a point that the others leave where it is: an arm "
-            "with a spherical wrist, or of three joints"
-        )
-        raise BadValueError("chain", f"{chain.name}, {chain.n} joints", expected)
-    point: Array = (C[3] @ (0.0, 0.0, found, 1.0))[:3]
-    return point
-
-
-def point_in_tip(chain: SerialChain) -> Array:
-    """Give the point of :func:`positioned_point` in the frame of the tip, shape (3,) (m).
-
-    Raises
-    ------
-    BadValueError
-        There is none.
-    """
-    point = positioned_point(chain)
-    tail = unpack_chain(chain.packed)[3:]
-    # On all later axes, the point stays where it is whatever their joints do.
-    pose = np.eye(4)
-    for T in tail:
-        pose = pose @ T
-    found: Array = pose[:3, :3].T @ (point - pose[:3, 3])
-    return found
-
-
-def _height_on_axis_4(C: Array, joints: int) -> float | None:
-    """Find the height (m) of the point over the frame after joint 3; None where there is none."""
-    size = float(np.linalg.norm(C[1:, :3, 3], axis=1).sum()) or 1.0
-    if joints == 3:
-        return 0.0
-    if joints == 4:
-        return float(C[4, 2, 3]) if math.hypot(*C[4, :2, 3]) <= CONCURRENT * size else None
-    if joints == 5:
-        pair = nearest_points(C[4])
-        return None if pair is None or pair[2] > CONCURRENT * size else pair[0]
-    centre = common_point(C[4], C[5])
-    return None if centre is None or centre[2] > CONCURRENT * size else centre[0]
-
-
 def section_of(chain: SerialChain, *, respect_limits: bool = True) -> Section:
     """Make the section of an arm's positioning part.
 
     Parameters
     ----------
     chain : SerialChain
-        As for :func:`positioned_point`.
+        As for :func:`positioning_part`.
     respect_limits : bool
         Whether the limits of turning joints, and of the first joint, hold; the others' slides'
         always do.
@@ -280,35 +248,57 @@ def section_of(chain: SerialChain, *, respect_limits: bool = True) -> Section:
     MissingLimitsError
         A slide has no end.
     """
-    point = positioned_point(chain)
-    slides = chain.types[:3] == PRISMATIC
-    lower, upper = chain.lower[:3].copy(), chain.upper[:3].copy()
+    part = positioning_part(chain)
+    flat = part.plane is not None
+    joints = slice(0, part.joints)
+    names = (*[""] * flat, *chain.joint_names[joints])
+    slides = np.array([*[True] * flat, *(chain.types[joints] == PRISMATIC)])
+    lower = np.array([*[-np.inf] * flat, *chain.lower[joints]])
+    upper = np.array([*[np.inf] * flat, *chain.upper[joints]])
     if not respect_limits:
         free = ~slides
         free[0] = True
         lower[free], upper[free] = -np.inf, np.inf
     endless = ~np.isfinite(upper - lower)
     if (endless[1:] & slides[1:]).any():
-        names = [chain.joint_names[j] for j in (1, 2) if endless[j] and slides[j]]
-        raise MissingLimitsError("position", names)
+        raise MissingLimitsError("position", [names[j] for j in (1, 2) if endless[j] and slides[j]])
     whole = endless | (~slides & (upper - lower >= 2.0 * np.pi))
     lower, upper = np.where(whole, -np.pi, lower), np.where(whole, np.pi, upper)
-    C = unpack_chain(chain.packed)
-    lengths = [float(np.linalg.norm(vector)) for vector in (C[1, :3, 3], C[2, :3, 3], point)]
+    base, first, second = _frames(chain, part)
+    lengths = [
+        float(np.linalg.norm(vector)) for vector in (first[:3, 3], second[:3, 3], part.point)
+    ]
     travel = [max(abs(lower[j]), abs(upper[j])) for j in (1, 2) if slides[j]]
     section = Section(
+        (names[0], names[1], names[2]),
         (bool(slides[0]), bool(slides[1]), bool(slides[2])),
-        C[0],
-        C[1],
-        C[2],
-        point,
+        base,
+        first,
+        second,
+        part.point,
         lower,
         upper,
         whole,
         sum(lengths) + float(sum(travel)),
+        flat,
     )
     _check_moves(chain, section)
     return section
+
+
+def _frames(chain: SerialChain, part: PositioningPart) -> tuple[Array, Array, Array]:
+    """Give the frame of the first joint in the base, and the constant transforms from there."""
+    C = unpack_chain(chain.packed)
+    if part.plane is None:
+        return C[0], C[1], C[2]
+    origin, normal = C[0][:3, 3], part.plane[:, 2]
+    # The plane is at the height of the point, wherever along their axes the joints are.
+    point = (C[0] @ C[1] @ (*part.point, 1.0))[:3]
+    base = np.eye(4)
+    base[:3, :3] = part.plane
+    base[:3, 3] = origin + ((point - origin) @ normal) * normal
+    first: Array = rigid_inverse(base) @ C[0]
+    return base, first, C[1]
 
 
 def _check_moves(chain: SerialChain, section: Section) -> None:
@@ -318,5 +308,5 @@ def _check_moves(chain: SerialChain, section: Section) -> None:
     )
     scale = section.size ** (3 - sum(section.slides))
     if not section.size or np.abs(section.determinant(u, v)).max() <= ARM_RANK * scale:
-        expected = "one whose first three joints move a point in all directions"
+        expected = "one whose first joints move a point in all directions, not on a surface only"
         raise BadValueError("chain", chain.name, expected)

@@ -71,11 +71,13 @@ class LimitedBoundary:
         q = self._q[nearest].copy()
         first = q[:, 0]
         turned = self._moved(points, -first)
+        # Slides go in parts of the arm's size.
+        units = np.where(section.slides[1:], section.size, 1.0)
         for _ in range(_STEPS):
             p, pu, pv = section.derivatives(q[:, 1], q[:, 2], 1)
-            J = np.stack((pu.T, pv.T), axis=2)
+            J = np.stack((pu.T, pv.T), axis=2) * units
             step = np.einsum("kij,kj->ki", np.linalg.pinv(J, rcond=1e-6), turned - p.T)
-            q[:, 1:] += np.clip(step, -0.1, 0.1)
+            q[:, 1:] += np.clip(step, -0.1, 0.1) * units
             bounded = np.clip(q[:, 1:], section.lower[1:], section.upper[1:])
             q[:, 1:] = np.where(section.round[1:], q[:, 1:], bounded)
         p, pu, pv = section.derivatives(q[:, 1], q[:, 2], 1)

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from threading import Lock
 from time import perf_counter
 from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
 from visualization_msgs.msg import MarkerArray
@@ -86,8 +88,8 @@ class KinematicsSettings(StateSettings):
     )
     publish_markers: bool = parameter(
         True,
-        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace "
-        "once query_workspace has found it",
+        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace, "
+        "which is found as soon as somebody listens or calls query_workspace",
         read_only=False,
     )
 
@@ -104,6 +106,7 @@ class KinematicsNode(Node):
         self._points = SolutionPoints()
         self._measured: set[SerialChain] = set()
         self._reach: ReachOfRobot | None = None
+        self._reach_lock = Lock()
         when_robot_known(self, self._table.settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
@@ -124,7 +127,13 @@ class KinematicsNode(Node):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         self._boundary: list[Any] = []
         self._posture: list[Any] = []
-        self._markers = self.create_publisher(MarkerArray, "~/markers", LATCHED)
+        self._markers = self.create_publisher(
+            MarkerArray,
+            "~/markers",
+            LATCHED,
+            callback_group=ReentrantCallbackGroup(),
+            event_callbacks=PublisherEventCallbacks(matched=self._watched),
+        )
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
             self,
@@ -225,12 +234,7 @@ class KinematicsNode(Node):
         chain, allowed = self._moving_chain(""), self._table.settings.batch_timeout
         self._check_size("poses", len(request.poses))
         T = poses_in_base(self._model, request.poses)
-        if self._reach is None:
-            await beside(self, self._find_reach)
-        reach = self._reach or reach_of(chain)
-        if reach.space is not None and not self._boundary and self._table.settings.publish_markers:
-            self._boundary = boundary_markers(chain.base, reach.space)
-            self._show()
+        reach = await self._known_reach()
         judged = Judgement(chain, T, tuple(bool(entry) for entry in request.task_mask), reach)
         done = await judged.work(self, allowed)
         judged.fill(response)
@@ -245,8 +249,26 @@ class KinematicsNode(Node):
         """Publish all markers there are."""
         self._markers.publish(marker_array([*self._posture, *self._boundary]))
 
-    def _find_reach(self) -> None:
-        self._reach = reach_of(self._model.chain)
+    async def _watched(self, matched: Any) -> None:
+        """Find and show the boundary for the first who listens to the markers."""
+        settings = self._table.settings
+        if matched.current_count and settings.publish_markers and self._model.chain.n:
+            await self._known_reach()
+
+    async def _known_reach(self) -> ReachOfRobot:
+        """Give what is the same for all poses, and show the boundary if that is not done."""
+        if self._reach is None:
+            await beside(self, self._find_reach)
+        reach = self._reach or self._find_reach()
+        if reach.space is not None and not self._boundary and self._table.settings.publish_markers:
+            self._boundary = boundary_markers(self._model.chain.base, reach.space)
+            self._show()
+        return reach
+
+    def _find_reach(self) -> ReachOfRobot:
+        with self._reach_lock:
+            self._reach = self._reach or reach_of(self._model.chain)
+            return self._reach
 
     def _moving_chain(self, link: str) -> SerialChain:
         """Give the chain to a link, "" being the configured tip, that joints move."""

@@ -70,6 +70,8 @@ def posture_markers(
 def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
     """Make line strips of the boundary, in eight half-planes about axis 1, or along the slide.
 
+    Of a planar arm it is in its plane, once.
+
     Parameters
     ----------
     frame : str
@@ -77,7 +79,9 @@ def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
     space : Workspace
     """
     section = space.section
-    if section.slides[0]:
+    if section.flat:
+        values = np.zeros(1)
+    elif section.slides[0]:
         values = np.linspace(section.lower[0], section.upper[0], _PLANES)
     else:
         span = section.upper[0] - section.lower[0]

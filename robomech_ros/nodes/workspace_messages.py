@@ -22,7 +22,7 @@ from robomech_ros.kinetostatics import (
     extreme_reach,
     workspace_boundary,
 )
-from robomech_ros.kinetostatics.workspace_section import point_in_tip
+from robomech_ros.kinetostatics.positioning_part import positioning_part
 from robomech_ros.nodes.conversions import append_numbers, matrix_from_pose
 from robomech_ros.nodes.pauses import Turns, beside
 from robomech_ros.nodes.robot_description import RobotModel
@@ -67,8 +67,8 @@ def reach_of(chain: SerialChain) -> ReachOfRobot:
         length = math.nan
     space, centre = None, np.zeros(3)
     try:
-        space, centre = workspace_boundary(chain), point_in_tip(chain)
-        space.distance(np.zeros(3))
+        space, centre = workspace_boundary(chain), positioning_part(chain).in_tip
+        space.distance(np.zeros(3))  # what is the same for all points is found now
     except RobomechError:
         space = None
     return ReachOfRobot(*extreme_reach(chain), length, space, centre)

@@ -73,7 +73,7 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
         cmap=ListedColormap(_COLOURS), norm=BoundaryNorm(levels, len(_COLOURS)), rasterized=True,
     )  # fmt: skip
     bar = figure.colorbar(mesh, ax=ax, ticks=range(len(_COLOURS)), shrink=0.5)
-    bar.set_label("postures of the first three joints")
+    bar.set_label("postures of the first joints")
     named = set()
     for curve in space.curves:
         label = _LABELS[curve.role] if curve.role not in named else None

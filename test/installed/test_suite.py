@@ -22,9 +22,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
+from robomech_interfaces.srv import PlanJoint, QueryWorkspace, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.conversions import joint_state, matrix_from_pose
+from robomech_ros.kinetostatics import load_reach_map
+from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
 from robomech_ros.nodes.run import Spinner
 from robomech_ros.robots import load_description, load_robot
 
@@ -232,6 +233,28 @@ def assert_alike(answer, shown, where):
         assert answer == pytest.approx(shown, rel=1e-3, abs=1e-9), where
     else:
         assert answer == shown, where
+
+
+def test_what_is_reached_by_the_service_and_in_a_map(suite, bringup, outsider, tmp_path):
+    puma = load_robot("puma560")
+    T = np.stack([forward_kinematics(puma, PUMA_Q)] * 2)
+    T[1, 0, 3] = 2.0
+    box = ("--lower", "0.3", "0", "0", "--upper", "0.6", "0", "0", "--shape", "2", "1", "1")
+    words = ("map", "--robot", "puma560", *box, "--orientations", "8", "--length", "0.3")
+    with bringup("--robot", "puma560"):
+        poses = [stamped_pose(pose, "") for pose in T]
+        answer = outsider.call(
+            QueryWorkspace, "kinematics/query_workspace", QueryWorkspace.Request(poses=poses)
+        )
+        made = suite.run("robomech", *words, "--output", str(tmp_path / "map.npz"))
+    assert answer.error_code == 0, answer.error_msg
+    assert list(answer.reachable) == [True, False]
+    assert answer.reason[1] == ErrorCode.OUT_OF_REACH
+    assert answer.boundary_distances[0] > 0.0 > answer.boundary_distances[1]
+    assert made.returncode == 0, made.stderr
+    found = load_reach_map(tmp_path / "map.npz", puma)
+    assert found.complete
+    assert found.reached.max() > 0
 
 
 def test_robot_by_path(bringup, outsider, tmp_path, repository):

@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robomech_ros._kernels import rates as kernel
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, UnknownLinkError, WrongSizeError
 from robomech_ros.kinetostatics import jacobian, joint_rates, point_jacobian
-from robomech_ros.kinetostatics.rates import _wrist
+from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.robots import list_robots, load_robot
 
 
@@ -53,7 +53,7 @@ def test_random_chains_at_a_point_in_other_axes(random_chain, seed):
 def test_the_decoupled_way_is_taken_and_agrees_with_elimination():
     """An arm with slides in front of its wrist too: Stanford."""
     for robot in ("puma560", "stanford", "irb120"):
-        chain, (spherical, centre) = load_robot(robot), _wrist(load_robot(robot))
+        chain, (centre, spherical) = load_robot(robot), wrist_of(load_robot(robot))
         assert spherical
         rng = np.random.default_rng(0)
         q, twist = rng.uniform(-2, 2, (50, 6)), rng.normal(size=(50, 6))
@@ -120,6 +120,16 @@ def test_batches_are_their_rows():
         np.testing.assert_array_equal(
             same[2, 3], joint_rates(chain, q[2, 3], twist[0, 0], damping=0.01)
         )
+
+
+def test_twists_in_the_axes_of_a_link():
+    chain, rng = load_robot("panda"), np.random.default_rng(3)
+    q, twist = rng.uniform(-1, 1, (4, chain.n)), rng.normal(size=6)
+    found = joint_rates(chain, q, twist, axes=chain.tip)
+    for row, rates in zip(q, found, strict=True):
+        assert point_jacobian(chain, row, axes=chain.tip) @ rates == pytest.approx(twist)
+    with pytest.raises(UnknownLinkError, match="moon"):
+        joint_rates(chain, q, twist, axes="moon")
 
 
 def test_what_is_refused():

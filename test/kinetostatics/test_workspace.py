@@ -1,7 +1,9 @@
 """The boundary of the workspace against sampled postures, closed forms and bad input."""
 
+import functools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteErro
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinetostatics import workspace_boundary
+from robomech_ros.kinetostatics.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
+from robomech_ros.robots.chain import PRISMATIC, pack_chain, unpack_chain
 
 H = math.pi / 2
 
@@ -22,13 +26,18 @@ def positioning(a, b, alpha, beyond, limits=None):
     return chain_from_dh(a, b, alpha, tool=tool, limits=limits)
 
 
-NARROW = {"lower": np.array([-2.5, -0.4, -2.6]), "upper": np.array([2.2, 2.1, 0.9])}
+def ranges(lower, upper):
+    return {"lower": np.array(lower), "upper": np.array(upper)}
+
+
+NARROW = ranges([-2.5, -0.4, -2.6], [2.2, 2.1, 0.9])
 
 
 def arm(name, limited):
-    """Give an arm and whether its limits are to be respected."""
+    """Give an arm, those that are made here with or without limits."""
     limits = NARROW if limited else None
     made = {
+        "elbow": lambda: chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]),
         "arcmate": lambda: positioning([0.2, 0.6, 0.13], [0.81, 0, 0.03], [H, 0, H], 0.55, limits),
         "orthogonal": lambda: chain_from_dh(
             [0.12, 0.24, 0.18], [0, 0.12, 0], [-H, H, 0], limits=limits
@@ -41,14 +50,18 @@ ARMS = [
     (name, limited)
     for name in ("puma560", "arcmate", "stanford", "irb120", "orthogonal", "scara")
     for limited in (True, False)
-    if limited or name in ("puma560", "irb120", "orthogonal")
+    if limited or name in ("puma560", "orthogonal")
 ]
+
+
+@functools.cache
+def space_of(name, limited):
+    return workspace_boundary(arm(name, limited), respect_limits=limited)
 
 
 @pytest.fixture(scope="module", params=ARMS, ids=lambda p: f"{p[0]}-{'limits' if p[1] else 'free'}")
 def space(request):
-    name, limited = request.param
-    return workspace_boundary(arm(name, limited), respect_limits=limited)
+    return space_of(*request.param)
 
 
 def sampled(section, rng, count):
@@ -137,7 +150,7 @@ def test_sampled_postures_of_all_three_joints_are_contained(space):
 
 def test_elbow_arm_in_closed_form():
     """Two links of 0.5 m and 0.3 m on a turning base: spheres of 0.8 m and 0.2 m."""
-    space = workspace_boundary(chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]))
+    space = space_of("elbow", False)
     assert {curve.role for curve in space.curves} == {"outer", "inner"}
     for curve in space.curves:
         radius = 0.8 if curve.role == "outer" else 0.2
@@ -166,7 +179,7 @@ def test_slides_make_a_box_with_corners():
 
 def test_orthogonal_arm_with_offsets_has_four_cusps_and_a_region_of_four():
     """Cusps are where three postures meet: there the count changes by two along any way round."""
-    space = workspace_boundary(arm("orthogonal", limited=False), respect_limits=False)
+    space = space_of("orthogonal", False)
     assert len(space.cusps) == 4
     assert sorted(np.round(np.abs(space.cusps[:, 1]), 4)) == [0.0606, 0.0606, 0.2398, 0.2398]
     assert space.section_count([0.3, 0.0]) == 4
@@ -190,7 +203,7 @@ def test_orthogonal_arm_with_offsets_has_four_cusps_and_a_region_of_four():
 
 
 def test_nodes_are_reached_in_two_postures_to_rounding():
-    space = workspace_boundary(load_robot("puma560"))
+    space = space_of("puma560", True)
     assert len(space.nodes) == 2
     for node in space.nodes:
         ends = [
@@ -216,17 +229,99 @@ def test_the_count_changes_at_curves_only(space):
             assert gap < 4e-3 * size
 
 
-def test_the_result_can_be_written(space):
+def test_the_result_can_be_written():
+    space = space_of("puma560", True)
     text = json.dumps(space.to_dict())
     again = json.loads(text)
     assert again["least_reach"] == space.least_reach
     assert len(again["curves"]) == len(space.curves)
 
 
-@pytest.mark.parametrize("name", ["ur5e", "planar3r", "panda", "diestro"])
+PLANAR = {
+    "RR": chain_from_dh([0.5, 0.3], [0, 0.1], [0, 0], limits=ranges([-2, 0.3], [1.5, 2.4])),
+    "RP": chain_from_dh(
+        [0.1, 0], [0, 0], [H, 0], types="RP", limits=ranges([-2, 0.2], [1, 0.7])
+    ),
+    "PR": chain_from_dh(
+        [0.1, 0.3], [0, 0], [H, 0], types="PR", limits=ranges([-0.2, -1], [0.4, 2])
+    ),
+    "RRR": load_robot("planar3r"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", PLANAR)
+def test_a_planar_arm_against_all_of_its_postures(kind):
+    """Distances outside are those to the nearest of many postures of two joints."""
+    from scipy.spatial import cKDTree
+
+    chain = PLANAR[kind]
+    space, part = workspace_boundary(chain), positioning_part(chain)
+    size, section = space.section.size, space.section
+    axes = [
+        np.linspace(a, b, 500) for a, b in zip(section.lower[1:], section.upper[1:], strict=True)
+    ]
+    q = np.zeros((500 * 500, chain.n))
+    q[:, :2] = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    q[:, 2:] = 0.7  # what it is does not matter
+    T = forward_kinematics(chain, q)
+    reached = T[:, :3, :3] @ part.in_tip + T[:, :3, 3]
+    assert space.contains(reached[::977]).all()
+    points = section.on_section(np.random.default_rng(1).uniform(-1, 1, (300, 2)) * size)
+    distance = space.distance(points)
+    assert ((distance > 0.0) == space.contains(points)).all()
+    nearest, _ = cKDTree(reached).query(points)
+    beyond = np.where(distance < 0.0, -distance, 0.0)
+    assert np.abs(nearest - beyond).max() < 0.005 * size
+    # Beside the plane nothing is reached.
+    aside = points + 0.1 * size * section.base[:3, 2]
+    assert not space.contains(aside).any()
+    assert space.distance(aside) == pytest.approx(-np.hypot(0.1 * size, beyond), abs=1e-9)
+
+
+def test_a_planar_arm_in_closed_form():
+    """Links of 0.5 m and 0.3 m, which turn freely: circles of 0.8 m and 0.2 m."""
+    space = workspace_boundary(chain_from_dh([0.5, 0.3], [0, 0], [0, 0]))
+    assert space.coordinates == ("x", "y")
+    assert {(curve.role, curve.cause) for curve in space.curves} == {
+        ("outer", "singular"),
+        ("inner", "singular"),
+    }
+    assert (space.least_reach, space.greatest_reach) == pytest.approx((0.2, 0.8), abs=1e-9)
+    points = [[0.3, 0.4, 0.0], [0.0, 0.1, 0.0], [0.0, 1.1, 0.4]]
+    assert space.solution_count(points).tolist() == [2, 0, 0]
+    assert space.distance(points) == pytest.approx([0.3, -0.1, -0.5], abs=1e-6)
+
+
+def scaled(chain, factor):
+    """Give an arm with all its lengths multiplied."""
+    C, slides = unpack_chain(chain.packed).copy(), chain.types == PRISMATIC
+    C[:, :3, 3] *= factor
+    lower, upper = (np.where(slides, factor, 1.0) * ends for ends in (chain.lower, chain.upper))
+    return replace(chain, packed=pack_chain(C, chain.types), lower=lower, upper=upper)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e4])
+def test_the_size_of_an_arm_does_not_matter(factor):
+    chain = arm("stanford", True)
+    usual, other = space_of("stanford", True), workspace_boundary(scaled(chain, factor))
+    assert len(usual.curves) == len(other.curves)
+    assert len(usual.nodes) == len(other.nodes) > 0
+    assert other.greatest_reach == pytest.approx(factor * usual.greatest_reach)
+    points = np.array([[0.3, 0.2, 0.1], [0.0, 0.0, 3.0], [0.1, -0.4, 0.3]])
+    assert other.distance(factor * points) == pytest.approx(
+        factor * usual.distance(points), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("name", ["ur5e", "panda", "diestro"])
 def test_arms_without_a_positioning_part_are_refused(name):
-    with pytest.raises(BadValueError, match="first three joints"):
+    with pytest.raises(BadValueError, match="joints that place a point"):
         workspace_boundary(load_robot(name))
+
+
+def test_two_joints_that_leave_the_plane_are_refused():
+    with pytest.raises(BadValueError, match="'joint_2' moves links out of the plane"):
+        workspace_boundary(chain_from_dh([0, 0.3], [0, 0], [H, 0]))
 
 
 def test_bad_input_is_refused():
@@ -235,7 +330,7 @@ def test_bad_input_is_refused():
     endless = chain_from_dh([0, 0, 0], [0, 0.2, 0], [H, H, 0], types="RRP")
     with pytest.raises(MissingLimitsError, match="joint_3"):
         workspace_boundary(endless)
-    space = workspace_boundary(chain_from_dh([0, 0.5, 0.3], [0, 0, 0], [H, 0, 0]))
+    space = space_of("elbow", False)
     with pytest.raises(WrongSizeError, match="points"):
         space.distance([1.0, 2.0])
     with pytest.raises(NonFiniteError, match="points"):

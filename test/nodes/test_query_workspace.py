@@ -117,6 +117,18 @@ def test_ellipsoids_and_lost_directions_are_shown(graph):
     )
 
 
+def test_the_boundary_is_shown_to_who_listens(graph):
+    """Nobody has to ask for anything before; of a planar arm it is in its plane."""
+    graph.start(KinematicsNode, robot_description="planar3r")
+    shown = graph.receive(MarkerArray, "kinematics/markers", LATCHED, lambda m: len(m.markers) > 1)
+    strips = shown.markers[1:]
+    assert {strip.ns for strip in strips} == {"workspace"}
+    points = np.array([[p.x, p.y, p.z] for strip in strips for p in strip.points])
+    space = workspace_boundary(load_robot("planar3r"))
+    assert np.abs(points[:, 2]).max() < 1e-12
+    assert np.abs(space.distance(points)).max() < 1e-4
+
+
 def nan_pose():
     pose = PoseStamped()
     pose.pose.position.x = math.nan

@@ -25,7 +25,7 @@ def test_bad_requests_are_refused(tmp_path, capsys):
     assert main(["plot-workspace", "puma560", "--output", str(tmp_path / "puma.gif")]) == 2
     assert "png, svg or pdf" in capsys.readouterr().err
     assert main(["plot-workspace", "ur5e", "--output", str(tmp_path / "ur5e.png")]) == 2
-    assert "first three joints" in capsys.readouterr().err
+    assert "joints that place a point" in capsys.readouterr().err
 
 
 def test_without_matplotlib_it_says_what_to_install(tmp_path, monkeypatch):
