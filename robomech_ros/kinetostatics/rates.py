@@ -7,17 +7,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import decoupled_layout, rates
+from robomech_ros._kernels._jit import direct
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import decoupled
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.indices import as_length
+from robomech_ros.kinetostatics.points import TIP, as_point
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_rotation
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import all_finite, as_finite, real_number
 
 __all__ = ["joint_rates"]
 
 Array = NDArray[np.float64]
+
+_joint_rates = direct(rates.joint_rates)
 
 _LARGEST_DAMPING = 1e9
 
@@ -42,7 +46,7 @@ def joint_rates(
     q: ArrayLike,
     twist: ArrayLike,
     *,
-    point: ArrayLike = (0.0, 0.0, 0.0),
+    point: ArrayLike = TIP,
     axes: ArrayLike | None = None,
     length: float | None = None,
     damping: float = 0.0,
@@ -107,29 +111,23 @@ def joint_rates(
     rows = as_rows(q)
     twists = _twists(twist, q.shape[:-1], axes)
     metres = 1.0 if length is None else as_length(length)
-    wished = np.empty((0, chain.n)) if secondary is None else _secondary(chain, secondary, q)
-    arm = as_finite("point", point, (3,))
-    if arm.ndim != 1:
-        raise WrongSizeError("point", arm.shape, (3,))
-    wrist = _wrist(chain)
-    out = np.empty(rows.shape)
-    if rates.joint_rates(
-        chain.packed,
-        wrist.spherical,
-        wrist.centre,
-        arm,
-        metres,
-        _damping(damping),
-        rows,
-        twists,
-        wished,
-        out,
+    wished = _none(chain.n) if secondary is None else _secondary(chain, secondary, q)
+    arm, wrist, out = as_point(point), _wrist(chain), np.empty(rows.shape)
+    least = _damping(damping)
+    if _joint_rates(
+        chain.packed, wrist.spherical, wrist.centre, arm, metres, least, rows, twists, wished, out
     ):
         raise_not_finite(chain, q)
-    if not np.isfinite(out).all():
+    if not all_finite(out):
         largest = float(np.abs(twists).max(initial=0.0))
         raise BadValueError("largest of the twist", largest, "a twist with finite joint rates")
     return out.reshape(q.shape)
+
+
+@functools.lru_cache(maxsize=64)
+def _none(n: int) -> Array:
+    """Give no rates that are wished for."""
+    return np.empty((0, n))
 
 
 def _twists(twist: ArrayLike, batch: tuple[int, ...], axes: ArrayLike | None) -> Array:
@@ -144,6 +142,8 @@ def _twists(twist: ArrayLike, batch: tuple[int, ...], axes: ArrayLike | None) ->
         parts = given.reshape(*given.shape[:-1], 2, 3)
         with np.errstate(over="ignore", invalid="ignore"):
             given = (parts @ turn.T).reshape(given.shape)
+    if given.ndim > 1 or not batch:
+        return np.ascontiguousarray(as_rows(given))
     return np.ascontiguousarray(as_rows(np.broadcast_to(given, (*batch, 6))))
 
 
