@@ -180,7 +180,7 @@ class Motion:
         if self._window:
             return self._means()
         q, v = self._positions[first:].copy(), self._velocities[first:].copy()
-        times = self._period * np.arange(len(q))
+        times: Array = self._period * np.arange(float(len(q)))
         stop = self._plan.periods
         if not stop:
             return Samples(times, q, v)
@@ -221,5 +221,6 @@ class Motion:
         told = np.ones(len(positions), dtype=bool)
         told[1:-1] = (np.abs(bends) > self._same).any(axis=1)
         told[1 : 1 + self._lead] = True
-        times = told.nonzero()[0]
-        return Samples(times * h, positions[times], velocities[times])
+        shown = told.nonzero()[0]
+        times: Array = h * shown.astype(np.float64)
+        return Samples(times, positions[shown], velocities[shown])
