@@ -1,20 +1,25 @@
 """Joint rates from the twist of the tip."""
 
+import functools
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import rates
+from robomech_ros._kernels._jit import direct
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.points import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.arrays import all_finite, as_finite, real_number
 
 __all__ = ["joint_rates"]
 
 Array = NDArray[np.float64]
+
+_joint_rates = direct(rates.joint_rates)
 
 _LARGEST_DAMPING = 1e9
 
@@ -91,27 +96,23 @@ def joint_rates(
     rows = as_rows(q)
     twists = _twists(chain, q, twist, axes)
     metres = 1.0 if length is None else as_length(length)
-    wished = np.empty((0, chain.n)) if secondary is None else _secondary(chain, secondary, q)
-    arm, wrist = as_point(point), wrist_of(chain)
+    wished = _none(chain.n) if secondary is None else _secondary(chain, secondary, q)
+    arm, wrist, out = as_point(point), wrist_of(chain), np.empty(rows.shape)
     split = wrist is not None and wrist.exact
-    out = np.empty(rows.shape)
-    if rates.joint_rates(
-        chain.packed,
-        split,
-        arm if wrist is None else wrist.centre,
-        arm,
-        metres,
-        _damping(damping),
-        rows,
-        twists,
-        wished,
-        out,
-    ):
+    centre = arm if wrist is None else wrist.centre
+    least = _damping(damping)
+    if _joint_rates(chain.packed, split, centre, arm, metres, least, rows, twists, wished, out):
         raise_not_finite(chain, q)
-    if not np.isfinite(out).all():
+    if not all_finite(out):
         largest = float(np.abs(twists).max(initial=0.0))
         raise BadValueError("largest of the twist", largest, "a twist with finite joint rates")
     return out.reshape(q.shape)
+
+
+@functools.lru_cache(maxsize=64)
+def _none(n: int) -> Array:
+    """Give no rates that are wished for."""
+    return np.empty((0, n))
 
 
 def _twists(chain: SerialChain, q: Array, twist: ArrayLike, axes: ArrayLike | str | None) -> Array:
@@ -125,6 +126,8 @@ def _twists(chain: SerialChain, q: Array, twist: ArrayLike, axes: ArrayLike | st
         with np.errstate(over="ignore", invalid="ignore"):
             turned = parts @ back
         given = turned.reshape(*turned.shape[:-2], 6)
+    if given.ndim > 1 or not batch:
+        return np.ascontiguousarray(as_rows(given))
     return np.ascontiguousarray(as_rows(np.broadcast_to(given, (*batch, 6))))
 
 

@@ -32,6 +32,7 @@ from robomech_ros.nodes.servo.stream import stream_message
 from robomech_ros.nodes.unattended import Inbox
 from robomech_ros.robots import SerialChain
 from robomech_ros.servo.servo import Command, Report, Servo
+from robomech_ros.servo.tracking import Tracking
 
 Array = NDArray[np.float64]
 
@@ -41,6 +42,12 @@ _DEPTH = 10
 _IN_TIME = 0.2
 # How long the next state of the joints may take before it is missed (s).
 _STATE_DUE = 0.2
+# How long states may fail to come on top of the tracking delay while the robot is driven, and how
+# long the robot is left alone after it did not follow (s).
+_STATE_LOST = 0.5
+_LEFT_ALONE = 0.5
+# A joint that is slower than this part of its limit stands.
+_STANDING = 0.01
 # How often it is looked whether the robot's length is found (s).
 _LOOK = 0.05
 # How often a status is repeated while nothing moves, and how long it is looked for commands after
@@ -84,9 +91,15 @@ class ServoNode(Node):
             # Other nodes that were brought up with this one can do without it.
             self.get_logger().error(f"this robot cannot be driven: {error}")
             return
-        self._period = 1.0 / settings.publish_rate
+        self._period, self._lead = 1.0 / settings.publish_rate, settings.lead
+        self._tracking = Tracking(model.chain, settings.tracking_tolerance, settings.tracking_delay)
+        # The time of the latest knot of the stream (s).
         self._knot = 0.0
         self._halts = self._heard = 0
+        self._heard_at = 0.0
+        # Why the robot is left alone, the joints at fault, and until when at least (s).
+        self._fault: tuple[str, tuple[str, ...]] | None = None
+        self._left_alone_until = 0.0
         self._waits_from: float | None = None
         self._awake_until = 0.0
         self._refusal, self._refused_until = "", -math.inf
@@ -155,10 +168,14 @@ class ServoNode(Node):
             self._sleep(now)
             return
         self._catch_up(now)
-        report = self._servo.step(now)
-        self._publish(self._knot)
-        self._knot += self._period
+        report = self._go_on(now)
+        if report is None:
+            return
+        self._publish(now)
         self._publish_status(report, now)
+        self._compare(now)
+        if not self._servo.active:
+            return
         idle = self._servo.motion.at_rest and not self._servo.wants_to_move(now)
         self._halts = self._halts + 1 if idle else 0
         if self._halts >= self._table.settings.halt_messages:
@@ -189,9 +206,13 @@ class ServoNode(Node):
 
     def _begin(self, now: float) -> bool:
         """Begin a stream if there is a reason to; says whether it has begun."""
-        if not self._servo.wants_to_move(now):
+        alone = now < self._left_alone_until
+        if not self._servo.wants_to_move(now) or alone:
             self._waits_from = None
-            self._tell_idle(now)
+            if alone:
+                self._tell_fault(now)
+            else:
+                self._tell_idle(now)
             return False
         position = self._monitor.positions(self._names)
         heard = self._monitor.heard(self._names)
@@ -203,9 +224,48 @@ class ServoNode(Node):
             if overdue and self._is_new(("no state",), now):
                 self._publish_status(None, now, self._why_no_state())
             return False
-        self._servo.start(position, self._monitor.velocities(self._names))
-        self._knot, self._waits_from, self._halts = now + self._period, None, 0
+        velocity = self._monitor.velocities(self._names)
+        if self._fault is not None:
+            if (np.abs(velocity) > _STANDING * self._servo.limits.velocity).any():
+                self._tell_fault(now)
+                return False
+            self._fault = None
+        ahead = self._lead * self._period
+        self._servo.start(position + ahead * velocity, velocity)
+        self._tracking.begin()
+        self._knot, self._waits_from, self._halts = now + ahead, None, 0
+        self._heard, self._heard_at = heard, now
         return True
+
+    def _compare(self, now: float) -> None:
+        """Let go of a robot that does not do what it is told, or of which nothing is heard."""
+        settings = self._table.settings
+        if not settings.tracking_tolerance:
+            return
+        position = self._monitor.positions(self._names)
+        heard = self._monitor.heard(self._names)
+        if position is None or heard <= self._heard:
+            silent = now - self._heard_at
+            if silent > settings.tracking_delay + _STATE_LOST:
+                self._let_go(now, f"no state of the joints for {silent:.3g} s", ())
+            return
+        self._heard, self._heard_at = heard, now
+        found = self._tracking.deviation(now, position)
+        if found is not None:
+            self._let_go(now, found.text, (found.joint,))
+
+    def _let_go(self, now: float, why: str, joints: tuple[str, ...]) -> None:
+        """End the stream: its last message has the robot brake, unless others move it."""
+        self._servo.end()
+        self._servo.forget()
+        self._fault = f"{why}; the stream has stopped", joints
+        self._left_alone_until = now + _LEFT_ALONE
+        self.get_logger().warning(self._fault[0])
+        self._tell_fault(now)
+
+    def _tell_fault(self, now: float) -> None:
+        if self._fault is not None and self._is_new(self._fault, now):
+            self._publish_status(None, now, *self._fault)
 
     def _why_no_state(self) -> str:
         try:
@@ -221,13 +281,29 @@ class ServoNode(Node):
             self._servo.motion.brake()
             self._knot += self._period
         if self._knot < earliest:
-            self._knot = now + self._period
+            self._knot = now + self._lead * self._period
 
-    def _publish(self, knot: float) -> None:
-        """Publish the stream from a knot on, told one period before its time (s)."""
-        stamp = Time(nanoseconds=max(self._motion_clock.stamp(knot - self._period), 0)).to_msg()
+    def _go_on(self, now: float) -> Report | None:
+        """Go on until the stream is as far ahead as it should be; None if it is already.
+
+        No more knots are new than a message shows before its latest.
+        """
+        report, enough = None, now + (self._lead + 0.5) * self._period
+        for _ in range(self._lead):
+            if self._knot >= enough:
+                break
+            report = self._servo.step(now)
+            self._knot += self._period
+        return report
+
+    def _publish(self, now: float) -> None:
+        """Publish the stream; its stamp is no later than now, so that it counts at once."""
         samples = self._servo.samples()
-        self._stream.publish(stream_message(self._names, samples, self._period, stamp))
+        first = self._knot - self._lead * self._period
+        told = min(now, first - self._period)
+        stamp = Time(nanoseconds=max(self._motion_clock.stamp(told), 0)).to_msg()
+        self._stream.publish(stream_message(self._names, samples, first - told, stamp))
+        self._tracking.tell(first, samples.positions[0])
 
     def _tell_idle(self, now: float) -> None:
         """Publish the status of a robot that is left alone, where it is new."""
@@ -249,9 +325,11 @@ class ServoNode(Node):
     def _refusal_at(self, now: float) -> str:
         return self._refusal if now <= self._refused_until else ""
 
-    def _publish_status(self, report: Report | None, now: float, no_state: str = "") -> None:
-        stamp = self.get_clock().now().to_msg()
-        self._status.publish(status_message(stamp, report, self._refusal_at(now), no_state))
+    def _publish_status(
+        self, report: Report | None, now: float, why: str = "", joints: tuple[str, ...] = ()
+    ) -> None:
+        stamp, refusal = self.get_clock().now().to_msg(), self._refusal_at(now)
+        self._status.publish(status_message(stamp, report, refusal, why, joints))
 
 
 def _find_length(chain: SerialChain) -> None:

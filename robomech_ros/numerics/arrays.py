@@ -55,6 +55,8 @@ def real_number(what: str, value: object, expected: str) -> float:
     BadValueError
         Not a real number.
     """
+    if type(value) is float:
+        return value
     try:
         number = np.asarray(value)
     except (TypeError, ValueError):

@@ -11,20 +11,20 @@ accelerations and positions of a mean are inside the limits that its terms keep,
 acceleration changes at a limited rate.
 """
 
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.servo.braking import StopPlan
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
 
 __all__ = ["Advance", "Motion", "Samples"]
 
 Array = NDArray[np.float64]
+# Vectors of some numbers: Python's arithmetic is faster on them than numpy's.
+Numbers = list[float]
 
-# What a number of periods may be over a whole one by rounding.
-_PERIODS = 1e-9
 # Changes of acceleration in a period that are the same but for this part of its limit are the same.
 _SAME = 1e-9
 
@@ -63,11 +63,6 @@ class Samples(NamedTuple):
     velocities: Array
 
 
-class _Knot(NamedTuple):
-    position: Array
-    velocity: Array
-
-
 class Motion:
     """Where the joints are told to be, one knot after the other.
 
@@ -79,43 +74,50 @@ class Motion:
         Time between knots (s).
     position, velocity : ndarray, shape (n,)
         At first (rad or m, and per s).  A joint outside its limits can only move inwards.
+    lead : int
+        How many knots before the latest are shown.
     """
 
     def __init__(
-        self, limits: ServoLimits, period: float, position: Array, velocity: Array
+        self,
+        limits: ServoLimits,
+        period: float,
+        position: Array,
+        velocity: Array,
+        lead: int = 1,
     ) -> None:
-        self._names, self._period = limits.names, period
-        self._velocity_limit = limits.velocity * (1.0 - RATE_ROUNDING)
-        self._step = limits.acceleration * period * (1.0 - RATE_ROUNDING)
-        self._lower, self._upper = limits.inside
-        speed = np.clip(velocity, -self._velocity_limit, self._velocity_limit)
+        self._names, self._period, self._lead = limits.names, period, lead
+        self._plan = StopPlan(limits, period)
+        self._same = _SAME * limits.acceleration * period * (1.0 - RATE_ROUNDING)
+        fastest = limits.velocity * (1.0 - RATE_ROUNDING)
+        speed = np.clip(velocity, -fastest, fastest)
+        self._fastest: Numbers = fastest.tolist()
         self._window = limits.smoothing(period)
         # The mean lags behind by half its window.
         ahead = position + 0.5 * self._window * period * speed
-        self._knots = deque(
-            [_Knot(ahead - k * period * speed, speed) for k in range(self._window, 0, -1)]
-            + [_Knot(ahead, speed)],
-            maxlen=self._window + 1,
-        )
-        self._stop_periods = self._needed(speed)
-        end = ahead + 0.5 * period * self._stop_periods * speed
-        self._low = np.minimum(self._lower, np.minimum(ahead, end))
-        self._high = np.maximum(self._upper, np.maximum(ahead, end))
+        before = period * np.arange(self._window + lead, -1, -1.0)[:, None]
+        # Positions and velocities of the last knots, the latest last.
+        self._positions: Array = ahead - before * speed
+        self._velocities: Array = np.repeat(speed[None], len(before), axis=0)
+        self._position: Numbers = ahead.tolist()
+        self._velocity: Numbers = speed.tolist()
+        self._resting = 0 if speed.any() else len(before)
+        self._plan.begin(self._position, self._velocity)
 
     @property
     def position(self) -> Array:
         """Where the latest knot is, before any mean (rad or m)."""
-        return self._knots[-1].position
+        return np.array(self._position)
 
     @property
     def velocity(self) -> Array:
         """Velocity there (rad/s or m/s)."""
-        return self._knots[-1].velocity
+        return np.array(self._velocity)
 
     @property
     def at_rest(self) -> bool:
         """Whether nothing moves any more."""
-        return not any(knot.velocity.any() for knot in self._knots)
+        return self._resting > self._window
 
     def advance(self, wanted: Array) -> Advance:
         """Go on by one period, towards a velocity (rad/s or m/s) as fast as limits allow.
@@ -123,122 +125,102 @@ class Motion:
         All joints take the same part of the change, so that the direction is kept of motions that
         begin, end, or are slowed down.
         """
-        wanted = np.clip(wanted, -self._velocity_limit, self._velocity_limit)
-        target, followed = self._target(wanted)
-        least = self._braked()
-        allowed, periods, bound = self._allowed(least, target - least)
-        velocity = target if allowed == 1.0 else least + allowed * (target - least)
-        self._go(velocity, periods)
-        return Advance(followed, allowed, bound)
+        pairs = zip(wanted.tolist(), self._fastest, strict=True)
+        target, followed = self._target([min(max(x, -most), most) for x, most in pairs])
+        least = self._plan.braked(self._velocity)
+        more = [x - y for x, y in zip(target, least, strict=True)]
+        allowed, periods, bound = self._plan.allowed(self._position, self._velocity, least, more)
+        if allowed != 1.0:
+            target = [x + allowed * y for x, y in zip(least, more, strict=True)]
+        self._go(target, periods)
+        return Advance(followed, allowed, tuple(self._names[i] for i in bound))
 
-    def _target(self, wanted: Array) -> tuple[Array, float]:
+    def _target(self, wanted: Numbers) -> tuple[Numbers, float]:
         """Give the velocity next to the wanted one that can be had in a period.
 
         That is a part of it where one can be had, which keeps the direction; else a part of the
         change.  The part comes with it.
         """
-        before, change = self.velocity, wanted - self.velocity
-        if (np.abs(change) <= self._step).all():
+        before, followed, least, most = self._velocity, 1.0, 0.0, 1.0
+        for now, then, step in zip(before, wanted, self._plan.steps, strict=True):
+            change = abs(then - now)
+            if change > step:
+                followed = min(followed, step / change)
+            if then > 0.0:
+                least, most = max(least, (now - step) / then), min(most, (now + step) / then)
+            elif then < 0.0:
+                least, most = max(least, (now + step) / then), min(most, (now - step) / then)
+            elif change > step:
+                most = -1.0
+        if followed == 1.0:
             return wanted, 1.0
-        with np.errstate(divide="ignore", invalid="ignore"):
-            one, other = (before - self._step) / wanted, (before + self._step) / wanted
-            followed = float(np.fmin.reduce(self._step / np.abs(change)))
-        moved = wanted != 0.0
-        least = np.max(np.minimum(one, other)[moved], initial=0.0)
-        most = float(np.min(np.maximum(one, other)[moved], initial=1.0))
-        if least <= most and (np.abs(before[~moved]) <= self._step[~moved]).all():
-            return most * wanted, most
-        return before + followed * change, followed
+        if least <= most:
+            return [most * then for then in wanted], most
+        return [
+            now + followed * (then - now) for now, then in zip(before, wanted, strict=True)
+        ], followed
 
     def brake(self) -> None:
         """Go on by one period on the plan to stop."""
-        self._go(self._braked(), max(self._stop_periods - 1, 0))
+        self._go(self._plan.braked(self._velocity), max(self._plan.periods - 1, 0))
+
+    def _go(self, velocity: Numbers, periods: int) -> None:
+        if not periods:
+            velocity = [0.0] * len(velocity)
+        self._position = self._plan.follow(self._position, self._velocity, velocity, periods)
+        self._velocity = velocity
+        self._resting = 0 if any(velocity) else self._resting + 1
+        for rows, row in ((self._positions, self._position), (self._velocities, velocity)):
+            rows[:-1] = rows[1:]
+            rows[-1] = row
 
     def samples(self) -> Samples:
-        """Give the stream from the knot before the latest on, at rest at the end."""
-        knots = [*self._knots]
-        position, velocity = knots[-1]
-        period, stop = self._period, self._stop_periods
-        if not self._window:
-            end = _Knot(position + 0.5 * period * stop * velocity, np.zeros_like(velocity))
-            times = [0.0, period, period * (1 + stop)][: 2 + bool(stop)]
-            shown = [self._previous, knots[-1], end][: len(times)]
-            return Samples(np.array(times), *(np.array(rows) for rows in zip(*shown, strict=True)))
-        for k in range(1, stop + 1):
-            left = 1.0 - k / stop
-            way = 0.5 * period * velocity * (k + k * left)
-            knots.append(_Knot(position + way, left * velocity))
-        knots += [_Knot(knots[-1].position, np.zeros_like(velocity))] * self._window
-        knots.insert(0, self._previous)
-        return self._means(knots)
+        """Give the stream from the first knot shown on, at rest at the end."""
+        first = len(self._positions) - 1 - self._lead
+        if self._window:
+            return self._means()
+        q, v = self._positions[first:].copy(), self._velocities[first:].copy()
+        times: Array = self._period * np.arange(float(len(q)))
+        stop = self._plan.periods
+        if not stop:
+            return Samples(times, q, v)
+        end = q[-1] + 0.5 * self._period * stop * v[-1]
+        times = np.append(times, self._period * (self._lead + stop))
+        return Samples(times, np.vstack((q, end)), np.vstack((v, np.zeros_like(end))))
 
-    def _braked(self) -> Array:
-        """Give the velocity after one period on the plan to stop."""
-        periods = self._stop_periods
-        return self.velocity * ((periods - 1) / periods) if periods else self.velocity
+    def _planned(self) -> tuple[Array, Array]:
+        """Give positions and velocities of all knots known, as of the latest position.
 
-    def _needed(self, velocity: Array) -> int:
-        """Give in how many periods all joints can stop."""
-        return int(np.ceil(np.max(np.abs(velocity) / self._step, initial=0.0) - _PERIODS))
-
-    def _allowed(self, least: Array, more: Array) -> tuple[float, int, tuple[str, ...]]:
-        """Find the largest part of `more` that can be added to a velocity before braking.
-
-        Returns it with the periods that braking takes from there, and the joints that bound it.
+        The last ones are at rest for as long as the window of the mean.
         """
-        half, start = 0.5 * self._period, self.position + 0.5 * self._period * self.velocity
-        fewest = max(self._stop_periods - 1, 0)
-        most = max(fewest, self._needed(least + more))
-        end = start + half * (1 + most) * (least + more)
-        if ((end >= self._low) & (end <= self._high)).all():
-            return 1.0, most, ()
-        best, periods, bound = 0.0, fewest, np.ones(len(least), dtype=bool)
-        for count in range(fewest, most + 1):
-            way = half * (1 + count)
-            low, high = self._parts(start + way * least, way * more)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                speed = (np.copysign(self._step, more) * count - least) / more
-            part = min(float(high.min()), float(np.fmin.reduce(speed)) + _PERIODS, 1.0)
-            if part > best and (count == fewest or low.max() <= part):
-                best, periods, bound = part, count, high <= part
-        if not best:
-            bound = self._parts(start + half * (1 + fewest) * least, more)[1] <= _PERIODS
-        return best, periods, tuple(self._names[i] for i in np.flatnonzero(bound))
+        known, stop, window = len(self._positions), self._plan.periods, self._window
+        shape = known + stop + window, len(self._position)
+        q, v = np.empty(shape), np.zeros(shape)
+        q[:known], v[:known] = self._positions - self._positions[-1], self._velocities
+        if stop:
+            left, way = self._plan.shape
+            v[known : known + stop] = left * self._velocities[-1]
+            q[known : known + stop] = way * self._velocities[-1]
+        q[known + stop :] = q[known + stop - 1]
+        return q, v
 
-    def _parts(self, place: Array, more: Array) -> tuple[Array, Array]:
-        """Give between which parts of `more` each joint ends inside its limits."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            one, other = (self._low - place) / more, (self._high - place) / more
-        still = more == 0.0
-        outside = still & ((place < self._low) | (place > self._high))
-        low = np.where(still, np.where(outside, np.inf, -np.inf), np.minimum(one, other))
-        return low, np.where(still, np.inf, np.maximum(one, other))
-
-    def _go(self, velocity: Array, periods: int) -> None:
-        if not periods:
-            velocity = np.zeros_like(velocity)
-        position = self.position + 0.5 * self._period * (self.velocity + velocity)
-        position = np.clip(position, self._low, self._high)
-        self._previous = self._knots[0]
-        self._knots.append(_Knot(position, velocity))
-        self._stop_periods = periods
-        end = position + 0.5 * self._period * periods * velocity
-        self._low = np.minimum(self._lower, np.minimum(position, end))
-        self._high = np.maximum(self._upper, np.maximum(position, end))
-
-    def _means(self, knots: list[_Knot]) -> Samples:
+    def _means(self) -> Samples:
         """Give positions and velocities of the mean over the window that ends at each knot."""
         h, m = self._period, self._window
-        q, v = (np.array(rows) for rows in zip(*knots, strict=True))
+        q, v = self._planned()
         # The mean over one period, in which the acceleration is constant.
-        inside = q[:-1] + h * (v[:-1] / 3.0 + v[1:] / 6.0)
-        count = len(q) - m
-        positions: Array = np.stack([inside[k : k + m].mean(axis=0) for k in range(count)])
-        velocities: Array = (q[m:] - q[:-m]) / (m * h)
+        sums = np.zeros_like(q)
+        np.cumsum(q[:-1] + h / 6.0 * (2.0 * v[:-1] + v[1:]), axis=0, out=sums[1:])
+        positions = (sums[m:] - sums[:-m]) * (1.0 / m)
+        positions += self._positions[-1]
+        velocities = (q[m:] - q[:-m]) * (1.0 / (m * h))
         velocities[-1] = 0.0
-        jerks = np.diff(v[m:] - v[:-m], axis=0)
-        told = np.ones(count, dtype=bool)
         # A cubic goes on where the jerk does not change.
-        told[2:-1] = (np.abs(np.diff(jerks[1:], axis=0)) > _SAME * self._step).any(axis=1)
-        times = np.flatnonzero(told).astype(np.float64) * h
-        return Samples(times, positions[told], velocities[told])
+        change = v[m:] - v[:-m]
+        bends = change[2:] - 2.0 * change[1:-1] + change[:-2]
+        told = np.ones(len(positions), dtype=bool)
+        told[1:-1] = (np.abs(bends) > self._same).any(axis=1)
+        told[1 : 1 + self._lead] = True
+        shown = told.nonzero()[0]
+        times: Array = h * shown.astype(np.float64)
+        return Samples(times, positions[shown], velocities[shown])

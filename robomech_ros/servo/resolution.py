@@ -20,14 +20,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinetostatics.accelerations import jacobian_rate
-from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.jacobian_rates import jacobian_rate_one
+from robomech_ros._kernels.serial import jacobian_one
+from robomech_ros.kinematics.joint_values import raise_not_finite
 from robomech_ros.kinetostatics.singularities import regular_rank, report_length
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["Resolution", "TwistResolver"]
 
 Array = NDArray[np.float64]
+
+_jacobian_one = direct(jacobian_one)
+_rate_one = direct(jacobian_rate_one)
 
 # A rate of s (1/s) that counts as none: along a path on which s is constant rounding decides.
 _LEVEL = 1e-4
@@ -108,7 +113,9 @@ class TwistResolver:
     ) -> None:
         self._chain, self._approach = chain, approach
         self._slow_from, self._stop_at = slow_from, stop_at
-        self._scale = np.repeat((1.0, 1.0 / report_length(chain, length)), 3)
+        self._per_length = 1.0 / report_length(chain, length)
+        self._scale = np.repeat((1.0, self._per_length), 3)
+        self._pose = np.empty((4, 4))
         self._rank = min(regular_rank(chain), chain.n, 6)
 
     def condition_number(self, q: Array) -> float:
@@ -145,12 +152,18 @@ class TwistResolver:
         return Resolution(rates, scale, not falling, condition, possible)
 
     def _jacobian(self, q: Array) -> Array:
-        scaled: Array = self._scale[:, None] * jacobian(self._chain, q)
+        scaled: Array = np.empty((6, self._chain.n))
+        if _jacobian_one(self._chain.packed, q, scaled, self._pose):
+            raise_not_finite(self._chain, q)
+        scaled[3:] *= self._per_length
         return scaled
 
     def _change(self, posture: _Posture, rates: Array) -> Array:
         """Give the rate of the scaled Jacobian at joint rates."""
-        scaled: Array = self._scale[:, None] * jacobian_rate(self._chain, posture.q, rates)
+        scaled: Array = np.empty((6, self._chain.n))
+        if _rate_one(self._chain.packed, posture.q, rates, scaled):
+            raise_not_finite(self._chain, rates, "rates")
+        scaled[3:] *= self._per_length
         return scaled
 
     def _split(

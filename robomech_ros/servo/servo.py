@@ -7,10 +7,13 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Advance, Motion, Samples
 from robomech_ros.servo.resolution import Resolution, TwistResolver
+from robomech_ros.spatial.arrays import all_finite, as_finite
 
 __all__ = [
     "Command",
@@ -55,12 +58,15 @@ class ServoSettings:
         singularity are slowed down, and at which they stand.
     length : float or None
         By which linear motions are divided (m); None for the characteristic length.
+    lead : int
+        How many knots before the latest the samples show, so that who gets them late goes on.
     """
 
     period: float = 0.01
     slow_from: float = 30.0
     stop_at: float = 90.0
     length: float | None = None
+    lead: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +158,7 @@ class Servo:
 
     def __init__(self, chain: SerialChain, settings: ServoSettings) -> None:
         self.limits = ServoLimits.of(chain)
-        self._period = settings.period
+        self._chain, self._period, self._lead = chain, settings.period, settings.lead
         approach = float(np.min(self.limits.acceleration / self.limits.velocity))
         self._resolver = TwistResolver(
             chain, settings.slow_from, settings.stop_at, approach, settings.length
@@ -182,7 +188,17 @@ class Servo:
         return self._command is not None and now <= self._command.until and not self.paused
 
     def take(self, command: Command) -> None:
-        """Follow a command from now on."""
+        """Follow a command from now on.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            It is not as described; the command before is followed on.
+        """
+        if isinstance(command, JointCommand):
+            self._finite("rates", command.rates)
+        elif as_finite("twist", command.twist, (6,)).ndim > 1:
+            raise WrongSizeError("twist", command.twist.shape, (6,))
         self._command = command
 
     def forget(self) -> None:
@@ -190,8 +206,24 @@ class Servo:
         self._command = None
 
     def start(self, position: Array, velocity: Array) -> None:
-        """Begin a stream where the joints are (rad or m, and per s)."""
-        self._motion = Motion(self.limits, self._period, position, velocity)
+        """Begin a stream where the joints are (rad or m, and per s).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not n finite numbers each.
+        """
+        given = self._finite("position", position), self._finite("velocity", velocity)
+        self._motion = Motion(self.limits, self._period, *given, lead=self._lead)
+
+    def _finite(self, what: str, values: Array) -> Array:
+        """Check n numbers, one for each joint."""
+        given = as_joint_values(self._chain, values, what)
+        if given.ndim > 1:
+            raise WrongSizeError(what, given.shape, (self._chain.n,))
+        if not all_finite(given):
+            raise_not_finite(self._chain, given, what)
+        return given
 
     def end(self) -> None:
         """Let the joints go."""
@@ -217,7 +249,7 @@ class Servo:
         return self._judged(resolution, scale, speed, fastest, advance)
 
     def samples(self) -> Samples:
-        """Give the stream from the last knot but one on, at rest at the end."""
+        """Give the stream from the first knot shown on, at rest at the end."""
         return self.motion.samples()
 
     def idle(self, now: float, position: Array) -> Report:

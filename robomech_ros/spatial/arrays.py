@@ -1,5 +1,6 @@
 """Check arrays that come from a caller."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
@@ -9,9 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 
-__all__ = ["as_choice", "as_finite", "listed", "real_array", "real_number"]
+__all__ = ["all_finite", "as_choice", "as_finite", "listed", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
+
+# So many numbers are looked at faster one by one.
+_FEW = 16
+
+
+def all_finite(array: Array) -> bool:
+    """Say whether there is neither NaN nor infinity in an array."""
+    if array.size <= _FEW:
+        return all(map(math.isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())
 
 
 def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
@@ -59,7 +70,7 @@ def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
     array = real_array(what, value)
     if tail and array.shape[-len(tail) :] != tail:
         raise WrongSizeError(what, array.shape, f"(..., {', '.join(map(str, tail))})")
-    if not np.isfinite(array).all():
+    if not all_finite(array):
         raise NonFiniteError(what, array if array.ndim else float(array))
     return array
 

@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 import yaml
 
+sys.path.insert(0, str(Path(__file__).parent))
+
 ROOT = Path(__file__).resolve().parents[2]
 
 # What the wheels' start-up, colcon and an active environment leave in the environment.
@@ -158,3 +160,37 @@ def output_of() -> Callable[..., str]:
 def repository() -> Path:
     """Name the folder of the repository."""
     return ROOT
+
+
+@pytest.fixture
+def outsider(domain_id: int) -> Iterator[Any]:
+    """Give somebody on the network, where ROS is."""
+    from outsider import Outsider
+
+    result = Outsider(domain_id)
+    yield result
+    result.close()
+
+
+@pytest.fixture
+def bringup(suite: Installed) -> Callable[..., Any]:
+    """Start `robomech bringup`, and require exit code 0 when it is told to end."""
+
+    @contextmanager
+    def start(
+        *arguments: str, end: signal.Signals = signal.SIGINT
+    ) -> Iterator[subprocess.Popen[bytes]]:
+        process = subprocess.Popen(
+            [str(suite.executables / "robomech"), "bringup", *arguments], env=suite.environment
+        )
+        try:
+            yield process
+            assert process.poll() is None, f"bringup ended by itself with {process.returncode}"
+            process.send_signal(end)
+            assert process.wait(PATIENCE) == 0
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+    return start

@@ -7,17 +7,13 @@ import shlex
 import shutil
 import signal
 import subprocess
-import threading
 import time
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
 import rclpy
 import yaml
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
@@ -26,7 +22,6 @@ from robomech_interfaces.srv import PlanJoint, QueryWorkspace, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
-from robomech_ros.nodes.run import Spinner
 from robomech_ros.robots import load_description, load_robot
 
 PATIENCE = 60.0
@@ -39,86 +34,6 @@ NODES = {
     "/trajectory_publisher",
 }
 PUMA_Q = [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
-
-
-class Outsider:
-    """A process (this one) that knows of the suite only what is on the network."""
-
-    def __init__(self, domain: int) -> None:
-        self.context = rclpy.Context()
-        rclpy.init(
-            args=[],
-            context=self.context,
-            domain_id=domain,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        self.node = Node("outsider", context=self.context)
-        self._spinner = Spinner([self.node], self.context)
-        self._spinner.start()
-        self._clients = {}
-
-    def close(self):
-        self._spinner.stop()
-        self.node.destroy_node()
-        self.context.try_shutdown()
-
-    def call(self, kind, service, request):
-        if service not in self._clients:
-            self._clients[service] = self.node.create_client(kind, service)
-            assert self._clients[service].wait_for_service(PATIENCE), f"no {service}"
-        done = threading.Event()
-        future = self._clients[service].call_async(request)
-        future.add_done_callback(lambda _: done.set())
-        assert done.wait(PATIENCE), f"{service} does not answer"
-        return future.result()
-
-    def wait_for_joints(self, accept, topic="joint_states"):
-        """Wait for a joint state that is accepted."""
-        found = []
-        there = threading.Event()
-
-        def take(message):
-            if not there.is_set() and accept(
-                dict(zip(message.name, message.position, strict=True))
-            ):
-                found.append(message)
-                there.set()
-
-        subscription = self.node.create_subscription(JointState, topic, take, 10)
-        try:
-            assert there.wait(PATIENCE), f"no such state on {topic}"
-        finally:
-            self.node.destroy_subscription(subscription)
-        return found[0]
-
-
-@pytest.fixture
-def outsider(domain_id):
-    result = Outsider(domain_id)
-    yield result
-    result.close()
-
-
-@pytest.fixture
-def bringup(suite):
-    """Start `robomech bringup`, and require exit code 0 when it is told to end."""
-
-    @contextmanager
-    def start(*arguments, end=signal.SIGINT):
-        process = subprocess.Popen(
-            [str(suite.executables / "robomech"), "bringup", *arguments], env=suite.environment
-        )
-        try:
-            yield process
-            assert process.poll() is None, f"bringup ended by itself with {process.returncode}"
-            process.send_signal(end)
-            assert process.wait(PATIENCE) == 0
-        finally:
-            if process.poll() is None:
-                process.kill()
-                process.wait()
-
-    return start
 
 
 def in_kinematics(outsider, chain, q, prefix=""):

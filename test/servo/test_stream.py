@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from servo_drives import TIMEOUT, Drive
 
-from robomech_ros.errors import MissingLimitsError
+from robomech_ros.errors import MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.servo.limits import ServoLimits
@@ -206,3 +206,46 @@ def test_the_mean_lasts_no_longer_than_jerks_need():
     assert limits.smoothing(0.01) == 20
     assert ServoLimits.of(load_robot("panda")).smoothing(0.01) == 1
     assert one_joint().smoothing(0.01) == 0
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e"])
+def test_who_gets_a_message_late_has_been_told_the_same_before(robot):
+    """With a lead, the first knots of a stream are those that the one before ended with."""
+    limits = ServoLimits.of(load_robot(robot))
+    position, lead = load_robot(robot).midrange(), 3
+    motions = [Motion(limits, 0.01, position, np.zeros(6), lead=k) for k in (1, lead)]
+    rng = np.random.default_rng(2)
+    before = None
+    for k in range(200):
+        if k % 20 == 0:
+            wanted = rng.normal(size=6) * limits.velocity
+        for motion in motions:
+            motion.advance(wanted)
+        near, far = (motion.samples() for motion in motions)
+        late = 0.01 * (lead - 1)
+        assert far.times[lead] == pytest.approx(0.01 * lead)
+        np.testing.assert_allclose(far.times[lead - 1 :] - late, near.times, atol=1e-12)
+        np.testing.assert_allclose(far.positions[lead - 1 :], near.positions, atol=1e-12)
+        if before is not None:
+            np.testing.assert_allclose(
+                far.positions[:lead], before.positions[1 : lead + 1], atol=1e-12
+            )
+        before = far
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_commands_and_states_that_are_not_finite_are_refused_and_change_nothing(bad):
+    drive = Drive("puma560", REGULAR)
+    drive.joints([0.2, 0, 0, 0, 0, 0], 0.2)
+    rates = np.array([0.1, bad, 0, 0, 0, 0])
+    with pytest.raises(NonFiniteError, match="rates of joint 'shoulder'"):
+        drive.servo.take(JointCommand(rates, drive.time + 1.0))
+    with pytest.raises(NonFiniteError, match="twist"):
+        drive.servo.take(TwistCommand(rates, lambda q: None, drive.time + 1.0))
+    with pytest.raises(WrongSizeError, match="rates"):
+        drive.servo.take(JointCommand(np.zeros(3), drive.time + 1.0))
+    assert drive.step().condition is Condition.NO_WARNING
+    with pytest.raises(NonFiniteError, match="position of joint 'shoulder'"):
+        drive.servo.start(rates, np.zeros(6))
+    drive.wait(1.0)
+    drive.assert_limits()

@@ -158,15 +158,20 @@ class CommandReader:
         return given * scales if unitless else given
 
     def _until(self, header: Any) -> float:
-        """Give until when (s) a command counts that was made at the stamp of its header."""
-        timeout = self._settings().command_timeout
+        """Give until when (s) a command counts that was made at the stamp of its header.
+
+        The stream is told ahead of its time, so that the robot brakes later than that.
+        """
+        settings = self._settings()
+        timeout = settings.command_timeout
+        told_ahead = min(settings.lead / settings.publish_rate, 0.5 * timeout)
         ahead = self._clock.until(header.stamp)
         if ahead < -timeout:
             what = f"made {-ahead:.3g} s ago"
         elif ahead > timeout:
             what = f"{ahead:.3g} s in the future"
         else:
-            return self._clock.now() + timeout + min(ahead, 0.0)
+            return self._clock.now() + timeout - told_ahead + min(ahead, 0.0)
         expected = f"a command from the last {timeout:g} s, the parameter command_timeout"
         stamp = header.stamp
         raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)

@@ -69,6 +69,29 @@ class ServoNodeSettings(RobotSettings):
         1e3,
         "m",
     )
+    lead: int = parameter(
+        2,
+        "How many periods ahead of its time a new point is told: so late the controller may get a "
+        "message and the motion is smooth; commands are followed as much later",
+        1,
+        20,
+        "periods",
+    )
+    tracking_tolerance: float = parameter(
+        0.1,
+        "How far a joint may be from where it was told to be within the last tracking_delay, rad "
+        "or m, before the stream stops; 0 = any distance",
+        0.0,
+        10.0,
+    )
+    tracking_delay: float = parameter(
+        0.2,
+        "How much later than told the joints may be somewhere; the stream also stops where the "
+        "joint states fail to come for longer than that and 0.5 s",
+        0.0,
+        5.0,
+        "s",
+    )
     halt_messages: int = parameter(
         4, "How many trajectories are published after the robot stands", 1, 1000, "messages"
     )
@@ -94,4 +117,5 @@ def core_settings(settings: ServoNodeSettings) -> ServoSettings:
         slow_from=settings.lower_singularity_threshold,
         stop_at=settings.hard_stop_singularity_threshold,
         length=settings.characteristic_length or None,
+        lead=settings.lead,
     )

@@ -1,5 +1,6 @@
 """The servo's status as a message."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from robomech_interfaces.msg import ServoStatus
@@ -20,7 +21,9 @@ _CODES = {
 }
 
 
-def status_message(stamp: Any, report: Report | None, refusal: str, no_state: str) -> ServoStatus:
+def status_message(
+    stamp: Any, report: Report | None, refusal: str, no_state: str, joints: Sequence[str] = ()
+) -> ServoStatus:
     """Make the message.
 
     Parameters
@@ -32,9 +35,11 @@ def status_message(stamp: Any, report: Report | None, refusal: str, no_state: st
     refusal : str
         Why the last command was refused; empty if it was not.
     no_state : str
-        Why the state of the joints is not known; empty if it is.
+        Why the state of the joints is not known, or not what was told; empty otherwise.
+    joints : sequence of str
+        Those that this is about.
     """
-    status = ServoStatus(code=ServoStatus.NO_STATE, message=no_state)
+    status = ServoStatus(code=ServoStatus.NO_STATE, message=no_state, joint_names=list(joints))
     status.header.stamp = stamp
     status.condition_number = float("nan")
     if report is not None:

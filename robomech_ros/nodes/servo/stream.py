@@ -27,16 +27,14 @@ def stream_message(
     stamp : Time
         When the message was made, in ROS time.
     """
-    points = [
-        JointTrajectoryPoint(
-            positions=floats(position),
-            velocities=floats(velocity),
-            time_from_start=duration_from_seconds(ahead + time),
-        )
-        for time, position, velocity in zip(
-            samples.times.tolist(), samples.positions, samples.velocities, strict=True
-        )
-    ]
+    q, v, end, n = floats(samples.positions), floats(samples.velocities), 0, len(names)
+    points = []
+    for time in samples.times.tolist():
+        begin, end = end, end + n
+        point = JointTrajectoryPoint(time_from_start=duration_from_seconds(ahead + time))
+        # A part of Python's array is taken without conversion.
+        point.positions, point.velocities = q[begin:end], v[begin:end]
+        points.append(point)
     message = JointTrajectory(joint_names=list(names), points=points)
     message.header.stamp = stamp
     return message

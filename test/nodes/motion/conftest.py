@@ -9,6 +9,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 from drivers import Driver, Suite
+from servo_operator import START, Operator
+from simulated_time import SimulatedTime
 
 from robomech_ros.nodes import status_report
 
@@ -35,6 +37,25 @@ def drive(graph):
 def arm(drive):
     """A simulated PUMA 560."""
     return drive()
+
+
+@pytest.fixture
+def operator(drive, graph):
+    """Start a simulated robot, with parameters `arm`, and a servo with the others."""
+    started = []
+
+    def start(arm=None, **parameters):
+        robot = drive(initial_positions=START, **(arm or {}))
+        started.append(Operator(robot, graph, **parameters))
+        return started[-1]
+
+    return start
+
+
+@pytest.fixture
+def simulated_time(graph):
+    """A clock that runs at twice the speed of time, and jumps."""
+    return SimulatedTime(graph)
 
 
 @pytest.fixture

@@ -1,50 +1,17 @@
 """Simulated time that jumps: robots do not, and what happened is said."""
 
 import re
-import threading
 
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
-from builtin_interfaces.msg import Time
 from drivers import ROBOT, Suite, ended
-from rosgraph_msgs.msg import Clock
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
 
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
-STEP = 0.01
 SAID = "the clock jumped {} s on the way, and the robot went on from where it was"
-
-
-class SimulatedTime:
-    """Publishes /clock at twice the speed of time, and lets it jump."""
-
-    def __init__(self, graph):
-        self._publisher = graph.client.create_publisher(Clock, "/clock", 10)
-        self._lock, self._now = threading.Lock(), 10_000.0
-        graph.client.create_timer(0.5 * STEP, self._tick)
-
-    def _tick(self):
-        with self._lock:
-            self._now += STEP
-        message = Clock(clock=self.stamp())
-        self._publisher.publish(message)
-
-    def stamp(self, ahead=0.0):
-        with self._lock:
-            sec, nanosec = divmod(round((self._now + ahead) * 1e9), 10**9)
-        return Time(sec=sec, nanosec=nanosec)
-
-    def jump(self, by):
-        with self._lock:
-            self._now += by - STEP
-
-
-@pytest.fixture
-def simulated_time(graph):
-    return SimulatedTime(graph)
 
 
 def assert_no_jump(arm, forward=True):

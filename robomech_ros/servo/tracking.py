@@ -1,0 +1,94 @@
+"""Whether the joints do what the stream tells them."""
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["Deviation", "Tracking"]
+
+Array = NDArray[np.float64]
+
+
+class Deviation(NamedTuple):
+    """A joint that does not follow.
+
+    Attributes
+    ----------
+    joint : str
+        Its name.
+    amount, tolerance : float
+        How far it is off, and may be (rad or m).
+    unit : str
+        Of both.
+    """
+
+    joint: str
+    amount: float
+    tolerance: float
+    unit: str
+
+    @property
+    def text(self) -> str:
+        """The same in words."""
+        off, allowed = f"{self.amount:.4g} {self.unit}", f"{self.tolerance:.4g} {self.unit}"
+        return f"joint '{self.joint}' is {off} off what it was told, the tolerance is {allowed}"
+
+
+class Tracking:
+    """Compares measured positions with those of a stream in the last while.
+
+    Joints follow with a delay: each may be anywhere between where it was told to be then and now.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints; those that turn without limits may be off by whole turns.
+    tolerance : float
+        How far a joint may be off (rad or m).
+    delay : float
+        The longest with which joints follow (s).
+    """
+
+    def __init__(self, chain: SerialChain, tolerance: float, delay: float) -> None:
+        self._names, self._units = chain.joint_names, np.where(chain.types == 0, "rad", "m")
+        self._continuous = chain.continuous
+        self._tolerance, self._delay = tolerance, delay
+        self._told: deque[tuple[float, Array]] = deque()
+
+    def begin(self) -> None:
+        """Forget what was told before."""
+        self._told.clear()
+
+    def tell(self, time: float, position: Array) -> None:
+        """Take note of where the joints (n,) are told to be (rad or m) at a time (s)."""
+        self._told.append((time, position))
+
+    def deviation(self, now: float, position: Array) -> Deviation | None:
+        """Find the joint that is farthest from where it was told to be, if that is too far.
+
+        Parameters
+        ----------
+        now : float
+            The time (s).
+        position : ndarray, shape (n,)
+            Where the joints are (rad or m).
+        """
+        while len(self._told) > 1 and self._told[1][0] < now - self._delay:
+            self._told.popleft()
+        if not self._told:
+            return None
+        told = np.array([place for _, place in self._told])
+        low, high = told.min(axis=0), told.max(axis=0)
+        turns = np.round((position - 0.5 * (low + high)) / math.tau)
+        place = position - np.where(self._continuous, turns * math.tau, 0.0)
+        off = np.maximum(low - place, place - high)
+        worst = int(np.argmax(off))
+        if off[worst] <= self._tolerance:
+            return None
+        unit = str(self._units[worst])
+        return Deviation(self._names[worst], float(off[worst]), self._tolerance, unit)
