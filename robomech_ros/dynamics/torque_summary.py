@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import trapezoid
 
 from robomech_ros.dynamics.inverse import inverse_dynamics
 from robomech_ros.errors import BadValueError, WrongSizeError
@@ -111,15 +110,21 @@ def torque_summary(
     limit = np.where(np.isnan(chain.effort), np.inf, chain.effort)
     beyond = size > limit
     first = np.where(beyond.any(axis=0), instants[beyond.argmax(axis=0)], np.nan)
-    squares = trapezoid(effort**2, instants, axis=0) / span if span else effort[0] ** 2
+    squares = _integral(effort**2, instants) / span if span else effort[0] ** 2
     return TorqueSummary(
         peak_effort=size[peak, columns],
         peak_effort_time=instants[peak],
         rms_effort=np.sqrt(squares),
         peak_power=np.abs(power).max(axis=0),
-        energy_out=trapezoid(np.maximum(power, 0.0), instants, axis=0),
-        energy_back=trapezoid(np.maximum(-power, 0.0), instants, axis=0),
+        energy_out=_integral(np.maximum(power, 0.0), instants),
+        energy_back=_integral(np.maximum(-power, 0.0), instants),
         effort_limit=limit,
         saturation=size.max(axis=0) / limit,
         saturation_time=first,
     )
+
+
+def _integral(values: Array, times: Array) -> Array:
+    """Integrate columns over time by the trapezoidal rule."""
+    integral: Array = 0.5 * np.diff(times) @ (values[1:] + values[:-1])
+    return integral
