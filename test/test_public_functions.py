@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robomech_ros import spatial, trajectory
+from robomech_ros import dynamics, spatial, trajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import (
     forward_kinematics,
@@ -70,6 +70,8 @@ from robomech_ros.trajectory import (
 )
 
 PATHS = "trajectory/paths/test_wrong_arguments.py"
+# Of the dynamics: a run over time, what takes another function's result, what takes many states.
+NOT_OF_A_STATE = ("simulate", "consistent_fit", "torque_summary")
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
 LIMITS = Limits(list("abcdef"), velocity=1.0, acceleration=2.0, jerk=3.0)
@@ -175,7 +177,7 @@ def calls():
         even_turns, count=2, axis=[1, 0, 0]
     )
     found |= with_options(global_conditioning_index, chain=PUMA, length=0.3, postures=256)
-    found |= maps()
+    found |= maps() | of_dynamics()
     found |= with_options(chain_from_dh, **TABLE)
     for key in ("lower", "upper", "velocity", "effort"):
         found[f"limits.{key}"] = lambda value, key=key: chain_from_dh(**TABLE, limits={key: value})
@@ -252,6 +254,28 @@ def maps():
     found["load_reach_map.path"] = load_reach_map
     good |= {"shape": None, "spacing": 0.2}
     found["reach_map.spacing"] = lambda value: reach_map(PUMA, **(good | {"spacing": value}))
+    return found
+
+
+def of_dynamics():
+    """Every function of the dynamics that takes states."""
+    q = [0.1] * 6
+    state = {"chain": PUMA, "q": q, "qd": q}
+    good = state | {"qdd": q, "tau": q, "parameters": dynamics.body_parameters(PUMA)[1]}
+    good |= {"payload": PUMA.bodies[-1], "algorithm": "inverse: newton-euler", "n": 2}
+    rows = {"chain": PUMA, "times": [0.0], "q": [q], "qd": [q], "qdd": [q]}
+    found = with_options(dynamics.torque_summary, **rows)
+    for name in dynamics.__all__:
+        function = getattr(dynamics, name)
+        if not name[0].islower() or name in NOT_OF_A_STATE:
+            continue
+        needed = [
+            one.name
+            for one in inspect.signature(function).parameters.values()
+            if one.default is one.empty
+        ]
+        assert set(needed) <= good.keys(), (name, needed)
+        found |= with_options(function, **{key: good[key] for key in needed})
     return found
 
 

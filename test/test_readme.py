@@ -11,9 +11,11 @@ NODES = sorted((ROOT / "robomech_ros" / "nodes").rglob("*.py"))
 INTERFACES = ROOT / "robomech_interfaces"
 FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
 FOREIGN = {
+    "geometry_msgs/msg/TwistStamped",
     "sensor_msgs/msg/JointState",
     "control_msgs/action/FollowJointTrajectory",
     "control_msgs/srv/QueryTrajectoryState",
+    "std_srvs/srv/SetBool",
     "std_srvs/srv/Trigger",
     "trajectory_msgs/msg/JointTrajectory",
 }

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from robomech_ros.dynamics.model import (
         body_parameters,
     )
+    from robomech_ros.dynamics.motion_torques import TorqueSummary, torque_summary
     from robomech_ros.dynamics.orthogonal_complement import (
         OrthogonalComplement,
         forward_dynamics_by_cholesky,
@@ -88,7 +89,6 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
-    from robomech_ros.dynamics.torque_summary import TorqueSummary, torque_summary
 
 __all__ = [
     "BaseParameters",
@@ -160,7 +160,7 @@ _MODULES = {
     "Servo": "servo",
     "ServoMotion": "servo",
     "Simulation": "simulation",
-    "TorqueSummary": "torque_summary",
+    "TorqueSummary": "motion_torques",
     "base_parameters": "regressor",
     "bias_torque": "inverse",
     "bodies_from_parameters": "pseudo_inertias",
@@ -200,7 +200,7 @@ _MODULES = {
     "pseudo_inertia": "pseudo_inertias",
     "simulate": "simulation",
     "torque_regressor": "regressor",
-    "torque_summary": "torque_summary",
+    "torque_summary": "motion_torques",
     "with_payload": "payload",
 }
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
+    from robomech_ros.kinetostatics.free_intervals import SingularityFree, singularity_free
     from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
         NearestSingularity,
         nearest_singular_posture,
     )
-    from robomech_ros.kinetostatics.singularity_free import SingularityFree, singularity_free
     from robomech_ros.kinetostatics.statics import joint_torques, wrench_from_torques
     from robomech_ros.kinetostatics.workspace import (
         BoundaryCurve,
@@ -107,7 +107,7 @@ _MODULES = {
     "ReachMap": "reachability",
     "ConditioningIndex": "conditioning",
     "DecoupledJacobian": "decoupled_blocks",
-    "SingularityFree": "singularity_free",
+    "SingularityFree": "free_intervals",
     "SingularityReport": "singularities",
     "Workspace": "workspace",
     "bias_acceleration": "accelerations",
@@ -138,7 +138,7 @@ _MODULES = {
     "workspace_boundary": "workspace",
     "planar_jacobian": "reduced",
     "planar_rows": "reduced",
-    "singularity_free": "singularity_free",
+    "singularity_free": "free_intervals",
     "task_jacobian": "reduced",
     "wrench_from_torques": "statics",
 }

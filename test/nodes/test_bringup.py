@@ -85,7 +85,8 @@ def test_every_parameter_is_documented_with_its_default(node):
     expected = {}
     for row in table_rows(bringup._factory(node).SETTINGS):
         unit = f" {row.unit}" if row.unit in ("s", "Hz") else ""
-        default = shown.get(repr(row.default), str(row.default).strip("()"))
+        value = list(row.default) if row.default and type(row.default) is tuple else row.default
+        default = shown.get(repr(value), str(value))
         expected[row.name] = (default + unit, not row.read_only)
     assert documented(node) == expected
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.inverse import inverse_dynamics
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
@@ -95,9 +96,12 @@ def torque_summary(
     ------
     WrongSizeError, NonFiniteError, BadValueError, MissingInertiaError
     """
+    check_chain(chain)
     instants, rates = real_array("times", times), real_array("qd", qd)
     if instants.ndim != 1 or not len(instants):
         raise WrongSizeError("times", instants.shape, "(m,) with at least one instant")
+    if not np.isfinite(instants).all():
+        raise NonFiniteError("times", instants)
     if rates.shape != (len(instants), chain.n):
         raise WrongSizeError("qd", rates.shape, (len(instants), chain.n))
     if not (np.diff(instants) >= 0.0).all():
@@ -110,11 +114,13 @@ def torque_summary(
     limit = np.where(np.isnan(chain.effort), np.inf, chain.effort)
     beyond = size > limit
     first = np.where(beyond.any(axis=0), instants[beyond.argmax(axis=0)], np.nan)
-    squares = _integral(effort**2, instants) / span if span else effort[0] ** 2
+    # Against the peak, whose square may overflow.
+    part = size / np.maximum(size.max(axis=0), np.finfo(float).tiny)
+    squares = _integral(part**2, instants) / span if span else part[0] ** 2
     return TorqueSummary(
         peak_effort=size[peak, columns],
         peak_effort_time=instants[peak],
-        rms_effort=np.sqrt(squares),
+        rms_effort=np.sqrt(squares) * size.max(axis=0),
         peak_power=np.abs(power).max(axis=0),
         energy_out=_integral(np.maximum(power, 0.0), instants),
         energy_back=_integral(np.maximum(-power, 0.0), instants),
@@ -124,7 +130,7 @@ def torque_summary(
     )
 
 
-def _integral(values: Array, times: Array) -> Array:
-    """Integrate columns over time by the trapezoidal rule."""
-    integral: Array = 0.5 * np.diff(times) @ (values[1:] + values[:-1])
+def _integral(rows: Array, times: Array) -> Array:
+    """Integrate columns over time by trapezia."""
+    integral: Array = 0.5 * np.diff(times) @ (rows[1:] + rows[:-1])
     return integral
