@@ -100,7 +100,8 @@ def test_it_holds_itself_and_its_efforts_are_published(drive):
     arm.until(lambda: len(arm.states) > 20)
     np.testing.assert_allclose(arm.position, HOME, atol=1e-9)
     np.testing.assert_allclose(arm.states[-1].effort, gravity_torque(PUMA, HOME), atol=1e-6)
-    status, result = arm.execute(arm.trajectory((0.6, MOVE)), path_position_tolerance=[2e-3] * 6)
+    # A busy machine may miss cycles, between which commands are interpolated.
+    status, result = arm.execute(arm.trajectory((0.6, MOVE)), path_position_tolerance=[2e-2] * 6)
     assert (status, result.error_msg) == (GoalStatus.STATUS_SUCCEEDED, "")
     until_still(arm)
     np.testing.assert_allclose(arm.position, HOME + MOVE, atol=1e-3)
