@@ -106,7 +106,7 @@ class JointStateSimulatorNode(Node):
         except Exception:
             self.get_logger().error(f"motion failed, please report:\n{traceback.format_exc()}")
             robot.follower.halt(900, "internal error of the controller, see its log")
-        self._states.publish(robot.follower.actual)
+        self._states.publish(robot.follower.actual, robot.stamp())
         self._tell_standing()
         self._cycle += 1
         if self._frames is not None and self._cycle % self._frame_cycles == 0:
@@ -144,8 +144,9 @@ class JointStateSimulatorNode(Node):
     def _reset(self, request: Any, response: Any) -> Any:
         assert self._robot is not None
         with self._robot.lock:
+            self._robot.advance()
             self._robot.reset("ended by the service reset")
-            self._states.publish(self._robot.follower.actual)
+            self._states.publish(self._robot.follower.actual, self._robot.stamp())
         response.success = True
         response.message = "the robot is at its initial position"
         return response
@@ -166,7 +167,8 @@ class JointStateSimulatorNode(Node):
         await standing
         self.destroy_timer(deadline)
         with robot.lock:
-            self._states.publish(robot.follower.actual)
+            robot.advance()
+            self._states.publish(robot.follower.actual, robot.stamp())
         for server in self._servers:
             await server.all_ended()
 

@@ -25,6 +25,8 @@ from robomech_ros.robots import SerialChain
 
 __all__ = ["Counts", "SimulatedRobot"]
 
+_NANO = 1_000_000_000
+
 
 @dataclass
 class Counts:
@@ -86,6 +88,10 @@ class SimulatedRobot:
     def advance(self) -> None:
         """Move on to the present time."""
         self.follower.advance(self._clock.now())
+
+    def stamp(self) -> tuple[int, int]:
+        """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
+        return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
 
     def execute(
         self,
