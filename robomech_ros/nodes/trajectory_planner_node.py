@@ -102,8 +102,8 @@ class PlannerSettings(StateSettings):
     )
     max_waypoints: int = parameter(
         200,
-        "Most via points, or waypoints of a Cartesian path; planning takes up to some 20 ms for "
-        "each of them, time-optimal planning 60 ms, in which other such requests wait",
+        "Most via points, or waypoints of a Cartesian path; planning takes up to some 60 ms for "
+        "each of them, in which other such requests wait",
         1,
         100_000,
         "points",
