@@ -132,7 +132,7 @@ class JointStateSimulatorNode(Node):
 
     def _publish_state(self, robot: SimulatedRobot) -> None:
         follower = robot.follower
-        self._states.publish(follower.actual, follower.simulation.effort)
+        self._states.publish(follower.actual, follower.simulation.effort, robot.stamp())
 
     def _tell_saturation(self, robot: SimulatedRobot) -> None:
         """Log once in each motion that drives are at their limits."""
@@ -169,6 +169,7 @@ class JointStateSimulatorNode(Node):
     def _reset(self, request: Any, response: Any) -> Any:
         assert self._robot is not None
         with self._robot.lock:
+            self._robot.advance()
             self._robot.reset("ended by the service reset")
             self._publish_state(self._robot)
         response.success = True
@@ -191,6 +192,7 @@ class JointStateSimulatorNode(Node):
         await standing
         self.destroy_timer(deadline)
         with robot.lock:
+            robot.advance()
             self._publish_state(robot)
         for server in self._servers:
             await server.all_ended()

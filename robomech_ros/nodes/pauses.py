@@ -71,6 +71,8 @@ class Worker:
         self._pieces: queue.SimpleQueue[tuple[Callable[[], Any], Future] | None]
         self._pieces = queue.SimpleQueue()
         self._closed = False
+        self._awaited: set[Future] = set()
+        self._refusal: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="worker", daemon=True)
         self._thread.start()
 
@@ -81,9 +83,26 @@ class Worker:
         return done
 
     async def do(self, work: Callable[[], _T]) -> _T:
-        """Give the result of work, or raise what it raises."""
-        result: _T = await self.begin(work)
+        """Give the result of work, or raise what it raises, or what `give_up` is told."""
+        if self._refusal is not None:
+            raise self._refusal
+        done = self.begin(work)
+        self._awaited.add(done)
+        try:
+            result: _T = await done
+        finally:
+            self._awaited.discard(done)
         return result
+
+    def give_up(self, refusal: Exception) -> None:
+        """Raise this in all who wait, and in who comes; to be called in the executor's thread."""
+        self._closed, self._refusal = True, refusal
+        for done in self._awaited:
+            if not done.done():
+                done.set_exception(refusal)
+        node = self._node()
+        if node is not None:
+            wake(node)
 
     def close(self) -> None:
         """Do no more; what is being done gets a moment to end, and nobody is told of it."""
@@ -109,7 +128,8 @@ class Worker:
             return
 
         def told() -> None:
-            tell(what)
+            if self._refusal is None:
+                tell(what)
             # Tasks that wait are looked at before new ones are, and then only when it is woken.
             executor.wake()
 

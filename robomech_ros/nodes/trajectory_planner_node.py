@@ -18,6 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
+from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.cartesian_messages import (
     encode_path_plan,
@@ -101,8 +102,8 @@ class PlannerSettings(StateSettings):
     )
     max_waypoints: int = parameter(
         200,
-        "Most via points, or waypoints of a Cartesian path; planning takes up to some 20 ms for "
-        "each of them, time-optimal planning 60 ms, in which other such requests wait",
+        "Most via points, or waypoints of a Cartesian path; planning takes up to some 60 ms for "
+        "each of them, in which other such requests wait",
         1,
         100_000,
         "points",
@@ -185,13 +186,17 @@ class TrajectoryPlannerNode(Node):
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_cartesian_path_service(
-            self, model, self._monitor, lambda: self._table.settings
+            self, model, self._monitor, lambda: self._table.settings, self._worker
         )
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
             f"{', compute_cartesian_path' if moveit else ''}"
         )
         self._warm_up()
+
+    def stop(self) -> None:
+        """Answer those who wait for a plan."""
+        self._worker.give_up(TrajectoryRefusedError("the trajectory planner shuts down"))
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the thread for long work."""

@@ -29,8 +29,9 @@ __all__ = ["SECTION_TIMINGS", "Section", "SectionTiming"]
 
 # Instants of a section to begin with, and at most; between them the joints follow quintics.
 _FEWEST, _MOST = 32, 4096
-# How far these may be off the path, rad or m, where more instants could help.
-_ON_PATH = 1e-7
+# How far these may be off the path, rad or m, and the part of the duration below which two
+# instants have none between them.
+_ON_PATH, _NEAREST = 1e-7, 2e-6
 # Shapes of the double-S profile that are tried: parts of the duration for one ramp, and parts of
 # half a ramp in which the jerk acts; then nearer and nearer to the best, by these factors.
 _RAMPS = np.array([0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02, 0.005])
@@ -111,14 +112,14 @@ def _by_law(law: Law) -> SectionTiming:
 
 def _along_law(section: Section, law: Law) -> PiecewisePolynomial:
     """Let the path coordinate follow a law, as fast as joints and other speeds may be."""
-    count, error = _FEWEST, np.inf
+    tau = _instants(law, _FEWEST)
     while True:
-        unit = _unit_motion(section, law, count)
-        before, error = error, _deviation(unit, section, law)
-        # Rounding, too, ends this: twice as many instants must help.
-        if error <= _ON_PATH or count >= _MOST or error > 0.5 * before:
+        unit = _unit_motion(section, law, tau)
+        coarse = (_deviations(unit, section, law) > _ON_PATH) & (unit.spans > _NEAREST)
+        # Rounding and corners of the path would let this go on for ever.
+        if not coarse.any() or len(tau) + coarse.sum() > _MOST:
             break
-        count *= 2
+        tau = np.sort(np.concatenate([tau, 0.5 * (tau[1:] + tau[:-1])[coarse]]))
     curve = fitted(unit, section.limits)
     least = _least_duration(section, law, unit.breaks)
     return curve.stretched(max(least / curve.duration, 1.0))
@@ -143,20 +144,20 @@ def _coordinates(section: Section, law: Law, tau: FloatArray) -> tuple[FloatArra
     return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
 
 
-def _unit_motion(section: Section, law: Law, count: int) -> PiecewisePolynomial:
-    """Interpolate the joints over a duration of 1, by exact values and rates."""
-    tau = _instants(law, count)
+def _unit_motion(section: Section, law: Law, tau: FloatArray) -> PiecewisePolynomial:
+    """Interpolate the joints over a duration of 1, by exact values and rates at instants (m,)."""
     s, v, a = _coordinates(section, law, tau)
     q, first, second, _ = section.joints.derivatives(s[:, 0])
     q[-1] = section.joints.derivatives(section.high)[0]
     return interpolant(tau, q, first * v, second * v**2 + first * a)
 
 
-def _deviation(unit: PiecewisePolynomial, section: Section, law: Law) -> float:
-    """How far (rad or m) the joints are off the path in the middle between instants."""
+def _deviations(unit: PiecewisePolynomial, section: Section, law: Law) -> FloatArray:
+    """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
     middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
     exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
-    return float(np.abs(unit.sample(middle).position - exact).max())
+    off: FloatArray = np.abs(unit.sample(middle).position - exact).max(axis=1)
+    return off
 
 
 def _least_duration(section: Section, law: Law, instants: FloatArray) -> float:

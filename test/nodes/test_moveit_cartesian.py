@@ -72,6 +72,22 @@ def compute(graph, **fields):
     return graph.call(GetCartesianPath, "trajectory_planner/compute_cartesian_path", request)
 
 
+def test_others_are_served_while_a_long_path_is_planned(puma):
+    steps = 0.05 * np.sin(np.outer(np.arange(1, 7), [1.0, 1.7, 2.3]))
+    request = GetCartesianPath.Request(
+        start_state=state(), waypoints=shifted(*steps), max_step=0.01
+    )
+    service = "trajectory_planner/compute_cartesian_path"
+    slow = puma.start_call(GetCartesianPath, service, request)
+    ends = [joint_state(PUMA.joint_names, q) for q in (Q, Q + 0.1)]
+    quick = puma.call(
+        PlanJoint, "trajectory_planner/plan_joint", PlanJoint.Request(start=ends[0], goal=ends[1])
+    )
+    assert not slow.done()
+    assert quick.error_code == 0, quick.error_msg
+    checked(puma.wait_for(slow))
+
+
 def checked(response, code=SUCCESS, chain=PUMA, start=Q, limits=None):
     """Check what every path promises; returns its points, and dense poses of the tip."""
     assert response.error_code.val == code, response.error_code

@@ -129,20 +129,24 @@ def test_via_points_are_passed_when_they_say(puma):
     np.testing.assert_allclose(points.curve.sample([4.0, 9.0]).position, VIA, atol=1e-8)
 
 
+def start_long_plan(graph):
+    """Ask for a plan that takes seconds."""
+    rng = np.random.default_rng(4)
+    places = rng.uniform(PUMA.lower / 2.0, PUMA.upper / 2.0, (40, 6))
+    request = PlanJoint.Request(
+        start=joint_state(PUMA.joint_names, START),
+        goal=joint_state(PUMA.joint_names, GOAL),
+        via=[JointTrajectoryPoint(positions=point.tolist()) for point in places],
+        profile=PROFILES["time_optimal"],
+    )
+    return graph.start_call(PlanJoint, "trajectory_planner/plan_joint", request)
+
+
 def test_others_are_served_while_a_long_plan_is_made(graph):
     node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
     published = []
     node._trajectories.publish = lambda message: published.append(copy.deepcopy(message))
-    rng = np.random.default_rng(4)
-    places = rng.uniform(PUMA.lower / 2.0, PUMA.upper / 2.0, (40, 6))
-    via = [JointTrajectoryPoint(positions=point.tolist()) for point in places]
-    service = "trajectory_planner/plan_joint"
-    ends = {
-        "start": joint_state(PUMA.joint_names, START),
-        "goal": joint_state(PUMA.joint_names, GOAL),
-    }
-    many = PlanJoint.Request(**ends, via=via, profile=PROFILES["time_optimal"])
-    slow = graph.start_call(PlanJoint, service, many)
+    slow = start_long_plan(graph)
     quick = [plan(graph, duration=duration_from_seconds(seconds)) for seconds in (7.0, 8.0)]
     assert not slow.done()
     assert [response.duration.sec for response in quick] == [7, 8]
@@ -151,6 +155,17 @@ def test_others_are_served_while_a_long_plan_is_made(graph):
     # Messages are used again, and still every plan is published as it was answered.
     plan(graph)
     assert published[:3] == [response.trajectory for response in (*quick, long)]
+
+
+def test_who_waits_for_a_plan_is_told_that_the_planner_ends(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560")
+    waiting = [start_long_plan(graph) for _ in range(2)]
+    check(plan(graph))
+    graph._spinners[0].stop()
+    for response in map(graph.wait_for, waiting):
+        assert response.error_code == ErrorCode.REJECTED
+        assert response.error_msg == "the trajectory planner shuts down"
+        assert not response.trajectory.points
 
 
 def test_scales_are_parts_of_the_limits(puma, profile):

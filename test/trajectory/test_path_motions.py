@@ -195,3 +195,22 @@ def test_a_spline_that_turns_straight_back_names_the_pose():
     there_and_back = [START, shifted([0.1, 0.0, 0.0]), shifted([0.02, 0.0, 0.0])]
     with pytest.raises(BadValueError, match=r"poses\[1\] .*need not go straight back"):
         spline_path(there_and_back)
+
+
+def test_a_motion_does_not_leave_the_path_where_the_joints_turn_within_micrometres():
+    """A line of UR5e past its wrist singularity and up to where it can reach no farther."""
+    robot = load_robot("ur5e")
+    q = np.array([-2.02112, 0.51150177815, 1.60323960568, -2.11269744225, 0.89088395357, -1.755535])
+    start = forward_kinematics(robot, q)
+    end = start.copy()
+    end[:3, 3] += (-0.0884218675075, 0.1448710820146, -0.0759289263756)
+    forward = partial(forward_kinematics, robot)
+    arm = SerialArm(forward, lambda T, near: None, partial(jacobian, robot))
+    path = straight_path([start, end])
+    tracking = track_path(path, arm, q)
+    assert 0.09 < tracking.reached < 0.1
+    one = along_joint_path(path, tracking, limits=Limits.of(robot), profile="ruckig")
+    places = forward(one.sample(np.linspace(0.0, one.duration, 20_000)).position)[:, :3, 3]
+    way = (end - start)[:3, 3] / np.linalg.norm((end - start)[:3, 3])
+    off = np.linalg.norm(np.cross(places - start[:3, 3], way), axis=1)
+    assert off.max() < 1e-6

@@ -401,6 +401,13 @@ def test_torques_that_allow_no_motion():
         time_optimal(line(1.0), Limits(["a"], velocity=1.0), torque_limits=held)
 
 
+def test_a_speed_limit_that_allows_no_motion():
+    wall = SpeedLimit(lambda s: 1.0 + 1e300 * (s > 0.5), 1e-3)
+    expected = r"speed limits is \[0.001\], expected .* at path coordinate .* these allow none"
+    with np.errstate(over="ignore"), pytest.raises(BadValueError, match=expected):
+        time_optimal(line(1.0), Limits(["a"], velocity=1.0, acceleration=2.0), speed_limits=wall)
+
+
 # --- Limited jerk ---
 
 

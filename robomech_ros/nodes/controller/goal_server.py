@@ -165,9 +165,10 @@ class GoalServer:
     def publish_feedback(self) -> None:
         """Tell the clients how far their goals have come; the robot's lock is to be held."""
         follower = self._robot.follower
+        seconds, nanoseconds = self._robot.stamp()
+        stamp = Time(sec=seconds, nanosec=nanoseconds)
         for goal in self._goals.values():
             wanted = follower.actual if goal.job is follower.waiting else follower.wanted
-            stamp = self._node.get_clock().now().to_msg()
             goal.handle.publish_feedback(
                 self._dialect.feedback(goal.job, wanted, follower.actual, stamp)
             )

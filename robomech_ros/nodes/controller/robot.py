@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Counts", "SimulatedRobot"]
 
+_NANO = 1_000_000_000
+
 
 @dataclass
 class Counts:
@@ -122,6 +124,10 @@ class SimulatedRobot:
     def advance(self) -> None:
         """Move on to the present time."""
         self.follower.advance(self._clock.now())
+
+    def stamp(self) -> tuple[int, int]:
+        """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
+        return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
 
     def execute(
         self,

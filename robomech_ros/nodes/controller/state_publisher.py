@@ -36,7 +36,6 @@ class StatePublisher:
         rest = np.array([min(max(0.0, joint.lower), joint.upper) for joint in joints])
         names = [joint.name for joint in joints]
         self._places = np.array([names.index(name) for name in model.chain.joint_names])
-        self._clock = node.get_clock()
         self._message = JointState(
             name=names, position=floats(rest), velocity=floats(np.zeros(len(names)))
         )
@@ -53,14 +52,16 @@ class StatePublisher:
         """Position (rad or m) of every joint, as published last."""
         return dict(zip(self._message.name, self._message.position, strict=True))
 
-    def publish(self, state: State, effort: NDArray[np.float64] | None) -> None:
-        """Publish a state, and what the drives exert (N m or N), with the present time."""
+    def publish(
+        self, state: State, effort: NDArray[np.float64] | None, stamp: tuple[int, int]
+    ) -> None:
+        """Publish a state, what the drives exert (N m or N), and their ROS time (s and ns)."""
         self._put(self._position, state.position)
         self._put(self._velocity, state.velocity)
         if self._effort is not None and effort is not None:
             self._put(self._effort, effort)
-        stamp = self._message.header.stamp
-        stamp.sec, stamp.nanosec = self._clock.now().seconds_nanoseconds()
+        when = self._message.header.stamp
+        when.sec, when.nanosec = stamp
         self._publisher.publish(self._message)
 
     def _put(self, place: NDArray[np.float64], values: NDArray[np.float64]) -> None:

@@ -32,8 +32,8 @@ class ControllerState:
     """
 
     def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+        self._robot = robot
         self._follower = robot.follower
-        self._clock = node.get_clock()
         self._message = JointTrajectoryControllerState(joint_names=robot.joint_names)
         self._publisher = node.create_publisher(
             JointTrajectoryControllerState, "~/controller_state", _DEPTH
@@ -47,7 +47,8 @@ class ControllerState:
         job = self._follower.active
         time = duration_from_seconds(job.time if job is not None else 0.0)
         message.speed_scaling_factor = self._follower.scale
-        message.header.stamp = self._clock.now().to_msg()
+        stamp = message.header.stamp
+        stamp.sec, stamp.nanosec = self._robot.stamp()
         message.reference = _point(wanted, time)
         message.feedback = _point(actual, time)
         error = State(

@@ -6,6 +6,7 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.pauses import Worker
 from robomech_ros.nodes.robot_description import RobotModel
 
 __all__ = ["add_cartesian_path_service", "add_moveit_services"]
@@ -53,6 +54,7 @@ def add_cartesian_path_service(
     model: RobotModel,
     monitor: JointStateMonitor,
     settings: Callable[[], Any],
+    worker: Worker,
 ) -> bool:
     """Add compute_cartesian_path to a node, where its type is installed.
 
@@ -64,6 +66,8 @@ def add_cartesian_path_service(
         As for `add_moveit_services`.
     settings : callable
         Gives the parameters of the planner.
+    worker : Worker
+        Plans, while the node serves others.
 
     Returns
     -------
@@ -76,7 +80,7 @@ def add_cartesian_path_service(
     except ImportError as error:
         _tell(node, "compute_cartesian_path", error)
         return False
-    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings)
+    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings, worker)
     return True
 
 

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+from robomech_ros.nodes.pauses import Worker
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory import (
@@ -72,6 +74,8 @@ class CartesianPathService:
         Its present state.
     settings : callable
         Gives the parameters of the planner.
+    worker : Worker
+        Plans, while the node serves others.
     """
 
     def __init__(
@@ -80,10 +84,12 @@ class CartesianPathService:
         robot: WholeRobot,
         monitor: JointStateMonitor,
         settings: Callable[[], Any],
+        worker: Worker,
     ) -> None:
         self._robot = robot
         self._monitor = monitor
         self._settings = settings
+        self._worker = worker
         node.create_service(
             GetCartesianPath,
             "~/compute_cartesian_path",
@@ -102,21 +108,11 @@ class CartesianPathService:
         )
         response.start_state.joint_state = self._robot.state(question.positions)
         response.start_state.is_diff = len(question.positions) < len(self._robot.joint_names)
-        with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
-            start = forward_kinematics(question.chain, question.start)
-            path = path_through(start, question.waypoints, 0)
-        if path is None:
-            plan = _standstill(question, settings)
-            fraction, code, text = 1.0, int(MoveItErrorCodes.SUCCESS), ""
-        else:
-            followed = _followed(question, path)
-            plan = _planned(question, followed, settings)
-            fraction = _fraction(start, question.waypoints, followed)
-            code, text = _outcome(followed, fraction)
-        response.fraction = fraction
-        if plan is not None:
-            response.solution.joint_trajectory = self._trajectory(question, plan)
-        return code, text
+        found = await self._worker.do(partial(_solved, question, settings))
+        response.fraction = found.fraction
+        if found.plan is not None:
+            response.solution.joint_trajectory = self._trajectory(question, found.plan)
+        return found.code, found.text
 
     async def _state(self, given: dict[str, float], needed: list[str]) -> dict[str, float]:
         """Add the present positions to those given; a robot that is asked for them must stand."""
@@ -149,6 +145,29 @@ class CartesianPathService:
         )
         message.header.frame_id = chain.base
         return message
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What came of a request: a plan if there is one, and how much of the waypoints it reaches."""
+
+    plan: SampledPlan | None
+    fraction: float
+    code: int
+    text: str
+
+
+def _solved(question: CartesianQuestion, settings: Any) -> _Found:
+    """Lay the path, follow it as far as it goes, and plan; raise a RobomechError otherwise."""
+    with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
+        start = forward_kinematics(question.chain, question.start)
+        path = path_through(start, question.waypoints, 0)
+    if path is None:
+        return _Found(_standstill(question, settings), 1.0, int(MoveItErrorCodes.SUCCESS), "")
+    followed = _followed(question, path)
+    plan = _planned(question, followed, settings)
+    fraction = _fraction(start, question.waypoints, followed)
+    return _Found(plan, fraction, *_outcome(followed, fraction))
 
 
 def _followed(question: CartesianQuestion, path: PosePath) -> FollowedPath:

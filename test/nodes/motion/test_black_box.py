@@ -336,7 +336,7 @@ def test_trajectory_replace(follower):
     arm.publish(arm.points((SLOWLY, FAR, ZERO, ZERO)))
     arm.until_moving()
     arm.publish(arm.points((0.5, START, ZERO, ZERO)))
-    arm.until(lambda: arm.velocity[0] < 0.0)
+    arm.until(lambda: any(state.velocity[0] < 0.0 for state in arm.states))
     arm.until_at(START)
 
 

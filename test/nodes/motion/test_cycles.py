@@ -1,5 +1,6 @@
 """The regular cycle of the controller: its grid, failures, ends, and what it does not wait for."""
 
+import itertools
 import threading
 import time
 
@@ -125,3 +126,24 @@ def test_the_node_leaves_no_thread_behind(drive):
     ended(node.executor.create_task(node.stop))
     node.destroy_node()
     assert "cycles" not in {each.name for each in threading.enumerate()}
+
+
+def test_a_state_has_the_time_for_which_it_was_computed(arm):
+    """However long it then takes until it is published."""
+    node = next(n for n in arm.graph._nodes if n.get_name() == "joint_trajectory_controller")
+    publish, delays = node._states.publish, itertools.cycle((0.0, 0.02, 0.005))
+
+    def publish_late(*what):
+        time.sleep(next(delays))
+        publish(*what)
+
+    node._states.publish = publish_late
+    start = arm.position
+    assert arm.execute(arm.trajectory((1.0, MOVE), velocities=False))[0] == 4
+    stamps = [state.header.stamp for state in arm.states]
+    times = np.array([stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps])
+    along = (np.array([state.position for state in arm.states]) - start) @ MOVE / (MOVE @ MOVE)
+    # At a constant speed of one MOVE per second.
+    moving = (along > 0.001) & (along < 0.999)
+    assert moving.sum() > 10
+    assert np.ptp(times[moving] - along[moving]) < 1e-3
