@@ -1,7 +1,8 @@
 """Jerk-limited motion through via points, from pieces that Ruckig plans from state to state.
 
 The velocities at the via points are chosen here: from those of stopping at each of them they are
-improved one by one, as long as the two pieces that meet there become shorter.
+improved one by one, as long as the two pieces that meet there become shorter.  Where there are many
+points, the states in which the time-optimal motion along their spline passes them are tried, too.
 """
 
 from dataclasses import dataclass
@@ -9,13 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 import ruckig
 
-from robomech_ros.errors import LimitExceededError
+from robomech_ros.errors import LimitExceededError, RobomechError
 from robomech_ros.trajectory.jerk_limited import JerkLimited, curve_of
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import jerk_phases
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.time_optimal_motions import time_optimal_through
 from robomech_ros.trajectory.time_scaling import fitted
 
 __all__ = ["JerkLimitedThrough", "jerk_limited_through"]
@@ -31,6 +33,10 @@ _GAIN = 1e-6
 _PIECES = 40_000
 # How often velocities are halved where a motion swings out of the position limits.
 _HALVINGS = 6
+# From so many points on the search alone stays behind the time-optimal motion.
+_MANY = 8
+# By how much states are slowed down, so that rounding does not take them out of the limits.
+_SLOWER = 1.0 + 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,20 +84,45 @@ def jerk_limited_through(
         return JerkLimitedThrough(
             places[0], still.pieces, np.linspace(0.0, still.duration, len(points))
         )
-    velocities = _Search(places, limits).velocities()
-    for _ in range(_HALVINGS):
-        pieces, knots = _joined(places, velocities, limits)
-        try:
-            check_positions(pieces, places[0], limits)
-            break
-        except LimitExceededError:
-            velocities = velocities * 0.5
-    else:
-        pieces, knots = _joined(places, np.zeros_like(velocities), limits)
-        check_positions(pieces, places[0], limits)
+    pieces, knots = _searched(places, limits)
+    if len(places) >= _MANY:
+        pieces, knots = _shorter(places, limits, pieces, knots)
     exact = fitted(pieces, limits, duration)
     knots = knots * (exact.duration / pieces.duration)
     return JerkLimitedThrough(places[-1], exact, knots[np.cumsum(distinct) - 1])
+
+
+def _searched(places: FloatArray, limits: Limits) -> tuple[PiecewisePolynomial, FloatArray]:
+    """Plan with the velocities that a search finds; halve them where the motion swings out."""
+    velocities = _Search(places, limits).velocities()
+    still = np.zeros_like(velocities)
+    for _ in range(_HALVINGS):
+        pieces, knots = _joined(places, velocities, still, limits)
+        try:
+            check_positions(pieces, places[0], limits)
+            return pieces, knots
+        except LimitExceededError:
+            velocities = velocities * 0.5
+    pieces, knots = _joined(places, still, still, limits)
+    check_positions(pieces, places[0], limits)
+    return pieces, knots
+
+
+def _shorter(
+    places: FloatArray, limits: Limits, pieces: PiecewisePolynomial, knots: FloatArray
+) -> tuple[PiecewisePolynomial, FloatArray]:
+    """Pass the points in the states of the time-optimal motion, if that takes less time."""
+    try:
+        motion = time_optimal_through(places, limits)
+        sample = motion.sample(motion.knots)
+        velocities = sample.velocity / _SLOWER
+        accelerations = sample.acceleration / _SLOWER**2
+        velocities[[0, -1]] = accelerations[[0, -1]] = 0.0
+        found, passed = _joined(places, velocities, accelerations, limits)
+        check_positions(found, places[0], limits)
+    except RobomechError:
+        return pieces, knots
+    return (found, passed) if found.duration < pieces.duration else (pieces, knots)
 
 
 class _Search:
@@ -161,14 +192,13 @@ class _Search:
 
 
 def _joined(
-    places: FloatArray, velocities: FloatArray, limits: Limits
+    places: FloatArray, velocities: FloatArray, accelerations: FloatArray, limits: Limits
 ) -> tuple[PiecewisePolynomial, FloatArray]:
     """Plan all pieces and put them one behind the other; give the knots (m,), too."""
-    still = np.zeros(places.shape[1])
     breaks, coefficients, knots = [np.zeros(1)], [], [0.0]
     for k in range(len(places) - 1):
-        rise = places[k + 1] - places[k]
-        phases = jerk_phases(rise, velocities[k], still, limits, 0.0, velocities[k + 1])
+        begin, end = (velocities[k], accelerations[k]), (velocities[k + 1], accelerations[k + 1])
+        phases = jerk_phases(places[k + 1] - places[k], *begin, limits, 0.0, *end)
         piece = curve_of(phases, places[k], places[k + 1], velocities[k + 1])
         breaks.append(piece.breaks[1:] + knots[-1])
         coefficients.append(piece.coefficients)

@@ -143,6 +143,7 @@ def jerk_phases(
     limits: Limits,
     shortest: float,
     final_velocity: FloatArray | None = None,
+    final_acceleration: FloatArray | None = None,
 ) -> Phases:
     """Compute the fastest motion that takes at least a given time.
 
@@ -156,8 +157,8 @@ def jerk_phases(
         Velocity, acceleration and jerk limits, all finite.
     shortest : float
         Least duration in s.
-    final_velocity : ndarray, shape (n,), optional
-        Velocity at the end, where the acceleration is zero; rest where not given.
+    final_velocity, final_acceleration : ndarray, shape (n,), optional
+        Rates at the end; zero where not given.
 
     Returns
     -------
@@ -177,6 +178,8 @@ def jerk_phases(
     for time, length in _units(way, least, limits):
         request = _request(rise, velocity, acceleration, limits, time, length)
         request.target_velocity = (final * (time / length)).tolist()
+        if final_acceleration is not None:
+            request.target_acceleration = (final_acceleration * (time**2 / length)).tolist()
         request.minimum_duration = shortest / time
         motion = ruckig.Trajectory(len(rise))
         failure = _failure(request, motion)

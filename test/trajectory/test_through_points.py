@@ -61,6 +61,20 @@ def test_two_points_are_a_motion_from_point_to_point(profile):
     assert motion.duration == point_to_point(*points, limits=limits, profile=profile).duration
 
 
+@pytest.mark.parametrize("count", [10, 40])
+def test_ruckig_is_about_as_fast_as_the_time_optimal_motion_through_many_points(count):
+    t = np.linspace(0.0, 1.0, count)
+    points = np.stack([np.sin(2.0 * np.pi * t * (1.0 + 0.3 * j) + j) for j in range(6)], axis=1)
+    limits = Limits(JOINTS, velocity=2.0, acceleration=8.0, jerk=80.0)
+    motion = through_points(points, limits=limits, profile="ruckig")
+    fastest = through_points(points, limits=limits, profile="time_optimal")
+    assert motion.duration <= 1.02 * fastest.duration
+    found = verify(motion, limits)
+    assert found.ok
+    assert found.largest_acceleration_step.max() < 1e-9
+    np.testing.assert_allclose(motion.sample(motion.knots).position, points, atol=1e-9)
+
+
 @pytest.mark.parametrize("profile", sorted(set(VIA_PROFILES) - {"ruckig", "time_optimal"}))
 def test_instants_of_choice(profile):
     points, limits = random_case(2, 4)
