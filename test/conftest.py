@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from robomech_ros.nodes.free_domain import free_domain
 from robomech_ros.robots import SerialChain, load_description, load_robot
-from robomech_ros.robots.chain import pack_chain
+from robomech_ros.robots.chain_layout import pack_chain
 
 GOLDEN = Path(__file__).parent / "data" / "golden"
 

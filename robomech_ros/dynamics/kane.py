@@ -20,7 +20,8 @@ from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
-from robomech_ros.robots.chain import REVOLUTE, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE
 
 __all__ = [
     "PartialVelocities",

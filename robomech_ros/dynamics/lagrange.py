@@ -23,7 +23,8 @@ from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inerti
 from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
 from robomech_ros.dynamics.stacked_matrices import solved, times
 from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
-from robomech_ros.robots.chain import REVOLUTE, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.spatial.cross_product import cross_product_matrix
 
 __all__ = [

@@ -5,7 +5,8 @@ import dataclasses
 from robomech_ros.errors import BadValueError, MissingInertiaError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.bodies import Body, combined
-from robomech_ros.robots.chain import SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["with_payload"]
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
 
 __all__ = ["PosedBodies", "body_moments", "link_transforms", "posed_bodies", "reflected_inertias"]
 

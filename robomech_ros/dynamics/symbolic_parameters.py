@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from robomech_ros.dynamics.posed_bodies import link_transforms
 from robomech_ros.dynamics.symbolic_terms import Angle, Poly, TermRing
 from robomech_ros.errors import BadValueError
-from robomech_ros.robots.chain import REVOLUTE, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE
 from robomech_ros.robots.dh import DHTable
 from robomech_ros.robots.drives import Drive
 

@@ -17,7 +17,8 @@ from robomech_ros.kinematics.families import family_of
 from robomech_ros.kinematics.iterative import FULL_TASK, IterativeSearch, Task
 from robomech_ros.kinematics.request import Request
 from robomech_ros.kinematics.six_joints import chain_of
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["search_by_completion"]

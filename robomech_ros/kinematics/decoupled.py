@@ -15,7 +15,8 @@ from robomech_ros._kernels.tolerances import (
     NEARLY_NAMED,
     NEARLY_SPECIAL,
 )
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["common_point", "match", "nearest_points", "wrist_constants"]

@@ -13,7 +13,8 @@ from robomech_ros._kernels.tolerances import CERTAIN_MOBILITY
 from robomech_ros.kinematics import decoupled, general, iterative, redundant, short
 from robomech_ros.kinematics.mobility import arm_size, mobility
 from robomech_ros.kinematics.six_joints import CLOSED_FORMS, chain_of, reversed_transforms
-from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
 

@@ -22,7 +22,8 @@ from robomech_ros._kernels.general_equations import left_side
 from robomech_ros._kernels.inverse_general import try_forms
 from robomech_ros._kernels.serial import forward_one
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]

@@ -27,7 +27,8 @@ from robomech_ros._kernels.tolerances import (
     STALLED,
 )
 from robomech_ros.errors import BadValueError
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
     "IterativeSearch",

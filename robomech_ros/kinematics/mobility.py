@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.serial import jacobian
 from robomech_ros._kernels.tolerances import ARM_MOBILITY
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["arm_size", "mobility", "moves_in_all_directions"]
 

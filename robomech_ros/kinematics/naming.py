@@ -27,7 +27,8 @@ from robomech_ros.kinematics import decoupled, three_parallel
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinematics.six_joints import chain_of
-from robomech_ros.robots.chain import REVOLUTE, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
 
 __all__ = ["distinct", "named_branches"]
 

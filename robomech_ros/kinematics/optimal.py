@@ -15,7 +15,8 @@ from robomech_ros.kinematics.outcome import NO_EXCESS
 from robomech_ros.kinematics.redundancy import SelfMotionBranch, Tracer, margins, self_motion
 from robomech_ros.kinematics.result import InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["CRITERIA", "optimal_posture"]

@@ -12,7 +12,8 @@ from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.reach import ReachGap, reach_gap
 from robomech_ros.kinematics.result import WHOLE_POSE, InverseKinematicsResult
 from robomech_ros.kinematics.status import Status
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
     "NO_EXCESS",

@@ -23,7 +23,8 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.redundant import locked_anyway
 from robomech_ros.kinematics.sampled import parameter_name
 from robomech_ros.kinematics.target import as_targets
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["SelfMotion", "SelfMotionBranch", "margins", "self_motion"]
 

@@ -34,7 +34,8 @@ from robomech_ros.kinematics.six_joints import (
     match_six,
     reversed_transforms,
 )
-from robomech_ros.robots.chain import SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["locked_anyway", "match"]
 

@@ -23,7 +23,8 @@ from robomech_ros.errors import (
 )
 from robomech_ros.kinematics.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import listed, real_number
 
 __all__ = [

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from robomech_ros._kernels import general_layout
 from robomech_ros._kernels.six_joints import DECOUPLED, GENERAL, THREE_PARALLEL
 from robomech_ros.kinematics import decoupled, general, three_parallel
-from robomech_ros.robots.chain import SerialChain, pack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import pack_chain
 
 __all__ = [
     "CLOSED_FORMS",

@@ -22,7 +22,8 @@ from robomech_ros._kernels.tolerances import (
     PARALLEL_SLACK,
 )
 from robomech_ros.kinematics.mobility import moves_in_all_directions
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]

@@ -20,7 +20,8 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.redundancy import Tracer, margins
 from robomech_ros.kinematics.request import as_seed, as_tolerance
 from robomech_ros.kinematics.target import as_targets
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["Jump", "TrackResult", "track"]
 

@@ -5,7 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
 __all__ = ["tip_poses"]
 

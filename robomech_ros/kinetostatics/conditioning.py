@@ -11,7 +11,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.iterative import low_discrepancy_strides, reach_bound
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.indices import NORMS, PARTS
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = [

@@ -22,7 +22,8 @@ from robomech_ros.errors import BadValueError, MissingLimitsError, WrongSizeErro
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinetostatics.minors import Minors, minors_of
 from robomech_ros.kinetostatics.singularity_distance import singular_posture_from
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["SingularityFree", "singularity_free"]
 

@@ -11,7 +11,8 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import NORMS, PARTS, as_length, evaluate
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["GlobalIndex", "global_conditioning_index"]

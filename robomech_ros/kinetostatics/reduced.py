@@ -12,7 +12,8 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, point_jacobian
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import listed
 
 __all__ = ["planar_jacobian", "planar_rows", "task_jacobian"]

@@ -19,7 +19,8 @@ from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, as_point
 from robomech_ros.kinetostatics.singularity_factors import NamedParts, named_parts
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["SingularityReport", "regular_rank", "report_length", "singularity_report"]
 

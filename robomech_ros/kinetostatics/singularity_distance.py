@@ -11,7 +11,8 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.singularities import regular_rank, report_length
-from robomech_ros.robots.chain import PRISMATIC, SerialChain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["NearestSingularity", "nearest_singular_posture", "singular_posture_from"]
 

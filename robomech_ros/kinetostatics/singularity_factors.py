@@ -12,7 +12,8 @@ from robomech_ros._kernels import posture_factors as kind
 from robomech_ros._kernels.tolerances import ARM_RANK, NAMED_MISFIT
 from robomech_ros.kinematics.decoupled import common_point, nearest_points
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
 __all__ = ["NamedParts", "named_parts"]
 

@@ -11,7 +11,8 @@ from robomech_ros._kernels.inverse import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.families import Family, family_of
 from robomech_ros.kinetostatics.workspace_section import Section
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, SerialChain, pack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 
 __all__ = ["PointPostures", "solved"]
 

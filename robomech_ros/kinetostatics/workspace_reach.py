@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
 __all__ = ["extreme_reach"]
 

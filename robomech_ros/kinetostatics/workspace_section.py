@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import ARM_RANK
 from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinetostatics.positioning_part import PositioningPart, positioning_part
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["Section", "section_of"]

@@ -1,6 +1,5 @@
 """Motions of the tip along paths in space: where they can go, and why not farther."""
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -8,13 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.planning import fitting_plan
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.chain import PRISMATIC
+from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory import (
     JointPath,
@@ -28,10 +26,7 @@ from robomech_ros.trajectory import (
     SpeedLimit,
     TipSpeeds,
     along_joint_path,
-    arc_path,
     sampled_motion,
-    spline_path,
-    straight_path,
     track_path,
 )
 
@@ -42,7 +37,6 @@ __all__ = [
     "follow",
     "last_before",
     "load_inverse_kinematics",
-    "path_through",
     "plan_along",
 ]
 
@@ -50,15 +44,12 @@ Array = NDArray[np.float64]
 # Where a path must end: its coordinate (m), one of ErrorCode, and why; None where nowhere.
 _Found = tuple[float, int, str] | None
 PathCheck = Callable[[SerialChain, JointPath, "PathBounds"], _Found]
-# Poses nearer to the one before than this (rad, m) are the same waypoint.
-_SAME = 1e-9
 # Places looked at along a path at least, and halvings between two of them.
 _PLACES, _HALVINGS = 500, 40
 # What ends sooner than at this part of the path is no motion at all.
 _SHORTEST = 1e-6
 # How far outside its limits a joint may be, rad or m.
 _SLACK = 1e-9
-_KINDS = ("STRAIGHT", "SPLINE", "ARC")
 _CODES = {
     PathTrackingStatus.COMPLETE: ErrorCode.NONE,
     PathTrackingStatus.NO_START: ErrorCode.IK_LOST,
@@ -111,86 +102,6 @@ class FollowedPath:
     code: int
     fraction: float
     stop_index: int
-
-
-def path_through(start: Array, waypoints: Array, kind: int) -> PosePath | None:
-    """Lay a path from a pose through others.
-
-    Parameters
-    ----------
-    start : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
-    waypoints : ndarray, shape (m, 4, 4)
-    kind : int
-        0 straight, 1 spline, 2 arcs, whose waypoints come in pairs (through, to).
-
-    Returns
-    -------
-    PosePath or None
-        None where all waypoints are the start.
-
-    Raises
-    ------
-    WrongSizeError
-        No waypoints, or arcs with half a pair.
-    BadValueError
-        An unknown kind, or poses between which there is no such path.
-    """
-    if not 0 <= kind < len(_KINDS):
-        known = ", ".join(f"{name} ({number})" for number, name in enumerate(_KINDS))
-        raise BadValueError("path", kind, f"one of {known}")
-    if not len(waypoints):
-        raise WrongSizeError("waypoints", 0, "at least one pose")
-    if _KINDS[kind] == "ARC":
-        if len(waypoints) % 2:
-            raise WrongSizeError("waypoints", len(waypoints), "pairs of poses (through, to)")
-        try:
-            return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
-        except BadValueError as error:
-            raise _of_arc(error) from None
-    poses = np.concatenate([start[None], waypoints])
-    apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
-    kept = np.flatnonzero(np.append(True, apart > _SAME))
-    distinct = poses[kept]
-    if len(distinct) == 1:
-        return None
-    lay = straight_path if _KINDS[kind] == "STRAIGHT" else spline_path
-    try:
-        return lay(distinct)
-    except BadValueError as error:
-        raise _in_waypoints(error, kept, _KINDS[kind]) from None
-
-
-def _waypoint(k: int) -> str:
-    """Name a pose in words of a request, whose waypoints come after the start."""
-    return f"waypoints[{k - 1}]" if k else "the start"
-
-
-def _in_waypoints(error: BadValueError, kept: NDArray[np.int64], kind: str) -> BadValueError:
-    """Name waypoints instead of poses of a path."""
-    what = re.sub(r"poses\[(\d+)\]", lambda k: _waypoint(int(kept[int(k[1])])), error.what)
-    expected = error.expected
-    if kind == "SPLINE" and re.fullmatch(r"poses\[\d+\]", error.what):
-        expected = f"{expected}; a STRAIGHT path (0) rests there instead"
-    return BadValueError(what, error.value, expected)
-
-
-def _of_arc(error: BadValueError) -> BadValueError:
-    """Name waypoints instead of an arc and its three points or orientations."""
-    arc = re.match(r"arc (\d+): ", error.what)
-    if arc is None:
-        return error
-    names = [_waypoint(2 * int(arc[1]) + k) for k in range(3)]
-    numbers = [int(k) for k in re.findall(r"\[(\d)\]", error.what)]
-    if "rotations" in error.what:
-        what = f"angle (rad) from {names[numbers[0]]} to {names[numbers[1]]}"
-        return BadValueError(what, error.value, error.expected)
-    if not numbers:
-        return BadValueError(f"positions of {', '.join(names)}", error.value, error.expected)
-    # The point after the last one of three is the first again.
-    before, there = names[numbers[0] - 1], names[min(numbers[0], 2)]
-    other = names[0] if numbers[0] > 2 else before
-    return BadValueError(f"position of {there}", error.value, f"apart from that of {other}")
 
 
 def follow(

@@ -31,7 +31,6 @@ from robomech_ros.nodes.cartesian_planning import (
     FollowedPath,
     follow,
     load_inverse_kinematics,
-    path_through,
     plan_along,
 )
 from robomech_ros.nodes.compiler_pages import release_compiler_pages
@@ -42,6 +41,7 @@ from robomech_ros.nodes.joint_positions import JointPositions, StateSettings, is
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.moveit import add_cartesian_path_service
 from robomech_ros.nodes.parameters import NodeParameters, parameter
+from robomech_ros.nodes.path_laying import path_through
 from robomech_ros.nodes.pauses import Worker
 from robomech_ros.nodes.plan_messages import (
     OFFERED,

@@ -1,7 +1,8 @@
 """Robots: the chain model and how to come by one."""
 
 from robomech_ros.robots.bodies import Body, combined
-from robomech_ros.robots.chain import PRISMATIC, REVOLUTE, LinkFrame, SerialChain
+from robomech_ros.robots.chain import LinkFrame, SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.robots.description import Joint, RobotDescription
 from robomech_ros.robots.dh import DHTable, chain_from_dh
 from robomech_ros.robots.dh_recovery import dh_from_chain

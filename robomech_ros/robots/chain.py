@@ -18,6 +18,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.robots.bodies import Body, combined
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
 from robomech_ros.spatial.arrays import listed
@@ -26,23 +27,15 @@ if TYPE_CHECKING:
     from robomech_ros.robots.dh import DHTable
 
 __all__ = [
-    "PRISMATIC",
-    "REVOLUTE",
     "LimitKind",
     "LinkFrame",
     "SerialChain",
     "check_name",
     "checked_entries",
-    "joint_transform",
-    "pack_chain",
-    "unpack_chain",
 ]
 
 Array = NDArray[np.float64]
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
-
-REVOLUTE = 0
-PRISMATIC = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -380,58 +373,3 @@ def _check_names(what: str, names: Sequence[str]) -> None:
         check_name(f"one of {what}", name)
     if len(set(names)) < len(names):
         raise BadValueError(what, names, "different names")
-
-
-def joint_transform(slides: bool, q: float) -> Array:
-    """Turn about z by q (rad), or slide along it by q (m): shape (4, 4)."""
-    T = np.eye(4)
-    if slides:
-        T[2, 3] = q
-    else:
-        c, s = np.cos(q), np.sin(q)
-        T[:2, :2] = (c, -s), (s, c)
-    return T
-
-
-def pack_chain(transforms: Array, types: NDArray[np.int64]) -> Array:
-    """Lay out constant transforms and joint types as the kernels read them.
-
-    Parameters
-    ----------
-    transforms : ndarray, shape (n + 1, 4, 4)
-        C_0 .. C_n (m).
-    types : ndarray of int, shape (n,)
-        0 revolute, 1 prismatic.
-
-    Returns
-    -------
-    ndarray, shape (n + 1, 13)
-        See :class:`SerialChain`.
-    """
-    n = len(types)
-    packed = np.empty((n + 1, 13))
-    packed[:n, 0] = types
-    packed[n, 0] = -1.0
-    packed[:, 1:10] = transforms[:, :3, :3].reshape(n + 1, 9)
-    packed[:, 10:] = transforms[:, :3, 3]
-    return packed
-
-
-def unpack_chain(packed: Array) -> Array:
-    """Give the constant transforms C_0 .. C_n of a chain as it is packed.
-
-    Parameters
-    ----------
-    packed : ndarray, shape (n + 1, 13)
-        See :class:`SerialChain`.
-
-    Returns
-    -------
-    ndarray, shape (n + 1, 4, 4)
-        In m; a copy.
-    """
-    transforms = np.zeros((len(packed), 4, 4))
-    transforms[:, :3, :3] = packed[:, 1:10].reshape(-1, 3, 3)
-    transforms[:, :3, 3] = packed[:, 10:]
-    transforms[:, 3, 3] = 1.0
-    return transforms

@@ -10,14 +10,8 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.robots.bodies import Body, combined
-from robomech_ros.robots.chain import (
-    PRISMATIC,
-    REVOLUTE,
-    LinkFrame,
-    SerialChain,
-    joint_transform,
-    pack_chain,
-)
+from robomech_ros.robots.chain import LinkFrame, SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, pack_chain
 from robomech_ros.robots.dh import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.spatial import inverse_pose

@@ -18,15 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.chain import (
-    PRISMATIC,
-    REVOLUTE,
-    LinkFrame,
-    SerialChain,
-    check_name,
-    checked_entries,
-    pack_chain,
-)
+from robomech_ros.robots.chain import LinkFrame, SerialChain, check_name, checked_entries
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial import as_pose

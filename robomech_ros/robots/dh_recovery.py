@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import INTERSECTING, PARALLEL_SINE
-from robomech_ros.robots.chain import PRISMATIC, SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.dh import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
 

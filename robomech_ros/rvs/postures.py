@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import PRISMATIC, SerialChain
-from robomech_ros.robots.chain import unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.rvs.plots import PlottingUnavailableError
 from robomech_ros.spatial import matrix_from_axis_angle
 

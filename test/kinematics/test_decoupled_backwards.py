@@ -11,7 +11,7 @@ from robomech_ros.kinematics import (
 )
 from robomech_ros.kinematics.six_joints import chain_of, reversed_transforms
 from robomech_ros.robots import load_robot
-from robomech_ros.robots.chain import unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 ARMS = ["puma560", "irb120", "stanford"]
 

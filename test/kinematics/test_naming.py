@@ -7,7 +7,7 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.naming import distinct
 from robomech_ros.kinematics.six_joints import chain_of
 from robomech_ros.robots import load_robot
-from robomech_ros.robots.chain import unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
 
 # How far (m) the origins of a URDF's links are from the feet of the common normals, along the

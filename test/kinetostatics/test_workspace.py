@@ -14,7 +14,7 @@ from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.kinetostatics.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
-from robomech_ros.robots.chain import PRISMATIC, pack_chain, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, pack_chain, unpack_chain
 
 H = math.pi / 2
 

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.uncompiled import tip_poses
 from robomech_ros.numerics import newton_gauss
-from robomech_ros.robots.chain import SerialChain, unpack_chain
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["ClosureEquations", "circle", "posture_of"]
 

@@ -22,7 +22,6 @@ from robomech_ros.nodes.cartesian_planning import (
     PathBounds,
     follow,
     last_before,
-    path_through,
     plan_along,
 )
 from robomech_ros.nodes.conversions import joint_trajectory
@@ -31,6 +30,7 @@ from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+from robomech_ros.nodes.path_laying import path_through
 from robomech_ros.nodes.pauses import Worker
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import pose_error
