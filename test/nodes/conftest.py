@@ -115,7 +115,7 @@ class Graph:
 def destroy_actions(node: Node) -> None:
     """Destroy the actions of a node, which destroy_node() leaves alive.
 
-    With them the context keeps its place in the domain, and DDS looks for no more than 32 on a machine.
+    With them the context keeps its place in the domain, and DDS looks at 32 places on a machine.
     """
     for waitable in tuple(node.waitables):
         if isinstance(waitable, ActionClient | ActionServer):
