@@ -26,12 +26,13 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so that each core runs some of them; but not those of moving
-# robots, whose time is that of the clock, nor those of whole suites of processes.
+# Tests share no files and no ROS domain, so that each core runs some of them, whole files where
+# processes are started; but not those of moving robots, whose time is that of the clock.
 PARALLEL := -n auto --maxprocesses 8
 COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
 ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes
 MOVING := test/nodes/motion
+INSTALLED := $(PARALLEL) --dist loadfile test/installed
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
@@ -70,7 +71,8 @@ test: environments lint ## everything: lint, all tests, colcon, the other distri
 	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	$(PYTEST) $(COMPUTING)
 	$(PYTEST) $(ANSWERING)
-	$(PYTEST) $(MOVING) test/installed
+	$(PYTEST) $(MOVING)
+	$(PYTEST) $(INSTALLED)
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
 	$(PYTEST) -q -m "not slow" $(COMPUTING)
