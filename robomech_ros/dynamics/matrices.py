@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import dynamics_mass as kernels
 from robomech_ros._kernels._jit import direct
-from robomech_ros.dynamics.model import as_states, dynamic_model, raise_outcome
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.dynamics.model import dynamic_model, raise_outcome
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["coriolis_matrix", "mass_matrix"]
@@ -84,7 +84,7 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Echeandia, Wensing, ASME J. Computational and Nonlinear Dynamics 16, 2021; Angeles, Fundamentals
     of Robotic Mechanical Systems, 4th ed., section 7.5.
     """
-    q, qd = as_states(chain, q, qd=qd)
+    q, qd = as_states(chain, ("q", "qd"), q, qd)
     rows = as_rows(q)
     C = np.empty((len(rows), chain.n, chain.n))
     status = kernels.coriolis_matrix(dynamic_model(chain), rows, as_rows(qd), C)

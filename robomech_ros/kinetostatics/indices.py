@@ -247,10 +247,10 @@ def _gradient(
 ) -> Array:
     q, task = as_joint_values(chain, q), _task(part, length)
     if q.ndim == 1:
-        gradient = np.empty(chain.n + 1)
+        gradient = np.empty(q.shape)
         if _index_gradient_one(chain.packed, q, *task, index, gradient):
             raise_not_finite(chain, q)
-        return gradient[:-1]
+        return gradient
     rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))

@@ -30,7 +30,7 @@ from robomech_ros.dynamics import (
     inverse_dynamics_derivatives,
     mass_matrix,
 )
-from robomech_ros.dynamics.model import dynamic_model
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
 from robomech_ros.robots import SerialChain, load_robot
 
 BATCH = 500
@@ -49,9 +49,8 @@ def rows() -> list[Row]:
     model, peer = dynamic_model(chain), pinocchio_model(chain)
     data = peer.createData()
     states = np.random.default_rng(560).uniform(-2.0, 2.0, (3, BATCH, n))
-    around = np.zeros(15)
-    around[8] = 9.81
-    out, M, by_q, by_qd = np.empty(n), *np.empty((3, n, n))
+    around = surroundings((n,), GRAVITY)
+    out, M, matrices = np.empty(n), np.empty((n, n)), np.empty((3, n, n))
     inverse = direct(dynamics_inverse.inverse_dynamics_one)
     gravity = direct(dynamics_inverse.gravity_torque_one)
     forward = direct(dynamics_forward.forward_dynamics_one)
@@ -98,7 +97,7 @@ def rows() -> list[Row]:
         (
             "derivatives",
             3,
-            lambda *s: derivatives(model, *s, around, by_q, by_qd, M),
+            lambda *s: derivatives(model, *s, around, matrices),
             lambda *s: inverse_dynamics_derivatives(chain, *s).by_q,
             lambda *s: pinocchio.computeRNEADerivatives(peer, data, *s),
             lambda chain, *s: inverse_dynamics_derivatives(chain, *s),
