@@ -113,13 +113,16 @@ def inverse_dynamics_derivatives(
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     model, shape, n = dynamic_model(chain), q.shape, chain.n
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
-    matrices = np.empty((3, *shape, n))
-    if len(shape) == 1:
+    if q.ndim == 1:
+        matrices = np.empty((3, n, n))
         status = _derivatives_one(model, q, qd, qdd, around, matrices)
     else:
         rows = as_rows(q)
-        out = matrices.reshape(3, len(rows), n, n)
-        status = kernels.inverse_derivatives(model, rows, as_rows(qd), as_rows(qdd), around, out)
+        matrices = np.empty((3, len(rows), n, n))
+        status = kernels.inverse_derivatives(
+            model, rows, as_rows(qd), as_rows(qdd), around, matrices
+        )
+        matrices = matrices.reshape(3, *shape, n)
     if status:
         raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
     return InverseDerivatives(matrices)

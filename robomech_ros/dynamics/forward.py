@@ -75,7 +75,7 @@ def forward_dynamics(
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
     qdd = np.empty(shape)
     recursive = method is METHODS[0] or as_choice("method", method, METHODS) == METHODS[0]
-    if recursive and len(shape) == 1:
+    if recursive and q.ndim == 1:
         status = _forward_one(model, q, qd, tau, around, qdd)
     elif recursive:
         status = kernels.forward_dynamics(

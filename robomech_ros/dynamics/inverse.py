@@ -78,7 +78,7 @@ def inverse_dynamics(
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
     tau = np.empty(shape)
-    if len(shape) == 1:
+    if q.ndim == 1:
         status = _inverse_one(model, q, qd, qdd, around, tau)
     else:
         status = kernels.inverse_dynamics(
@@ -157,7 +157,7 @@ def gravity_torque(
     model, shape = dynamic_model(chain), q.shape
     around = surroundings(shape, gravity, tip_wrench)
     tau = np.empty(shape)
-    if len(shape) == 1:
+    if q.ndim == 1:
         status = _gravity_one(model, q, around, tau)
     else:
         status = kernels.gravity_torque(model, as_rows(q), around, as_rows(tau))

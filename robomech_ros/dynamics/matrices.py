@@ -43,13 +43,15 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
     Dynamic Systems, Measurement and Control 104, 1982.
     """
     q = as_joint_values(chain, q)
-    model = dynamic_model(chain)
-    M = np.empty((*q.shape, chain.n))
+    model, n = dynamic_model(chain), chain.n
     if q.ndim == 1:
+        M = np.empty((n, n))
         status = _mass_one(model, q, M)
     else:
         rows = as_rows(q)
-        status = kernels.mass_matrix(model, rows, M.reshape(len(rows), chain.n, chain.n))
+        M = np.empty((len(rows), n, n))
+        status = kernels.mass_matrix(model, rows, M)
+        M = M.reshape(*q.shape, n)
     if status:
         raise_outcome(chain, status, q=q)
     return M

@@ -15,7 +15,8 @@ __all__ = ["as_joint_values", "as_rows", "as_states", "check_chain", "raise_not_
 
 Array = NDArray[np.float64]
 
-_FLOAT = np.dtype(np.float64)
+# What needs no conversion, as names that are found at once.
+_ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 
 
 def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
@@ -38,7 +39,7 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
         The last axis has not n entries.
     """
     check_chain(chain)
-    if type(q) is not np.ndarray or q.dtype is not _FLOAT or not q.flags.c_contiguous:
+    if type(q) is not _ARRAY or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
         q = np.array(real_array(what, q), order="C")
     if q.ndim == 0 or q.shape[-1] != chain.n:
@@ -64,23 +65,19 @@ def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[A
     BadValueError, WrongSizeError
         Not arrays of real numbers, or of different shapes, or no chain.
     """
-    check_chain(chain)
-    vector = chain.types.shape
-    for value in values:
-        # One state whose arrays are right already, as in most calls, costs no more than this look.
-        if (
-            type(value) is not np.ndarray
-            or value.dtype is not _FLOAT
-            or value.shape != vector
-            or not value.flags.c_contiguous
-        ):
-            return _converted(chain, names, values)
-    return values
-
-
-def _converted(
-    chain: SerialChain, names: Sequence[str], values: Sequence[Any]
-) -> tuple[Array, ...]:
+    if isinstance(chain, SerialChain):
+        vector = chain.types.shape
+        for value in values:
+            # One state whose arrays are right already, as in most calls, costs no more than this.
+            if (
+                type(value) is not _ARRAY
+                or value.dtype is not _FLOAT
+                or value.shape != vector
+                or not value.flags.c_contiguous
+            ):
+                break
+        else:
+            return values
     arrays = [as_joint_values(chain, *pair) for pair in zip(values, names, strict=True)]
     shape = arrays[0].shape
     for name, array in zip(names, arrays, strict=True):

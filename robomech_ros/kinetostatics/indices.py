@@ -245,16 +245,17 @@ def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> A
 def _gradient(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> Array:
-    q, task = as_joint_values(chain, q), _task(part, length)
+    q = as_joint_values(chain, q)
+    weights, kept, power = _task(part, length)
     if q.ndim == 1:
         gradient = np.empty(q.shape)
-        if _index_gradient_one(chain.packed, q, *task, index, gradient):
+        if _index_gradient_one(chain.packed, q, weights, kept, power, index, gradient):
             raise_not_finite(chain, q)
         return gradient
     rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
-    if _index_gradients(chain.packed, rows, *task, index, values, out):
+    if _index_gradients(chain.packed, rows, weights, kept, power, index, values, out):
         raise_not_finite(chain, q)
     return out[:, :-1].reshape(q.shape)
 

@@ -61,14 +61,13 @@ def rows() -> list[Row]:
         upper = np.triu(pinocchio.crba(peer, data, q))
         return upper + np.triu(upper, 1).T
 
-    cases: list[tuple[str, int, Callable, Callable, Callable, Callable]] = [
+    cases: list[tuple[str, int, Callable, Callable, Callable]] = [
         (
             "inverse dynamics",
             3,
             lambda *s: inverse(model, *s, around, out),
             inverse_dynamics,
             lambda *s: pinocchio.rnea(peer, data, *s),
-            inverse_dynamics,
         ),
         (
             "mass matrix",
@@ -76,7 +75,6 @@ def rows() -> list[Row]:
             lambda q: mass(model, q, M),
             mass_matrix,
             lambda q: pinocchio.crba(peer, data, q),
-            mass_matrix,
         ),
         (
             "forward dynamics",
@@ -84,7 +82,6 @@ def rows() -> list[Row]:
             lambda *s: forward(model, *s, around, out),
             forward_dynamics,
             lambda *s: pinocchio.aba(peer, data, *s),
-            forward_dynamics,
         ),
         (
             "gravity",
@@ -92,36 +89,30 @@ def rows() -> list[Row]:
             lambda q: gravity(model, q, around, out),
             gravity_torque,
             lambda q: pinocchio.computeGeneralizedGravity(peer, data, q),
-            gravity_torque,
         ),
         (
             "derivatives",
             3,
             lambda *s: derivatives(model, *s, around, matrices),
-            lambda *s: inverse_dynamics_derivatives(chain, *s).by_q,
+            inverse_dynamics_derivatives,
             lambda *s: pinocchio.computeRNEADerivatives(peer, data, *s),
-            lambda chain, *s: inverse_dynamics_derivatives(chain, *s),
         ),
     ]
     found = []
-    for name, count, kernel, public, peer_call, batch in cases:
+    for name, count, kernel, public, peer_call in cases:
         given = [tuple(part[k] for part in states[:count]) for k in range(SINGLES)]
         whole = states[:count]
-        if name != "derivatives":
-            ours = public(chain, *given[0])
-            public_call = lambda s, f=public: f(chain, *s)  # noqa: E731
-        else:
-            ours = public(*given[0])
-            public_call = lambda s, f=public: f(*s)  # noqa: E731
-        theirs = peer_call(*given[0])
-        theirs = peer_mass(*given[0]) if name == "mass matrix" else theirs
-        theirs = theirs[0] if name == "derivatives" else theirs
+        ours, theirs = public(chain, *given[0]), peer_call(*given[0])
+        if name == "mass matrix":
+            theirs = peer_mass(*given[0])
+        if name == "derivatives":
+            ours, theirs = ours.by_q, theirs[0]
         if np.abs(ours - theirs).max() > AGREEMENT * np.abs(theirs).max():
             raise SystemExit(f"{name}: ours and Pinocchio's differ")
         works = {
             "kernel": Work(lambda g=given, f=kernel: [f(*s) for s in g], SINGLES),
-            "public": Work(lambda g=given, f=public_call: [f(s) for s in g], SINGLES),
-            "batch": Work(lambda w=whole, f=batch: f(chain, *w), BATCH),
+            "public": Work(lambda g=given, f=public: [f(chain, *s) for s in g], SINGLES),
+            "batch": Work(lambda w=whole, f=public: f(chain, *w), BATCH),
             "peer": Work(lambda g=given, f=peer_call: [f(*s) for s in g], SINGLES),
         }
         times = interleave(works)
