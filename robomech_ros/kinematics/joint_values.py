@@ -42,9 +42,10 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
     if type(q) is not _ARRAY or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
         q = np.array(real_array(what, q), order="C")
-    if q.ndim == 0 or q.shape[-1] != chain.n:
+    shape = q.shape
+    if not shape or shape[-1] != chain.n:
         expected = f"({chain.n},) or (..., {chain.n}) for {', '.join(chain.joint_names) or 'none'}"
-        raise WrongSizeError(what, q.shape, expected)
+        raise WrongSizeError(what, shape, expected)
     return q
 
 

@@ -275,14 +275,17 @@ def as_length(length: float) -> float:
 
 
 def _norm(norm: str) -> int:
-    found = NORMS.get(norm) if type(norm) is str else None
-    return NORMS[as_choice("norm", norm, tuple(NORMS))] if found is None else found
+    try:
+        return NORMS[norm]
+    except (KeyError, TypeError):
+        return NORMS[as_choice("norm", norm, tuple(NORMS))]
 
 
 def _task(part: str, length: float | None) -> _Task:
-    if type(part) is str and (length is None or isinstance(length, float)):
+    try:
         return _known_task(part, length)
-    return _new_task(part, length)
+    except TypeError:  # what cannot be a key is refused by name, or is a number in an array
+        return _new_task(part, length)
 
 
 def _new_task(part: str, length: float | None) -> _Task:
@@ -291,4 +294,4 @@ def _new_task(part: str, length: float | None) -> _Task:
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)
 
 
-_known_task = functools.lru_cache(maxsize=64)(_new_task)
+_known_task = functools.lru_cache(maxsize=64, typed=True)(_new_task)

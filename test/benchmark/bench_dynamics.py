@@ -101,6 +101,7 @@ def rows() -> list[Row]:
     found = []
     for name, count, kernel, public, peer_call in cases:
         given = [tuple(part[k] for part in states[:count]) for k in range(SINGLES)]
+        with_chain = [(chain, *state) for state in given]
         whole = states[:count]
         ours, theirs = public(chain, *given[0]), peer_call(*given[0])
         if name == "mass matrix":
@@ -110,10 +111,10 @@ def rows() -> list[Row]:
         if np.abs(ours - theirs).max() > AGREEMENT * np.abs(theirs).max():
             raise SystemExit(f"{name}: ours and Pinocchio's differ")
         works = {
-            "kernel": Work(lambda g=given, f=kernel: [f(*s) for s in g], SINGLES),
-            "public": Work(lambda g=given, f=public: [f(chain, *s) for s in g], SINGLES),
+            "kernel": Work(lambda g=given, f=kernel: _each(f, g), SINGLES),
+            "public": Work(lambda g=with_chain, f=public: _each(f, g), SINGLES),
             "batch": Work(lambda w=whole, f=public: f(chain, *w), BATCH),
-            "peer": Work(lambda g=given, f=peer_call: [f(*s) for s in g], SINGLES),
+            "peer": Work(lambda g=given, f=peer_call: _each(f, g), SINGLES),
         }
         times = interleave(works)
         against = {"peer": times["peer"].median, "peer_name": "Pinocchio"}
@@ -127,6 +128,12 @@ def rows() -> list[Row]:
             spread = timing.spread
             found.append(Row(f"{name}, {what}", timing.median, spread=spread, **against, **target))
     return [*found, simulated_minute(chain)]
+
+
+def _each(function: Callable, arguments: list[tuple]) -> None:
+    """Call a function with each of some arguments; its results are not kept, as in a controller."""
+    for given in arguments:
+        function(*given)
 
 
 def pinocchio_model(chain: SerialChain) -> pinocchio.Model:
