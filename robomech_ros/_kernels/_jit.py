@@ -32,6 +32,7 @@ __all__ = [
     "OUT1",
     "OUT2",
     "OUT3",
+    "OUT4",
     "ZERO",
     "b1",
     "borrowed",
@@ -60,6 +61,7 @@ IIN1 = types.Array(i8, 1, "C", readonly=True)
 OUT1 = types.Array(f8, 1, "C")
 OUT2 = types.Array(f8, 2, "C")
 OUT3 = types.Array(f8, 3, "C")
+OUT4 = types.Array(f8, 4, "C")
 IOUT1 = types.Array(i8, 1, "C")
 IOUT2 = types.Array(i8, 2, "C")
 # A point, and a pose as rotation row by row, then origin.

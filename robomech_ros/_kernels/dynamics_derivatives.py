@@ -7,7 +7,7 @@ point.
 
 import math
 
-from robomech_ros._kernels._jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean, scratch
+from robomech_ros._kernels._jit import IN1, IN2, OUT3, OUT4, i8, kernel, lean, scratch
 from robomech_ros._kernels.dynamics_layout import MOST_JOINTS, SURROUNDINGS, TIP_WRENCH
 from robomech_ros._kernels.dynamics_mass import (
     NO_BODY,
@@ -121,19 +121,21 @@ def derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M):
     return status
 
 
-@kernel(i8(IN2, IN1, IN1, IN1, IN1, OUT2, OUT2, OUT2))
-def inverse_derivatives_one(model, q, qd, qdd, around, by_q, by_qd, M):
-    """Differentiate the torques of one state (n,); write three matrices (n, n)."""
-    return derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M)
+@kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT3))
+def inverse_derivatives_one(model, q, qd, qdd, around, out):
+    """Differentiate the torques of one state (n,), with the one row of ``around``.
+
+    The three matrices, as :func:`derivatives_body` has them, go to out (3, n, n).
+    """
+    return derivatives_body(model, q, qd, qdd, around[0], out[0], out[1], out[2])
 
 
-@kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT3, OUT3, OUT3))
-def inverse_derivatives(model, q, qd, qdd, around, by_q, by_qd, M):
-    """Differentiate the torques of states (m, n); write three arrays (m, n, n)."""
+@kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT4))
+def inverse_derivatives(model, q, qd, qdd, around, out):
+    """Differentiate the torques of states (m, n); write three arrays (m, n, n) to out."""
     status = OK
     last = around.shape[0] - 1
     for k in range(q.shape[0]):
-        status |= derivatives_body(
-            model, q[k], qd[k], qdd[k], around[min(k, last)], by_q[k], by_qd[k], M[k]
-        )
+        row = around[min(k, last)]
+        status |= derivatives_body(model, q[k], qd[k], qdd[k], row, out[0, k], out[1, k], out[2, k])
     return status

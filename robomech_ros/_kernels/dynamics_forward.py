@@ -174,10 +174,10 @@ def _cholesky_body(model, q, qd, tau, around, M, none, out):
     return status
 
 
-@kernel(i8(IN2, IN1, IN1, IN1, IN1, OUT1))
+@kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))
 def forward_dynamics_one(model, q, qd, tau, around, out):
-    """Accelerations for one state (n,) into out (n,)."""
-    return forward_body(model, q, qd, tau, around, out)
+    """Accelerations for one state (n,), with the one row of ``around``, into out (n,)."""
+    return forward_body(model, q, qd, tau, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT2))

@@ -218,10 +218,10 @@ def gravity_body(model, q, around, out):
     return status | _collect(model, room, (tnx, tny, tnz, tfx, tfy, tfz), out)
 
 
-@kernel(i8(IN2, IN1, IN1, IN1, IN1, OUT1))
+@kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))
 def inverse_dynamics_one(model, q, qd, qdd, around, out):
-    """Torques for one state (n,) into out (n,)."""
-    return inverse_body(model, q, qd, qdd, around, out)
+    """Torques for one state (n,), with the one row of ``around``, into out (n,)."""
+    return inverse_body(model, q, qd, qdd, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT2))
@@ -234,10 +234,10 @@ def inverse_dynamics(model, q, qd, qdd, around, out):
     return status
 
 
-@kernel(i8(IN2, IN1, IN1, OUT1))
+@kernel(i8(IN2, IN1, IN2, OUT1))
 def gravity_torque_one(model, q, around, out):
-    """Torques that hold the chain at one q (n,) into out (n,)."""
-    return gravity_body(model, q, around, out)
+    """Torques that hold the chain at one q (n,), with the one row of ``around``, into out (n,)."""
+    return gravity_body(model, q, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, OUT2))

@@ -164,9 +164,10 @@ def indices(packed, q, weights, rows, power, out):
 
 @inline
 def _gradient(J, weights, rows, power, index, spaces, value, out):
-    """Write the indices of J to value (4,), the gradient of one to out (n + 1,).
+    """Write the indices of J to value (4,), the gradient of one to out (n,).
 
-    ``spaces`` are arrays to work with: G like J, W, and s and ds for the singular values.
+    Returns the derivative by the logarithm of what the linear rows were divided by.  ``spaces`` are
+    arrays to work with: G like J, W, and s and ds for the singular values.
     """
     G, W, s, ds = spaces
     large = W.shape[1] - W.shape[0]
@@ -175,8 +176,9 @@ def _gradient(J, weights, rows, power, index, spaces, value, out):
     row_lengths(W, large, s)
     _evaluate(s, power, value)
     _derivatives(s, index, value[index], power, ds)
-    out[J.shape[1]] = _by_jacobian(J, W, s, ds, weights, rows, G)
+    stretch = _by_jacobian(J, W, s, ds, weights, rows, G)
     gradient_body(J, G, out)
+    return stretch
 
 
 @inline
@@ -188,7 +190,7 @@ def _spaces(n, count):
 
 @kernel(i8(IN2, IN1, IN1, IIN1, f8, i8, OUT1))
 def index_gradient_one(packed, q, weights, rows, power, index, out):
-    """Gradient of one index at q (n,) into out (n + 1,), as :func:`index_gradients` has it."""
+    """Gradient of one index at q (n,) into out (n,)."""
     J = np.empty((6, q.size))
     status = jacobian_body(packed, q, J, np.empty((4, 4)))
     _gradient(J, weights, rows, power, index, _spaces(q.size, rows.size), np.empty(COUNT), out)
@@ -209,5 +211,5 @@ def index_gradients(packed, q, weights, rows, power, index, values, out):
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], J, pose)
-        _gradient(J, weights, rows, power, index, spaces, values[k], out[k])
+        out[k, n] = _gradient(J, weights, rows, power, index, spaces, values[k], out[k])
     return status

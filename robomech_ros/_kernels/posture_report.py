@@ -6,12 +6,12 @@ The Jacobian is that of a point of the tip link; its linear rows are divided by 
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels._jit import (
     IIN1,
     IN1,
     IN2,
-    IOUT1,
     OUT1,
     OUT2,
     f8,
@@ -22,17 +22,17 @@ from robomech_ros._kernels._jit import (
 )
 from robomech_ros._kernels.indices import fill_weighted
 from robomech_ros._kernels.jacobian_points import move_jacobian
-from robomech_ros._kernels.posture_factors import named_factors
+from robomech_ros._kernels.posture_factors import MOST_FACTORS, named_factors
 from robomech_ros._kernels.serial import OK, jacobian_body
 from robomech_ros._kernels.singular_values import condition_of, make_rows_orthogonal, row_lengths
 from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
 
-__all__ = ["FACTORS", "NUMBERS", "posture_report"]
+__all__ = ["FACTORS", "MOVING", "posture_report"]
 
 # Places of the numbers: manipulability and condition number in SI units, the latter again with
-# lengths over the length, and factors.
+# lengths over the length, the factors, and how much each joint moves while the tip does not.
 FACTORS = 3
-NUMBERS = 6
+MOVING = FACTORS + MOST_FACTORS
 
 
 @lean
@@ -144,7 +144,16 @@ def _lost(left, rank, motions, weights, lost):
     return count
 
 
-@kernel(i8(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, IOUT1, OUT1, OUT1, OUT2, OUT2, OUT2))
+@lean
+def _moving(free, rank, out):
+    """Write how much each joint (n,) moves at most in the rows of free (n, n) from `rank` on."""
+    for k in range(free.shape[1]):
+        out[k] = 0.0
+        for i in range(rank, free.shape[0]):
+            out[k] = max(out[k], abs(free[i, k]))
+
+
+@kernel(types.UniTuple(i8, 3)(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, OUT1, OUT1, OUT2, OUT2, OUT2))
 def posture_report(
     packed,
     q,
@@ -154,7 +163,6 @@ def posture_report(
     size,
     motions,
     regular,
-    ranks,
     values,
     numbers,
     lost,
@@ -164,16 +172,16 @@ def posture_report(
     """Report on q (n,) of the point (3,) with linear rows divided by a length.
 
     ``parts`` and ``size`` are those of ``named_factors``; ``motions`` (r, 6) spans all twists of
-    the arm, ``regular`` is the largest rank it has.  Written are ranks (2,): the rank, and how
-    many twists are lost; singular values (min(6, n),); numbers (6,); the twists that are lost in
-    the first rows of lost (6, 6); from row ``rank`` on the wrenches that load no joint, in idle
-    (6, 6), and the joint rates that do not move the tip, in free (n, n).
+    the arm, ``regular`` is the largest rank it has.  Returned are the status, the rank, and how
+    many twists are lost.  Written are singular values (min(6, n),); numbers (MOVING + n,); the
+    twists that are lost in the first rows of lost (6, 6); from row ``rank`` on the wrenches that
+    load no joint, in idle (6, 6), and the joint rates that do not move the tip, in free (n, n).
     """
     n = q.size
     J, pose = np.empty((6, n)), np.empty((4, 4))
     status = jacobian_body(packed, q, J, pose)
     if status != OK:
-        return status
+        return status, 0, 0
     move_jacobian(J, pose, point)
     small, large = min(6, n), max(6, n)
     s, plain = np.empty(small), np.empty((small, large))
@@ -196,11 +204,10 @@ def posture_report(
     numbers[2] = condition_of(s)
     _complete(idle, rank)
     _complete(free, rank)
-    ranks[0], ranks[1] = rank, 0
-    if rank < regular:
-        ranks[1] = _lost(idle, rank, motions, weights, lost)
+    count = _lost(idle, rank, motions, weights, lost) if rank < regular else 0
     for i in range(rank, 6):
         for k in range(3):
             idle[i, k] *= length
-    named_factors(J, parts, size, numbers[FACTORS:])
-    return status
+    named_factors(J, parts, size, numbers[FACTORS:MOVING])
+    _moving(free, rank, numbers[MOVING:])
+    return status, rank, count

@@ -11,12 +11,11 @@ from robomech_ros._kernels._jit import direct
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.model import (
     GRAVITY,
-    as_states,
     dynamic_model,
     raise_outcome,
     surroundings,
 )
-from robomech_ros.kinematics.joint_values import as_rows
+from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -33,17 +32,33 @@ _derivatives_one = direct(kernels.inverse_derivatives_one)
 
 @dataclass(frozen=True, eq=False)
 class InverseDerivatives:
-    """Derivatives of the torques, each of shape (n, n) or (..., n, n): row i is that of torque i.
+    """Derivatives of the torques by joint values, rates and accelerations.
 
     Attributes
     ----------
-    by_q, by_qd, by_qdd : ndarray
-        By joint values, rates and accelerations; the last is the mass matrix.
+    matrices : ndarray, shape (3, n, n) or (3, ..., n, n)
+        By each of them in turn: row i of a matrix is that of torque i.
     """
 
-    by_q: Array
-    by_qd: Array
-    by_qdd: Array
+    matrices: Array
+
+    @property
+    def by_q(self) -> Array:
+        """By joint values, shape (n, n) or (..., n, n)."""
+        by_q: Array = self.matrices[0]
+        return by_q
+
+    @property
+    def by_qd(self) -> Array:
+        """By joint rates, shape (n, n) or (..., n, n)."""
+        by_qd: Array = self.matrices[1]
+        return by_qd
+
+    @property
+    def by_qdd(self) -> Array:
+        """By accelerations, which is the mass matrix, shape (n, n) or (..., n, n)."""
+        by_qdd: Array = self.matrices[2]
+        return by_qdd
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,21 +110,22 @@ def inverse_dynamics_derivatives(
     ----------
     Singh, Russo, Wensing, IEEE Robotics and Automation Letters 7, 2022.
     """
-    q, qd, qdd = as_states(chain, q, qd=qd, qdd=qdd)
-    model = dynamic_model(chain)
-    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
-    n = chain.n
-    by_q, by_qd, M = (np.empty((*q.shape, n)) for _ in range(3))
+    q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
+    model, shape, n = dynamic_model(chain), q.shape, chain.n
+    around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
     if q.ndim == 1:
-        status = _derivatives_one(model, q, qd, qdd, around[0], by_q, by_qd, M)
+        matrices = np.empty((3, n, n))
+        status = _derivatives_one(model, q, qd, qdd, around, matrices)
     else:
-        out = [array.reshape(-1, n, n) for array in (by_q, by_qd, M)] if q.size else ()
-        status = out and kernels.inverse_derivatives(
-            model, as_rows(q), as_rows(qd), as_rows(qdd), around, *out
+        rows = as_rows(q)
+        matrices = np.empty((3, len(rows), n, n))
+        status = kernels.inverse_derivatives(
+            model, rows, as_rows(qd), as_rows(qdd), around, matrices
         )
+        matrices = matrices.reshape(3, *shape, n)
     if status:
         raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
-    return InverseDerivatives(by_q, by_qd, M)
+    return InverseDerivatives(matrices)
 
 
 def forward_dynamics_derivatives(

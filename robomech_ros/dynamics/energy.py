@@ -11,13 +11,12 @@ from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics
 from robomech_ros.dynamics.model import (
     GRAVITY,
-    as_states,
     dynamic_model,
     raise_outcome,
     surroundings,
 )
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -122,8 +121,9 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
     """
-    upwards = surroundings((), gravity)[0, 6:9]
-    moments = _totals(chain, q, np.zeros(as_joint_values(chain, q).shape))[..., 1:4]
+    q = as_joint_values(chain, q)
+    upwards = surroundings(q.shape[-1:], gravity)[0, 6:9]
+    moments = _totals(chain, q, np.zeros(q.shape))[..., 1:4]
     with np.errstate(over="ignore", invalid="ignore"):
         energy: Array = moments @ upwards
     if not np.isfinite(energy).all():
@@ -134,7 +134,7 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
 
 def _totals(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     """Mass, first moment (3), momentum (6) and kinetic energy, shape (..., 11)."""
-    q, qd = as_states(chain, q, qd=qd)
+    q, qd = as_states(chain, ("q", "qd"), q, qd)
     rows = as_rows(q)
     out = np.empty((len(rows), 11))
     status = kernels.totals(dynamic_model(chain), rows, as_rows(qd), out)
@@ -197,7 +197,7 @@ def power_balance(
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`forward_dynamics`.
     """
-    q, qd, tau = as_states(chain, q, qd=qd, tau=tau)
+    q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     heat = friction_torque(chain, qd)
     qdd = forward_dynamics(chain, q, qd, tau - heat, gravity=gravity, tip_wrench=tip_wrench)
     nowhere = np.zeros(3)

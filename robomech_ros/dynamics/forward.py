@@ -7,12 +7,11 @@ from robomech_ros._kernels import dynamics_forward as kernels
 from robomech_ros._kernels._jit import direct
 from robomech_ros.dynamics.model import (
     GRAVITY,
-    as_states,
     dynamic_model,
     raise_outcome,
     surroundings,
 )
-from robomech_ros.kinematics.joint_values import as_rows
+from robomech_ros.kinematics.joint_values import as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
 
@@ -71,13 +70,13 @@ def forward_dynamics(
     Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7; Angeles, Fundamentals of
     Robotic Mechanical Systems, 4th ed., section 7.6.
     """
-    q, qd, tau = as_states(chain, q, qd=qd, tau=tau)
-    model = dynamic_model(chain)
-    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
-    qdd = np.empty(q.shape)
+    q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
+    model, shape = dynamic_model(chain), q.shape
+    around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
+    qdd = np.empty(shape)
     recursive = method is METHODS[0] or as_choice("method", method, METHODS) == METHODS[0]
     if recursive and q.ndim == 1:
-        status = _forward_one(model, q, qd, tau, around[0], qdd)
+        status = _forward_one(model, q, qd, tau, around, qdd)
     elif recursive:
         status = kernels.forward_dynamics(
             model, as_rows(q), as_rows(qd), as_rows(tau), around, as_rows(qdd)

@@ -7,12 +7,11 @@ from robomech_ros._kernels import dynamics_inverse as kernels
 from robomech_ros._kernels._jit import direct
 from robomech_ros.dynamics.model import (
     GRAVITY,
-    as_states,
     dynamic_model,
     raise_outcome,
     surroundings,
 )
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["bias_torque", "gravity_torque", "inverse_dynamics"]
@@ -75,12 +74,12 @@ def inverse_dynamics(
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4, 7.5.2 and 7.7.
     """
-    q, qd, qdd = as_states(chain, q, qd=qd, qdd=qdd)
-    model = dynamic_model(chain)
-    around = surroundings(q.shape[:-1], gravity, tip_wrench, base_twist, base_twist_rate)
-    tau = np.empty(q.shape)
+    q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
+    model, shape = dynamic_model(chain), q.shape
+    around = surroundings(shape, gravity, tip_wrench, base_twist, base_twist_rate)
+    tau = np.empty(shape)
     if q.ndim == 1:
-        status = _inverse_one(model, q, qd, qdd, around[0], tau)
+        status = _inverse_one(model, q, qd, qdd, around, tau)
     else:
         status = kernels.inverse_dynamics(
             model, as_rows(q), as_rows(qd), as_rows(qdd), around, as_rows(tau)
@@ -155,11 +154,11 @@ def gravity_torque(
         As for :func:`inverse_dynamics`.
     """
     q = as_joint_values(chain, q)
-    model = dynamic_model(chain)
-    around = surroundings(q.shape[:-1], gravity, tip_wrench)
-    tau = np.empty(q.shape)
+    model, shape = dynamic_model(chain), q.shape
+    around = surroundings(shape, gravity, tip_wrench)
+    tau = np.empty(shape)
     if q.ndim == 1:
-        status = _gravity_one(model, q, around[0], tau)
+        status = _gravity_one(model, q, around, tau)
     else:
         status = kernels.gravity_torque(model, as_rows(q), around, as_rows(tau))
     if status:

@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels import dynamics_mass as kernels
 from robomech_ros._kernels._jit import direct
-from robomech_ros.dynamics.model import as_states, dynamic_model, raise_outcome
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows
+from robomech_ros.dynamics.model import dynamic_model, raise_outcome
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["coriolis_matrix", "mass_matrix"]
@@ -43,13 +43,15 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
     Dynamic Systems, Measurement and Control 104, 1982.
     """
     q = as_joint_values(chain, q)
-    model = dynamic_model(chain)
-    M = np.empty((*q.shape, chain.n))
+    model, n = dynamic_model(chain), chain.n
     if q.ndim == 1:
+        M = np.empty((n, n))
         status = _mass_one(model, q, M)
     else:
         rows = as_rows(q)
-        status = kernels.mass_matrix(model, rows, M.reshape(len(rows), chain.n, chain.n))
+        M = np.empty((len(rows), n, n))
+        status = kernels.mass_matrix(model, rows, M)
+        M = M.reshape(*q.shape, n)
     if status:
         raise_outcome(chain, status, q=q)
     return M
@@ -84,7 +86,7 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Echeandia, Wensing, ASME J. Computational and Nonlinear Dynamics 16, 2021; Angeles, Fundamentals
     of Robotic Mechanical Systems, 4th ed., section 7.5.
     """
-    q, qd = as_states(chain, q, qd=qd)
+    q, qd = as_states(chain, ("q", "qd"), q, qd)
     rows = as_rows(q)
     C = np.empty((len(rows), chain.n, chain.n))
     status = kernels.coriolis_matrix(dynamic_model(chain), rows, as_rows(qd), C)

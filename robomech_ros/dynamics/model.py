@@ -17,13 +17,12 @@ from robomech_ros._kernels.dynamics_layout import (
 )
 from robomech_ros._kernels.serial import NOT_FINITE
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics.joint_values import as_joint_values, check_chain
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array, real_number
 
 __all__ = [
     "GRAVITY",
-    "as_states",
     "body_parameters",
     "dynamic_model",
     "positive_number",
@@ -32,8 +31,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-_FLOAT = np.dtype(np.float64)
 
 GRAVITY = (0.0, 0.0, -9.81)
 
@@ -98,37 +95,8 @@ def body_parameters(chain: SerialChain) -> Array:
     return rows
 
 
-def as_states(chain: SerialChain, q: ArrayLike, **others: ArrayLike) -> tuple[Array, ...]:
-    """Give joint values, and what else belongs to them by its name, as arrays of one shape.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    q : array_like, shape (n,) or (..., n)
-        Joint values.
-    **others : array_like
-        Rates, accelerations or torques, of the same shape.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        Not arrays of real numbers, or of another shape.
-    """
-    q = as_joint_values(chain, q)
-    arrays, shape = [q], q.shape
-    for name, value in others.items():
-        # What is right already, as in most calls, costs no more than this look.
-        if type(value) is not np.ndarray or value.dtype is not _FLOAT or value.shape != shape:
-            value = as_joint_values(chain, value, name)
-            if value.shape != shape:
-                raise WrongSizeError(name, value.shape, f"{shape}, that of q")
-        arrays.append(value if value.flags.c_contiguous else np.ascontiguousarray(value))
-    return tuple(arrays)
-
-
 def surroundings(
-    batch: tuple[int, ...],
+    shape: tuple[int, ...],
     gravity: ArrayLike,
     tip_wrench: ArrayLike | None = None,
     base_twist: ArrayLike | None = None,
@@ -138,8 +106,8 @@ def surroundings(
 
     Parameters
     ----------
-    batch : tuple of int
-        Shape of the batch of states.
+    shape : tuple of int
+        That of the joint values, (n,) or (*batch, n).
     gravity : array_like, shape (3,)
         Of the base (m/s^2), in its axes.
     tip_wrench, base_twist, base_twist_rate : array_like, shape (6,) or (*batch, 6), optional
@@ -155,6 +123,7 @@ def surroundings(
     """
     if gravity is GRAVITY and tip_wrench is None and base_twist is None and base_twist_rate is None:
         return _ON_EARTH
+    batch = shape[:-1]
     g = _part("gravity", gravity, (3,), ())
     wrench, twist, rate = (
         np.zeros((1, 6)) if value is None else _part(name, value, (6,), batch)

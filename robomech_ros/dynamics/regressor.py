@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels import dynamics_regressor as kernels
 from robomech_ros._kernels.dynamics_layout import MOST_JOINTS
 from robomech_ros._kernels.tolerances import BASE_PARAMETER
-from robomech_ros.dynamics.model import GRAVITY, as_states, raise_outcome, surroundings
+from robomech_ros.dynamics.model import GRAVITY, raise_outcome, surroundings
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.joint_values import as_rows, check_chain
+from robomech_ros.kinematics.joint_values import as_rows, as_states, check_chain
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["BaseParameters", "base_parameters", "torque_regressor"]
@@ -55,10 +55,10 @@ def torque_regressor(
     ----------
     Atkeson, An, Hollerbach, Int. J. Robotics Research 5, 1986.
     """
-    q, qd, qdd = as_states(chain, q, qd=qd, qdd=qdd)
+    q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     if chain.n > MOST_JOINTS:
         raise BadValueError("number of joints", chain.n, f"at most {MOST_JOINTS}")
-    around = surroundings(q.shape[:-1], gravity, None, base_twist, base_twist_rate)
+    around = surroundings(q.shape, gravity, None, base_twist, base_twist_rate)
     rows = as_rows(q)
     Y = np.empty((len(rows), chain.n, 10 * chain.n))
     status = kernels.torque_regressor(chain.packed, rows, as_rows(qd), as_rows(qdd), around, Y)

@@ -128,7 +128,7 @@ class Servo:
             self._gains(mode),
             mode,
             effort,
-            surroundings((), self.gravity)[0].copy(),
+            surroundings((n,), self.gravity)[0].copy(),
         )
         object.__setattr__(self, "plant", plant)
         object.__setattr__(self, "_arguments", (arguments, period, int(self.substeps)))

@@ -204,7 +204,7 @@ def simulate(
         _as_torque(chain, torque),
         {"gravity": gravity, "tip_wrench": wrench},
         dynamic_model(chain),
-        surroundings((), gravity, wrench)[0],
+        surroundings((chain.n,), gravity, wrench),
         friction_model(chain),
         positive_number("rest_rate", rest_rate),
     )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
@@ -36,18 +36,12 @@ def finite_states(chain: SerialChain, **values: ArrayLike) -> tuple[Array, ...]:
     BadValueError, WrongSizeError, NonFiniteError
         One is not an array of n finite real numbers or of rows of them, or they differ in shape.
     """
-    arrays: list[Array] = []
-    for what, value in values.items():
-        array = as_joint_values(chain, value, what)
-        if arrays and array.shape != arrays[0].shape:
-            raise WrongSizeError(
-                what, array.shape, f"{arrays[0].shape}, that of {next(iter(values))}"
-            )
+    arrays = as_states(chain, tuple(values), *values.values())
+    for what, array in zip(values, arrays, strict=True):
         if not np.isfinite(array).all():
             raise_not_finite(chain, array, what)
         _refuse_large(what, array)
-        arrays.append(array)
-    return tuple(arrays)
+    return arrays
 
 
 def as_vector(what: str, value: ArrayLike, size: int) -> Array:

@@ -1,7 +1,8 @@
 """Joint values as they come from a caller, checked and laid out for the kernels."""
 
 import math
-from typing import NoReturn
+from collections.abc import Sequence
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,11 +11,12 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["as_joint_values", "as_rows", "check_chain", "raise_not_finite"]
+__all__ = ["as_joint_values", "as_rows", "as_states", "check_chain", "raise_not_finite"]
 
 Array = NDArray[np.float64]
 
-_FLOAT = np.dtype(np.float64)
+# What needs no conversion, as names that are found at once.
+_ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 
 
 def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
@@ -37,13 +39,52 @@ def as_joint_values(chain: SerialChain, q: ArrayLike, what: str = "q") -> Array:
         The last axis has not n entries.
     """
     check_chain(chain)
-    if type(q) is not np.ndarray or q.dtype is not _FLOAT or not q.flags.c_contiguous:
+    if type(q) is not _ARRAY or q.dtype is not _FLOAT or not q.flags.c_contiguous:
         # Not ascontiguousarray: it makes a scalar one-dimensional, which would hide a wrong shape.
         q = np.array(real_array(what, q), order="C")
-    if q.ndim == 0 or q.shape[-1] != chain.n:
+    shape = q.shape
+    if not shape or shape[-1] != chain.n:
         expected = f"({chain.n},) or (..., {chain.n}) for {', '.join(chain.joint_names) or 'none'}"
-        raise WrongSizeError(what, q.shape, expected)
+        raise WrongSizeError(what, shape, expected)
     return q
+
+
+def as_states(chain: SerialChain, names: Sequence[str], *values: Any) -> tuple[Array, ...]:
+    """Give joint values, and what else belongs to them, as contiguous arrays of one shape.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    names : sequence of str
+        Of the quantities in messages.
+    *values : array_like, shape (n,) or (..., n)
+        Joint values, rates, accelerations or torques.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not arrays of real numbers, or of different shapes, or no chain.
+    """
+    if isinstance(chain, SerialChain):
+        vector = chain.types.shape
+        for value in values:
+            # One state whose arrays are right already, as in most calls, costs no more than this.
+            if (
+                type(value) is not _ARRAY
+                or value.dtype is not _FLOAT
+                or value.shape != vector
+                or not value.flags.c_contiguous
+            ):
+                break
+        else:
+            return values
+    arrays = [as_joint_values(chain, *pair) for pair in zip(values, names, strict=True)]
+    shape = arrays[0].shape
+    for name, array in zip(names, arrays, strict=True):
+        if array.shape != shape:
+            raise WrongSizeError(name, array.shape, f"{shape}, that of {names[0]}")
+    return tuple(arrays)
 
 
 def check_chain(chain: SerialChain) -> None:

@@ -9,7 +9,7 @@ from robomech_ros._kernels import jacobian_rates
 from robomech_ros._kernels._jit import direct
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
-from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinematics.joint_values import as_rows, as_states, raise_not_finite
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, as_point
 from robomech_ros.kinetostatics.rates import joint_rates
@@ -51,9 +51,7 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.5.
     """
-    q, qd = as_joint_values(chain, q), as_joint_values(chain, qd, "qd")
-    if qd.shape != q.shape:
-        raise WrongSizeError("qd", qd.shape, f"{q.shape}, that of q")
+    q, qd = as_states(chain, ("q", "qd"), q, qd)
     n = chain.n
     if q.ndim == 1:
         out = np.empty((6, n))

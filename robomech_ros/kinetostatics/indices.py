@@ -245,16 +245,17 @@ def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> A
 def _gradient(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> Array:
-    q, task = as_joint_values(chain, q), _task(part, length)
+    q = as_joint_values(chain, q)
+    weights, kept, power = _task(part, length)
     if q.ndim == 1:
-        gradient = np.empty(chain.n + 1)
-        if _index_gradient_one(chain.packed, q, *task, index, gradient):
+        gradient = np.empty(q.shape)
+        if _index_gradient_one(chain.packed, q, weights, kept, power, index, gradient):
             raise_not_finite(chain, q)
-        return gradient[:-1]
+        return gradient
     rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
-    if _index_gradients(chain.packed, rows, *task, index, values, out):
+    if _index_gradients(chain.packed, rows, weights, kept, power, index, values, out):
         raise_not_finite(chain, q)
     return out[:, :-1].reshape(q.shape)
 
@@ -274,14 +275,17 @@ def as_length(length: float) -> float:
 
 
 def _norm(norm: str) -> int:
-    found = NORMS.get(norm) if type(norm) is str else None
-    return NORMS[as_choice("norm", norm, tuple(NORMS))] if found is None else found
+    try:
+        return NORMS[norm]
+    except (KeyError, TypeError):
+        return NORMS[as_choice("norm", norm, tuple(NORMS))]
 
 
 def _task(part: str, length: float | None) -> _Task:
-    if type(part) is str and (length is None or isinstance(length, float)):
+    try:
         return _known_task(part, length)
-    return _new_task(part, length)
+    except TypeError:  # what cannot be a key is refused by name, or is a number in an array
+        return _new_task(part, length)
 
 
 def _new_task(part: str, length: float | None) -> _Task:
@@ -290,4 +294,4 @@ def _new_task(part: str, length: float | None) -> _Task:
     return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)
 
 
-_known_task = functools.lru_cache(maxsize=64)(_new_task)
+_known_task = functools.lru_cache(maxsize=64, typed=True)(_new_task)

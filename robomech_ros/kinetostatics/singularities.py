@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels._jit import direct
-from robomech_ros._kernels.posture_report import NUMBERS, posture_report
+from robomech_ros._kernels.posture_report import FACTORS, MOVING, posture_report
 from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
@@ -178,15 +178,16 @@ def singularity_report(
         raise WrongSizeError("q", q.shape, (chain.n,))
     arm, metres, n = as_point(point), report_length(chain, length), chain.n
     rank, motions, parts = _known(chain)
-    values, numbers, ranks = np.empty(min(6, n)), np.empty(NUMBERS), np.empty(2, dtype=np.int64)
+    values, numbers = np.empty(min(6, n)), np.empty(MOVING + n)
     lost, idle, free = np.empty((6, 6)), np.empty((6, 6)), np.empty((n, n))
     constants = (parts.joints, parts.size, motions, rank)
-    found = (ranks, values, numbers, lost, idle, free)
-    if _report(chain.packed, q, arm, metres, *constants, *found):
+    found = (values, numbers, lost, idle, free)
+    status, here, count = _report(chain.packed, q, arm, metres, *constants, *found)
+    if status:
         raise_not_finite(chain, q)
-    here, count = ranks.tolist()
     singular = here < rank
-    manipulability, condition, normalised, *factors = numbers.tolist()
+    manipulability, condition, normalised, *others = numbers.tolist()
+    factors, moving = others[: MOVING - FACTORS], others[MOVING - FACTORS :]
     named = dict(zip(parts.names, factors, strict=False))
     return SingularityReport(
         singular_values=values,
@@ -199,19 +200,15 @@ def singularity_report(
         idle_wrenches=idle[here:],
         self_motions=free[here:],
         factors=named,
-        kinds=_kinds(chain, named, free[here:]) if singular else (),
+        kinds=_kinds(chain, named, moving) if singular else (),
     )
 
 
-def _kinds(chain: SerialChain, factors: dict[str, float], free: Array) -> tuple[str, ...]:
+def _kinds(chain: SerialChain, factors: dict[str, float], moving: list[float]) -> tuple[str, ...]:
     """Name the parts that are singular, or else the joints that depend on each other."""
     zero = tuple(name for name, value in factors.items() if abs(value) < FACTOR_ZERO)
     if zero:
         return zero
-    rows = free.tolist()
-    names = [
-        name
-        for i, name in enumerate(chain.joint_names)
-        if any(abs(row[i]) > FACTOR_ZERO for row in rows)
-    ]
+    pairs = zip(chain.joint_names, moving, strict=True)
+    names = [name for name, most in pairs if most > FACTOR_ZERO]
     return (f"joints {', '.join(names)} depend on each other",)

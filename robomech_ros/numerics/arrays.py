@@ -27,7 +27,7 @@ def real_array(what: str, value: ArrayLike) -> Array:
     BadValueError
         Not real numbers.
     """
-    if type(value) is np.ndarray and value.dtype == _FLOAT64:
+    if type(value) is np.ndarray and value.dtype is _FLOAT64:
         return value  # a third of the time of what follows
     try:
         array = np.asarray(value)

@@ -50,7 +50,8 @@ class FromRest(ABC):
             If the wanted duration would break a limit.
         """
         least, shape = cls._fastest(start, goal, limits)
-        lasting = max(least, tolerances.SHORTEST_TRAJECTORY)
+        shortest = tolerances.SHORTEST_TRAJECTORY
+        lasting = least if least > shortest else shortest
         if duration is not None:
             slack = tolerances.DURATION_ROUNDING * (1.0 + lasting)
             if duration < lasting - slack and least > duration:

@@ -147,8 +147,8 @@ def point_to_point(
     method = profile_named(profile)
     known = limits if type(limits) is Limits else Limits.of(limits)
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
-    n = len(allowed.joint_names)
-    start, goal = _joint_values("start", q0, n), _joint_values("goal", q1, n)
+    shape = allowed.lower.shape
+    start, goal = _joint_values("start", q0, shape), _joint_values("goal", q1, shape)
     if not _both_within(start, goal, allowed.ranges):
         _check_numbers("start", start)
         _check_numbers("goal", goal)
@@ -157,7 +157,7 @@ def point_to_point(
     seconds = None if duration is None else checked_duration(duration)
     if start_velocity is None and start_acceleration is None:
         return method.plan(start, goal, allowed, seconds)
-    moving = _rates_at_start(start_velocity, start_acceleration, n)
+    moving = _rates_at_start(start_velocity, start_acceleration, shape)
     if not method.STARTS_MOVING:
         _check_at_rest(profile, moving)
         moving = {}
@@ -193,11 +193,11 @@ def _check_scale(what: str, given: object) -> None:
         raise BadValueError(what, scale, expected)
 
 
-def _joint_values(what: str, values: npt.ArrayLike, n: int) -> FloatArray:
-    """Copy one number for each joint."""
+def _joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Copy one number for each joint, shape (n,)."""
     array = real_array(what, values).copy()
-    if array.shape != (n,):
-        raise WrongSizeError(what, array.shape, (n,))
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
     return array
 
 
@@ -212,13 +212,15 @@ def _check_numbers(what: str, values: FloatArray) -> None:
 
 
 def _rates_at_start(
-    velocity: npt.ArrayLike | None, acceleration: npt.ArrayLike | None, n: int
+    velocity: npt.ArrayLike | None,
+    acceleration: npt.ArrayLike | None,
+    shape: tuple[int, ...],
 ) -> dict[str, FloatArray]:
     """Check the rates (n,) at the start, those that are given."""
     moving = {}
     for what, values in (("start_velocity", velocity), ("start_acceleration", acceleration)):
         if values is not None:
-            moving[what] = _joint_values(what, values, n)
+            moving[what] = _joint_values(what, values, shape)
             _check_numbers(what, moving[what])
     return moving
 

@@ -58,8 +58,9 @@ class RestToRest(FromRest):
 
     @classmethod
     def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, None]:
-        peaks = cls.LAW.magnitudes
-        return _shortest_duration(start, goal, limits.inverses, *peaks), None
+        velocity, acceleration, jerk = cls.LAW.magnitudes
+        least = _shortest_duration(start, goal, limits.inverses, velocity, acceleration, jerk)
+        return least, None
 
     @classmethod
     def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:

@@ -30,7 +30,7 @@ from robomech_ros.dynamics import (
     inverse_dynamics_derivatives,
     mass_matrix,
 )
-from robomech_ros.dynamics.model import dynamic_model
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
 from robomech_ros.robots import SerialChain, load_robot
 
 BATCH = 500
@@ -49,9 +49,8 @@ def rows() -> list[Row]:
     model, peer = dynamic_model(chain), pinocchio_model(chain)
     data = peer.createData()
     states = np.random.default_rng(560).uniform(-2.0, 2.0, (3, BATCH, n))
-    around = np.zeros(15)
-    around[8] = 9.81
-    out, M, by_q, by_qd = np.empty(n), *np.empty((3, n, n))
+    around = surroundings((n,), GRAVITY)
+    out, M, matrices = np.empty(n), np.empty((n, n)), np.empty((3, n, n))
     inverse = direct(dynamics_inverse.inverse_dynamics_one)
     gravity = direct(dynamics_inverse.gravity_torque_one)
     forward = direct(dynamics_forward.forward_dynamics_one)
@@ -62,14 +61,13 @@ def rows() -> list[Row]:
         upper = np.triu(pinocchio.crba(peer, data, q))
         return upper + np.triu(upper, 1).T
 
-    cases: list[tuple[str, int, Callable, Callable, Callable, Callable]] = [
+    cases: list[tuple[str, int, Callable, Callable, Callable]] = [
         (
             "inverse dynamics",
             3,
             lambda *s: inverse(model, *s, around, out),
             inverse_dynamics,
             lambda *s: pinocchio.rnea(peer, data, *s),
-            inverse_dynamics,
         ),
         (
             "mass matrix",
@@ -77,7 +75,6 @@ def rows() -> list[Row]:
             lambda q: mass(model, q, M),
             mass_matrix,
             lambda q: pinocchio.crba(peer, data, q),
-            mass_matrix,
         ),
         (
             "forward dynamics",
@@ -85,7 +82,6 @@ def rows() -> list[Row]:
             lambda *s: forward(model, *s, around, out),
             forward_dynamics,
             lambda *s: pinocchio.aba(peer, data, *s),
-            forward_dynamics,
         ),
         (
             "gravity",
@@ -93,37 +89,32 @@ def rows() -> list[Row]:
             lambda q: gravity(model, q, around, out),
             gravity_torque,
             lambda q: pinocchio.computeGeneralizedGravity(peer, data, q),
-            gravity_torque,
         ),
         (
             "derivatives",
             3,
-            lambda *s: derivatives(model, *s, around, by_q, by_qd, M),
-            lambda *s: inverse_dynamics_derivatives(chain, *s).by_q,
+            lambda *s: derivatives(model, *s, around, matrices),
+            inverse_dynamics_derivatives,
             lambda *s: pinocchio.computeRNEADerivatives(peer, data, *s),
-            lambda chain, *s: inverse_dynamics_derivatives(chain, *s),
         ),
     ]
     found = []
-    for name, count, kernel, public, peer_call, batch in cases:
+    for name, count, kernel, public, peer_call in cases:
         given = [tuple(part[k] for part in states[:count]) for k in range(SINGLES)]
+        with_chain = [(chain, *state) for state in given]
         whole = states[:count]
-        if name != "derivatives":
-            ours = public(chain, *given[0])
-            public_call = lambda s, f=public: f(chain, *s)  # noqa: E731
-        else:
-            ours = public(*given[0])
-            public_call = lambda s, f=public: f(*s)  # noqa: E731
-        theirs = peer_call(*given[0])
-        theirs = peer_mass(*given[0]) if name == "mass matrix" else theirs
-        theirs = theirs[0] if name == "derivatives" else theirs
+        ours, theirs = public(chain, *given[0]), peer_call(*given[0])
+        if name == "mass matrix":
+            theirs = peer_mass(*given[0])
+        if name == "derivatives":
+            ours, theirs = ours.by_q, theirs[0]
         if np.abs(ours - theirs).max() > AGREEMENT * np.abs(theirs).max():
             raise SystemExit(f"{name}: ours and Pinocchio's differ")
         works = {
-            "kernel": Work(lambda g=given, f=kernel: [f(*s) for s in g], SINGLES),
-            "public": Work(lambda g=given, f=public_call: [f(s) for s in g], SINGLES),
-            "batch": Work(lambda w=whole, f=batch: f(chain, *w), BATCH),
-            "peer": Work(lambda g=given, f=peer_call: [f(*s) for s in g], SINGLES),
+            "kernel": Work(lambda g=given, f=kernel: _each(f, g), SINGLES),
+            "public": Work(lambda g=with_chain, f=public: _each(f, g), SINGLES),
+            "batch": Work(lambda w=whole, f=public: f(chain, *w), BATCH),
+            "peer": Work(lambda g=given, f=peer_call: _each(f, g), SINGLES),
         }
         times = interleave(works)
         against = {"peer": times["peer"].median, "peer_name": "Pinocchio"}
@@ -137,6 +128,12 @@ def rows() -> list[Row]:
             spread = timing.spread
             found.append(Row(f"{name}, {what}", timing.median, spread=spread, **against, **target))
     return [*found, simulated_minute(chain)]
+
+
+def _each(function: Callable, arguments: list[tuple]) -> None:
+    """Call a function with each of some arguments; its results are not kept, as in a controller."""
+    for given in arguments:
+        function(*given)
 
 
 def pinocchio_model(chain: SerialChain) -> pinocchio.Model:

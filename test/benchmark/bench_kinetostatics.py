@@ -82,7 +82,7 @@ def _gradients(chain: SerialChain, q: Array, length: float) -> list[Row]:
     singles, packed, n = list(q[:SINGLES]), chain.packed, chain.n
     weights, every = np.repeat((1.0, 1.0 / length), 3), np.arange(6)
     linear_first = np.repeat((1.0 / length, 1.0), 3)
-    out = np.empty(n + 1)
+    out = np.empty(n)
     given = (weights, every, 2.0, indices.CONDITION)
     joint, offset = model.frames[tip].parentJoint, model.frames[tip].placement
     to_tip = linear_first[:, None] * offset.toActionMatrixInverse()
@@ -90,7 +90,7 @@ def _gradients(chain: SerialChain, q: Array, length: float) -> list[Row]:
     def kernel() -> Array:
         for one in singles:
             indices.index_gradient_one(packed, one, *given, out)
-        return out[:n]
+        return out
 
     def public() -> Array:
         for one in singles:
