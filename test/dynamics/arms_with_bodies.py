@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pinocchio
 
-from robomech_ros.robots import Body, Drive, chain_from_dh
+from robomech_ros.robots import Body, Drive, chain_from_dh, list_robots, load_description
 
-ROBOTS = ("puma560", "ur5e", "panda", "planar3r")
+ROBOTS = tuple(name for name in list_robots() if load_description(name).bodies)
 
 
 def with_bodies(chain, seed):

@@ -1,23 +1,12 @@
-"""Arms with bodies: those of the library that have them, random ones, and the golden ones."""
+"""Arms with bodies: random ones, and the golden ones."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from robomech_ros.errors import MissingInertiaError
-from robomech_ros.robots import Body, Drive, chain_from_dh, list_robots, load_robot
+from robomech_ros.robots import Body, Drive, chain_from_dh
 
 GRAVITY = np.array([0.3, -0.4, -9.81])
-
-
-def _has_bodies(name):
-    try:
-        return load_robot(name).packed_bodies is not None
-    except MissingInertiaError:
-        return False
-
-
-ROBOTS = [name for name in list_robots() if _has_bodies(name)]
 
 
 def random_body(rng):

@@ -5,8 +5,8 @@ from itertools import combinations
 import numpy as np
 import pinocchio
 import pytest
-from arms_with_bodies import golden_arm, pinocchio_of
-from formulation_arms import GRAVITY, ROBOTS, furnished, golden_planar, relative, states
+from arms_with_bodies import ROBOTS, golden_arm, pinocchio_of
+from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
 from robomech_ros.dynamics import forward_dynamics, friction_torque, inverse_dynamics
 from robomech_ros.dynamics.kane import forward_dynamics_by_kane, inverse_dynamics_by_kane

@@ -1,5 +1,8 @@
 """Inverse and forward dynamics and their matrices: golden values, Pinocchio, and each other."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pinocchio
 import pytest
@@ -67,6 +70,16 @@ def test_agrees_with_pinocchio(robot):
     # Nothing but rounding remains of the torques of an arm in a horizontal plane.
     error = np.abs(gravity_torque(chain, q) - held).max()
     assert error <= 1e-10 * max(1.0, np.abs(held).max())
+
+
+def test_torques_are_those_of_the_sources():
+    text = (Path(__file__).parents[1] / "data/source_torques.json").read_text(encoding="utf-8")
+    for robot, torques in json.loads(text)["torques"].items():
+        chain = load_robot(robot)
+        i = np.outer([1.0, 2.0], np.arange(1, chain.n + 1))
+        assert_near(
+            inverse_dynamics(chain, np.sin(i), np.cos(i), np.sin(2.0 * i + 1.0)), torques, 1e-12
+        )
 
 
 @pytest.mark.parametrize("seed", range(14))

@@ -41,6 +41,20 @@ EXPECTED = {
     "vx300": 5,
     "xarm6": 6,
 }
+WITH_BODIES = {
+    "crx10ia",
+    "gen3",
+    "iiwa14",
+    "m1013",
+    "panda",
+    "planar3r",
+    "puma560",
+    "ur10e",
+    "ur20",
+    "ur5e",
+    "vx300",
+    "xarm6",
+}
 ARM = """
 name: arm
 source: a test
@@ -70,6 +84,17 @@ def test_every_robot_cites_its_source_and_can_be_planned_for(robot):
     rotations = chain.packed[:, 1:10].reshape(-1, 3, 3)
     error = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max()
     assert error < 1e-15
+
+
+def test_the_bodies_that_are_promised():
+    chains = {robot: load_robot(robot) for robot in list_robots()}
+    assert {robot for robot, chain in chains.items() if None not in chain.bodies} == WITH_BODIES
+    for robot in WITH_BODIES:
+        for joint, body in enumerate(chains[robot].bodies):
+            assert body.fault() == "", (robot, joint)
+    # Dynamics saturates at the efforts; our own example alone has none.
+    limited = {robot for robot in WITH_BODIES if np.isfinite(chains[robot].effort).all()}
+    assert limited == WITH_BODIES - {"planar3r"}
 
 
 @pytest.mark.parametrize(

@@ -240,7 +240,7 @@ def test_after_a_pause_only_its_end_is_simulated():
 
 def test_what_cannot_be_simulated_is_refused(graph):
     for robot, parameters, text in (
-        ("iiwa14", {}, "no mass and inertia of links link_1, link_2, .* link_7"),
+        ("irb120", {}, "no mass and inertia of links link_1, link_2, .* link_6"),
         (rod(moment=5.0), {}, "rod.* principal moments of inertia are"),
         ("puma560", {"tracking_lag": 0.1}, "'tracking_lag' is 0.1; allowed is 0 with simulation"),
         ("puma560", {"payload_com": [0.1]}, "'payload_com' is .* 3 numbers"),
