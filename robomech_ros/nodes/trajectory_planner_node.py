@@ -199,15 +199,17 @@ class TrajectoryPlannerNode(Node):
     def _warm_up(self) -> None:
         """Load what later requests would wait for, while the first ones are served."""
         for profile in PROFILES:
-            self._worker.begin(partial(self._plan_once, profile))
+            # The search for the best knots of a spline is left to who first asks for it: it takes
+            # 20 MB and a third of a second to load.
+            self._worker.begin(partial(self._plan_once, profile, profile != "cubic_spline"))
         self._worker.begin(load_inverse_kinematics)
         self._worker.begin(release_compiler_pages)
 
-    def _plan_once(self, profile: str) -> None:
-        """Plan, so that the next request finds all in memory."""
+    def _plan_once(self, profile: str, via: bool = True) -> None:
+        """Plan, also through a via point if wanted, so that the next request finds all loaded."""
         here = self._chain.midrange()
         near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
-        for points in ([here, near], [here, near, here]):
+        for points in ([here, near], [here, near, here])[: 1 + via]:
             with suppress(RobomechError):  # limits that are missing are told to who asks
                 sampled_through_points(
                     points, limits=self._limits, profile=profile, period=0.1, max_points=10_000
