@@ -203,6 +203,7 @@ def _end(nodes: Iterable[Node], code: int) -> int:
     # From here on a second signal, such as a terminal's beside a parent's, must not disturb.
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+    gc.unfreeze()
     for node in nodes:
         node.destroy_node()
     rclpy.try_shutdown()
