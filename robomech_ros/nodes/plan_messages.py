@@ -1,5 +1,6 @@
 """Decoding of PlanJoint requests, and encoding of plans."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -194,7 +195,7 @@ def wanted_period(request: Any) -> float:
         It is negative, too short, or no number.
     """
     seconds: float = request.sample_period
-    if not np.isfinite(seconds):
+    if not math.isfinite(seconds):
         raise NonFiniteError("sample_period", seconds)
     if seconds and seconds < SHORTEST_PERIOD:
         expected = f"at least {SHORTEST_PERIOD:g} s, or 0 for the default"

@@ -50,6 +50,7 @@ SETTLE_SECONDS = 3.0
 IDLE_SECONDS = 10.0
 PATIENCE = 120.0
 LOOK_SECONDS = 0.005
+PAUSE_SECONDS = 0.005
 # A node is up when its last service is there.
 SERVICES = {
     "kinematics": "get_jacobian",
@@ -209,6 +210,9 @@ def round_trips(caller: Caller, trip: Trip) -> dict[str, list[float]]:
                     begin = time.perf_counter_ns()
                     caller.call(client, trip.request)
                     elapsed = (time.perf_counter_ns() - begin) / 1e3
+                    time.sleep(
+                        PAUSE_SECONDS
+                    )  # what one does after its answer must not slow the other
                     if index >= WARM_CALLS:
                         microseconds[name].append(elapsed)
     return microseconds
