@@ -210,9 +210,8 @@ def round_trips(caller: Caller, trip: Trip) -> dict[str, list[float]]:
                     begin = time.perf_counter_ns()
                     caller.call(client, trip.request)
                     elapsed = (time.perf_counter_ns() - begin) / 1e3
-                    time.sleep(
-                        PAUSE_SECONDS
-                    )  # what one does after its answer must not slow the other
+                    # What one does after its answer must not slow the other.
+                    time.sleep(PAUSE_SECONDS)
                     if index >= WARM_CALLS:
                         microseconds[name].append(elapsed)
     return microseconds
