@@ -1,35 +1,30 @@
-"""Decoding of PlanJoint requests, encoding of plans, and the path that a plan lets the tip take."""
+"""Decoding of PlanJoint requests, and encoding of plans."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.conversions import (
     TrajectoryPoints,
     duration_from_seconds,
-    fill_pose,
     floats,
     joint_trajectory,
     seconds_from_duration,
 )
 from robomech_ros.nodes.planning import check_duration, check_waypoints
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.via_polynomials import MOST_VIAS
 
 __all__ = [
     "OFFERED",
     "SHORTEST_PERIOD",
-    "TipPath",
     "encode_plan",
     "encode_waypoints",
     "plan_options",
@@ -41,8 +36,6 @@ __all__ = [
 
 # Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
 SHORTEST_PERIOD = 1e-4
-# Pose messages that are kept from one path to the next, 2 kB each.
-_POSES_KEPT = 2000
 
 _NAMES = {
     getattr(PlanJoint.Request, name): name
@@ -152,11 +145,14 @@ def plan_points(
     SeedOutsideLimitsError, LimitExceededError, BadValueError
         Start or goal is outside the position limits, or beyond all sense.
     """
-    limits.check_start(start)
-    limits.check_goal(goal)
-    _check_size(start, "start", limits)
-    _check_size(goal, "goal", limits)
-    return np.vstack([start, via, goal])
+    points = np.concatenate([start[None], via, goal[None]])
+    lowest, highest = limits.ranges
+    if not ((points >= lowest) & (points <= highest)).all():
+        limits.check_start(start)
+        limits.check_goal(goal)
+        _check_size(start, "start", limits)
+        _check_size(goal, "goal", limits)
+    return points
 
 
 def _check_size(values: NDArray[np.float64], what: str, limits: Limits) -> None:
@@ -199,7 +195,7 @@ def wanted_period(request: Any) -> float:
         It is negative, too short, or no number.
     """
     seconds: float = request.sample_period
-    if not np.isfinite(seconds):
+    if not math.isfinite(seconds):
         raise NonFiniteError("sample_period", seconds)
     if seconds and seconds < SHORTEST_PERIOD:
         expected = f"at least {SHORTEST_PERIOD:g} s, or 0 for the default"
@@ -240,37 +236,3 @@ def encode_waypoints(
         points.accelerations,
         messages,
     )
-
-
-class TipPath:
-    """The path of the tip in the base link, for one plan after the other.
-
-    Pose messages are used again: to make one takes longer than to fill it, and a message that is
-    published has been copied.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        n joints.
-    """
-
-    def __init__(self, chain: SerialChain) -> None:
-        self._chain = chain
-        self._poses: list[PoseStamped] = []
-
-    def along(self, positions: NDArray[np.float64]) -> Path:
-        """Make the path of m poses, of stamp 0, for joint values (rad or m) of shape (m, n).
-
-        It holds until the next one is made.
-        """
-        transforms = tip_poses(self._chain, positions)
-        new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
-        for message in new:
-            message.header.frame_id = self._chain.base
-        poses = self._poses[: len(transforms)] + new
-        for message, T in zip(poses, transforms, strict=True):
-            fill_pose(message.pose, T)
-        self._poses += new[: max(0, _POSES_KEPT - len(self._poses))]
-        path = Path(poses=poses)
-        path.header.frame_id = self._chain.base
-        return path

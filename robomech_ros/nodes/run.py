@@ -4,6 +4,7 @@ Exit codes: 0 after SIGINT or SIGTERM, 2 when the node cannot start (with one li
 says why), 1 after an unexpected failure (with its traceback).
 """
 
+import gc
 import inspect
 import os
 import queue
@@ -174,6 +175,8 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     except Exception as error:
         return _end(nodes, _start_failed(program, error))
     release_compiler_pages()
+    # What there is by now stays: to look through it for garbage is a pause for nothing.
+    gc.freeze()
     spinner = Spinner(nodes)
     spinner.start(on_end=signals.wake)
     signals.wait()
@@ -200,6 +203,7 @@ def _end(nodes: Iterable[Node], code: int) -> int:
     # From here on a second signal, such as a terminal's beside a parent's, must not disturb.
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+    gc.unfreeze()
     for node in nodes:
         node.destroy_node()
     rclpy.try_shutdown()

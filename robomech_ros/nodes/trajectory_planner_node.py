@@ -7,11 +7,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Path
 from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -46,15 +44,15 @@ from robomech_ros.nodes.pauses import Worker
 from robomech_ros.nodes.plan_messages import (
     OFFERED,
     SHORTEST_PERIOD,
-    TipPath,
     encode_plan,
     plan_options,
     plan_points,
     via_points,
     wanted_period,
 )
+from robomech_ros.nodes.planned_path import PlannedPath
 from robomech_ros.nodes.planning import plan_that_fits
-from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.trajectory import (
     PROFILES,
@@ -62,8 +60,6 @@ from robomech_ros.trajectory import (
     SampledPlan,
     sampled_through_points,
 )
-
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -171,14 +167,11 @@ class TrajectoryPlannerNode(Node):
         self._model, self._chain = model, model.chain
         self._limits = Limits.of(model.chain)
         self._joints = JointPositions(model, self._monitor)
-        self._tip_path = TipPath(model.chain)
         self._points = TrajectoryPoints()
         self._unpublished: tuple[JointTrajectory, SampledPlan] | None = None
         self._plan_once("poly345")
-        self._trajectories = self.create_publisher(
-            JointTrajectory, "~/planned_trajectory", _LATCHED
-        )
-        self._paths = self.create_publisher(Path, "~/planned_path", _LATCHED)
+        self._trajectories = self.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
+        self._path = PlannedPath(self, model.chain)
         # While one request waits for a joint state, others are served.
         for kind, name, callback in (
             (PlanJoint, "~/plan_joint", self._plan_joint),
@@ -206,15 +199,17 @@ class TrajectoryPlannerNode(Node):
     def _warm_up(self) -> None:
         """Load what later requests would wait for, while the first ones are served."""
         for profile in PROFILES:
-            self._worker.begin(partial(self._plan_once, profile))
+            # The search for the best knots of a spline is left to who first asks for it: it takes
+            # 20 MB and a third of a second to load.
+            self._worker.begin(partial(self._plan_once, profile, profile != "cubic_spline"))
         self._worker.begin(load_inverse_kinematics)
         self._worker.begin(release_compiler_pages)
 
-    def _plan_once(self, profile: str) -> None:
-        """Plan, so that the next request finds all in memory."""
+    def _plan_once(self, profile: str, via: bool = True) -> None:
+        """Plan, also through a via point if wanted, so that the next request finds all loaded."""
         here = self._chain.midrange()
         near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
-        for points in ([here, near], [here, near, here]):
+        for points in ([here, near], [here, near, here])[: 1 + via]:
             with suppress(RobomechError):  # limits that are missing are told to who asks
                 sampled_through_points(
                     points, limits=self._limits, profile=profile, period=0.1, max_points=10_000
@@ -308,7 +303,7 @@ class TrajectoryPlannerNode(Node):
         trajectory, plan = self._unpublished
         self._unpublished = None
         self._trajectories.publish(trajectory)
-        self._paths.publish(self._tip_path.along(plan.waypoints.positions))
+        self._path.show(plan.waypoints.positions)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -14,6 +14,7 @@ Geometric Design 29, 2012, sections 3.3 and 3.5.
 """
 
 import math
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -122,14 +123,22 @@ def extremes_and_steps(
         Magnitudes; see `steps`.
     """
     # Loaded here, since a controller looks at the bounds of what it is sent without compiled code.
-    from robomech_ros._kernels.time_peaks import piece_extremes
-
+    find = _piece_extremes()
     if slack is None:
         slack = np.zeros((4, *curve.coefficients.shape[1:]))
     low, high, largest = np.empty((3, 4, curve.joints))
     given = (np.ascontiguousarray(one) for one in (curve.breaks, curve.coefficients, slack))
-    piece_extremes(*given, low, high, largest)
+    find(*given, low, high, largest)
     return low, high, largest
+
+
+@cache
+def _piece_extremes() -> Callable[..., int]:
+    from robomech_ros._kernels._jit import direct
+    from robomech_ros._kernels.time_peaks import piece_extremes
+
+    entry: Callable[..., int] = direct(piece_extremes)
+    return entry
 
 
 def first_above(coefficients: FloatArray, bound: npt.ArrayLike) -> tuple[int, int] | None:

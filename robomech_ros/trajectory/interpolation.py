@@ -61,8 +61,8 @@ def interpolant(
         return PiecewisePolynomial(breaks, places[None])
     rates = _rows("velocities", velocities, len(breaks), joints, may_lack=True)
     changes = _rows("accelerations", accelerations, len(breaks), joints, may_lack=True)
-    spans = np.diff(breaks)[:, None]
-    rise = np.diff(places, axis=0)
+    spans = (breaks[1:] - breaks[:-1])[:, None]
+    rise = places[1:] - places[:-1]
     cubic = _given_at_both_ends(rates)
     quintic = cubic & _given_at_both_ends(changes)
     order = 5 if quintic.any() else 3 if cubic.any() else 1
@@ -83,9 +83,9 @@ def _times(times: npt.ArrayLike) -> FloatArray:
         raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
     if not np.isfinite(breaks).all():
         raise NonFiniteError("times", breaks)
-    late = np.flatnonzero(np.diff(breaks) <= 0.0)
-    if len(late):
-        k = int(late[0]) + 1
+    later = breaks[1:] > breaks[:-1]
+    if not later.all():
+        k = int(later.argmin()) + 1
         earlier = f"more than {breaks[k - 1]:.9g} s, the time of the waypoint before it"
         raise BadValueError(f"time of waypoint {k}", float(breaks[k]), earlier)
     return breaks
@@ -113,9 +113,9 @@ def _rows(
 
 
 def _given_at_both_ends(rows: FloatArray) -> npt.NDArray[np.bool_]:
-    given = np.zeros(len(rows), dtype=np.bool_)
-    if rows.shape[1]:
-        given |= ~np.isnan(rows).any(axis=1)
+    if not rows.shape[1]:
+        return np.zeros(len(rows) - 1, dtype=np.bool_)
+    given = ~np.isnan(rows[:, 0])  # a row that lacks one number lacks all
     both: npt.NDArray[np.bool_] = given[:-1] & given[1:]
     return both
 
@@ -151,11 +151,13 @@ def _fill_quintic(
     v0, v1 = rates[:-1][where], rates[1:][where]
     a0, a1 = changes[:-1][where], changes[1:][where]
     # What the parabola through the first end leaves over at the second one, per power of h.
-    position = rise[where] / h**3 - (v0 / h + a0 / 2.0) / h
-    velocity = (v1 - v0 - a0 * h) / h**2
+    square, half = h * h, a0 / 2.0
+    position = rise[where] / (square * h) - (v0 / h + half) / h
+    velocity = (v1 - v0 - a0 * h) / square
     acceleration = (a1 - a0) / h
     coefficients[1, where] = v0
-    coefficients[2, where] = a0 / 2.0
-    coefficients[3, where] = 10.0 * position - 4.0 * velocity + acceleration / 2.0
+    coefficients[2, where] = half
+    half = acceleration / 2.0
+    coefficients[3, where] = 10.0 * position - 4.0 * velocity + half
     coefficients[4, where] = (-15.0 * position + 7.0 * velocity - acceleration) / h
-    coefficients[5, where] = (6.0 * position - 3.0 * velocity + acceleration / 2.0) / h**2
+    coefficients[5, where] = (6.0 * position - 3.0 * velocity + half) / square

@@ -1,5 +1,7 @@
 """Check points in joint space that come from a caller."""
 
+from typing import NoReturn
+
 import numpy as np
 import numpy.typing as npt
 
@@ -40,12 +42,17 @@ def joint_points(
         width = "n" if joints is None else joints
         few = "at least two points" if most is None else f"m from 2 to {most}"
         raise WrongSizeError("points", places.shape, f"(m, {width}) with {few}")
-    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
-    if len(bad):
-        raise NonFiniteError(f"points[{bad[0]}]", places[bad[0]])
-    far = np.flatnonzero((np.abs(places) > LARGEST_LENGTH).any(axis=1))
-    if len(far):
-        expected = f"numbers of at most {LARGEST_LENGTH:g}"
-        raise BadValueError(f"points[{far[0]}]", places[far[0]].tolist(), expected)
+    good = np.abs(places) <= LARGEST_LENGTH
+    if not good.all():
+        _refuse(places, good)
     places.setflags(write=False)
     return places
+
+
+def _refuse(places: FloatArray, good: npt.NDArray[np.bool_]) -> NoReturn:
+    """Name the first of the points (m, n) that is not finite, or else the first too large."""
+    for row in np.flatnonzero(~np.isfinite(places).all(axis=1)).tolist():
+        raise NonFiniteError(f"points[{row}]", places[row])
+    row = int(good.all(axis=1).argmin())
+    expected = f"numbers of at most {LARGEST_LENGTH:g}"
+    raise BadValueError(f"points[{row}]", places[row].tolist(), expected)

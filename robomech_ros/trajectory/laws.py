@@ -94,7 +94,7 @@ def law_of(pieces: PiecewisePolynomial) -> Law:
 
 
 def _progress345(tau: FloatArray) -> FloatArray:
-    return tau**3 * (10.0 + tau * (6.0 * tau - 15.0))
+    return tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
 
 
 def _rates345(tau: FloatArray) -> Rates:

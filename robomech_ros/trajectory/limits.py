@@ -217,6 +217,11 @@ class Limits:
         return np.stack([self.velocity, self.acceleration, self.jerk])
 
     @cached_property
+    def scales(self) -> FloatArray:
+        """Limits of velocity, acceleration and jerk, (3, n); 1 where there is none."""
+        return np.where(np.isfinite(self.rates), self.rates, 1.0)
+
+    @cached_property
     def inverses(self) -> FloatArray:
         """One over the limits of velocity, acceleration and jerk, (3, n)."""
         inverses: FloatArray = 1.0 / self.rates

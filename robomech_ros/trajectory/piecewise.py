@@ -51,7 +51,7 @@ class PiecewisePolynomial:
     @cached_property
     def spans(self) -> FloatArray:
         """How long each segment lasts, in s, shape (s,)."""
-        return np.diff(self.breaks)
+        return self.breaks[1:] - self.breaks[:-1]
 
     def derivative(self, order: int) -> FloatArray:
         """Power coefficients of a derivative.
@@ -110,7 +110,7 @@ class PiecewisePolynomial:
     def _sample_one(self, t: float) -> Sample:
         """Sample at one instant, in one product of matrices."""
         inside = min(max(t, self.breaks[0]), self.breaks[-1])
-        after = int(np.searchsorted(self.breaks, inside, side="right"))
+        after = int(self.breaks.searchsorted(inside, side="right"))
         segment = min(after - 1, self.coefficients.shape[1] - 1)
         size = len(self.coefficients)
         elapsed = inside - self.breaks[segment]

@@ -94,16 +94,13 @@ class RestToRest(FromRest):
             If an instant is NaN or infinite.
         """
         times = checked_times(t)
-        inside = np.clip(times, 0.0, self.duration)
+        inside = np.minimum(np.maximum(times, 0.0), self.duration)
         tau = (inside / self.duration)[..., None]
-        rest = 1.0 - tau
         rise = self.goal - self.start
         # The half nearer to an end counts from that end, so that both are met exactly.
-        position = np.where(
-            tau < 0.5,
-            self.start + rise * self.LAW.progress(tau),
-            self.goal - rise * self.LAW.progress(rest),
-        )
+        early = tau < 0.5
+        way = rise * self.LAW.progress(np.where(early, tau, 1.0 - tau))
+        position = np.where(early, self.start + way, self.goal - way)
         rates = self.LAW.rates(tau)
         scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
         return held_outside(Sample(position, *scaled), inside != times)

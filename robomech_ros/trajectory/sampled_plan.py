@@ -196,7 +196,7 @@ def _tightened(limits: Limits, factors: FloatArray) -> Limits:
 
 
 def _ratios(verification: Verification) -> FloatArray:
-    return np.stack(
+    return np.array(
         [
             verification.peak_velocity_ratio,
             verification.peak_acceleration_ratio,

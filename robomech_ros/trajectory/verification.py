@@ -263,12 +263,12 @@ def _ends(
         )
     if to_rest:
         last = curve.sample(end)
-        for what, values, scale in (
-            ("final velocity", last.velocity, limits.velocity),
-            ("final acceleration", last.acceleration, limits.acceleration),
+        slacks, rest = tolerances.LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
+        for what, values, slack in (
+            ("final velocity", last.velocity, slacks[0]),
+            ("final acceleration", last.acceleration, slacks[1]),
         ):
-            slack = tolerances.LIMIT_SLACK * np.where(np.isfinite(scale), scale, 1.0)
-            yield from _worst(what, limits.joint_names, end, values, np.zeros(len(values)), slack)
+            yield from _worst(what, limits.joint_names, end, values, rest, slack)
 
 
 def _worst(
@@ -280,7 +280,7 @@ def _worst(
     slack: FloatArray | float,
 ) -> Iterable[Violation]:
     excess = np.abs(values - wanted) - slack
-    joint = int(np.argmax(excess)) if len(excess) else 0
+    joint = int(excess.argmax()) if len(excess) else 0
     if len(excess) and not excess[joint] <= 0.0:
         yield Violation(what, names[joint], time, float(values[joint]), float(wanted[joint]))
 
@@ -304,16 +304,15 @@ def _allowed_steps(
     trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: Sequence[Rate]
 ) -> FloatArray:
     """Find how far position, velocity and acceleration may step, shape (3, n)."""
-    allowed = np.full((3, curve.joints), np.inf)
-    allowed[0] = tolerances.POSITION_SLACK
+    allowed = np.empty((3, curve.joints))
+    allowed[0], allowed[1:] = tolerances.POSITION_SLACK, np.inf
     if "acceleration" not in rates:
         return allowed
     limited = np.isfinite(limits.acceleration)
     if curve.coefficients[2:].any():
-        unit = np.where(np.isfinite(limits.velocity), limits.velocity, 1.0)
-        allowed[1, limited] = tolerances.LIMIT_SLACK * unit[limited]
+        np.multiply(tolerances.LIMIT_SLACK, limits.scales[0], out=allowed[1], where=limited)
     if not getattr(trajectory, "ACCELERATION_STEPS", True):
-        allowed[2, limited] = tolerances.LIMIT_SLACK * limits.acceleration[limited]
+        np.multiply(tolerances.LIMIT_SLACK, limits.scales[1], out=allowed[2], where=limited)
     return allowed
 
 

@@ -90,7 +90,7 @@ def discretise(
     if not isinstance(pieces, PiecewisePolynomial):
         raise BadValueError("trajectory", trajectory, "one with pieces")
     breaks = _distinct_breaks(pieces, jerk_error)
-    lengths = np.diff(breaks)
+    lengths = breaks[1:] - breaks[:-1]
     counts = np.maximum(np.ceil(lengths / period * (1.0 - 1e-9)), 1.0)
     if counts.sum() + 1 > max_points:
         spare = max(max_points - 1 - len(lengths), 1)
@@ -102,12 +102,15 @@ def discretise(
             f"{max_points} points",
         )
     whole = counts.astype(np.int64)
-    since = np.arange(whole.sum()) - np.repeat(np.cumsum(whole) - whole, whole)
-    times = np.repeat(breaks[:-1], whole) + np.repeat(lengths / counts, whole) * since
-    times = np.append(times, breaks[-1])
-    times = np.round(times * _NANOSECONDS) / _NANOSECONDS
+    piece = np.arange(len(whole)).repeat(whole)
+    since = np.arange(len(piece)) - (whole.cumsum() - whole)[piece]
+    instants = np.empty(len(piece) + 1)
+    instants[:-1] = breaks[piece] + (lengths / counts)[piece] * since
+    instants[-1] = trajectory.duration
+    times = np.rint(instants * _NANOSECONDS) / _NANOSECONDS
     times[-1] = math.ceil(trajectory.duration * _NANOSECONDS - 1e-3) / _NANOSECONDS
-    sample = trajectory.sample(np.append(times[:-1], trajectory.duration))
+    instants[:-1] = times[:-1]
+    sample = trajectory.sample(instants)
     return Waypoints(times, sample.position, sample.velocity, sample.acceleration)
 
 

@@ -326,6 +326,7 @@ def test_every_node_ends_with_0_on_a_signal(suite, node, number):
         _, rest = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0
         assert "Traceback" not in rest
+        assert "leaked" not in rest
     finally:
         if process.poll() is None:
             process.kill()

@@ -303,6 +303,19 @@ def test_plans_and_paths_are_published_and_latched(puma, profile):
     assert {stamped.header.frame_id for stamped in path.poses} == {PUMA.base}
 
 
+def test_who_listens_late_gets_the_path_of_the_latest_plan(puma):
+    for goals in ([GOAL, START + 0.1], [START + 0.2]):
+        for goal in goals:
+            check(plan(puma, goal=joint_state(PUMA.joint_names, goal)), goal=goal)
+        # Published after its answer, and so before another one.
+        assert plan(puma, goal=JointState()).error_code == ErrorCode.WRONG_SIZE
+        path = puma.receive(
+            nav_msgs.msg.Path, "trajectory_planner/planned_path", LATCHED, lambda _: True
+        )
+        end = matrix_from_pose(path.poses[-1].pose)
+        np.testing.assert_allclose(end, forward_kinematics(PUMA, goals[-1]), atol=1e-9)
+
+
 def test_the_same_request_twice_gives_the_same_answer(puma, profile):
     assert plan(puma, profile=PROFILES[profile]) == plan(puma, profile=PROFILES[profile])
 
