@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,7 +109,7 @@ class Servo:
     period: float = 1e-3
     substeps: int = 1
     gravity: ArrayLike = GRAVITY
-    _arguments: tuple[object, ...] = field(init=False, repr=False)
+    _arguments: tuple[tuple[Any, ...], float, int, float] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_chain(self.model)
@@ -226,7 +227,6 @@ class Servo:
                 raise NonFiniteError(name, array)
             state[row] = array
         arguments, own_period, substeps, rate = self._arguments
-        assert isinstance(arguments, tuple)
         step = own_period if period is None else positive_number("period", period)
         out = np.empty((len(wanted), 3, n))
         stops = _stops(arguments[2], state[0], held)
