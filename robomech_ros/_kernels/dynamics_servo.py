@@ -10,8 +10,8 @@ Engineering 39, 1996.
 
 The controller may observe disturbances: torques that its model, with its friction, does not explain
 by what the joints did in a period, and that it adds to its own from then on.  Sources: Ohnishi,
-Shibata, Murakami, Motion control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1), 1996;
-with the share 1 it is the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems,
+Shibata, Murakami, Motion control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1),
+1996; with the share 1 it is the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems,
 Measurement, and Control 112(1), 1990.
 """
 
@@ -75,7 +75,7 @@ def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
 def _observe(model, friction, stops, around, tau, limit, share, period, before, state, seen):
     """Learn a share of the torques (n,) that the model does not explain.
 
-    before and state are values and rates (2, n) at both ends of the period in which tau was exerted.
+    before and state are values and rates (2, n) at both ends of the period in which tau acted.
     What friction takes at rest is not known, and what a stop takes says nothing of the chain.
     """
     rates = scratch(MOST_SERVO_JOINTS)

@@ -181,9 +181,7 @@ def test_all_controllers_track_and_come_to_rest(robot, control):
     assert np.abs(moving.actual.velocity).max() < 1e-4
 
 
-@pytest.mark.parametrize(
-    ("observer", "least", "most"), [(0.0, 1e-4, 4e-3), (2000.0, 1e-6, 5e-4)]
-)
+@pytest.mark.parametrize(("observer", "least", "most"), [(0.0, 1e-4, 4e-3), (2000.0, 1e-6, 5e-4)])
 def test_two_kilograms_cost_some_milliradians_whatever_the_rate(observer, least, most):
     for period in (0.001, 0.01, 0.037):
         load = {"payload_mass": 2.0, "payload_com": (0.0, 0.0, 0.1)}
