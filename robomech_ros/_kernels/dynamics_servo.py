@@ -7,6 +7,12 @@ it, however long the step h.  Values follow from the new rates, so that the moti
 energy nor chatters.  Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid
 body dynamics with inelastic collisions and Coulomb friction, Int. J. Numerical Methods in
 Engineering 39, 1996.
+
+The controller may observe disturbances: torques that its model, with its friction, does not explain
+by what the joints did in a period, and that it adds to its own from then on.  Sources: Ohnishi,
+Shibata, Murakami, Motion control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1),
+1996; with the share 1 it is the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems,
+Measurement, and Control 112(1), 1990.
 """
 
 import math
@@ -30,6 +36,9 @@ MOST_SERVO_JOINTS = 32
 
 # Rounds of which each looks which joints stick.  One or two are the rule.
 _ROUNDS = 40
+
+# How near to a stop a joint is at it, rad or m.
+_AT_STOP = 1e-9
 
 
 @lean
@@ -59,6 +68,32 @@ def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
         tau[i] += friction[0, i] * rate
         if rate != 0.0:
             tau[i] += math.copysign(_dry_friction(friction, i, rate), rate)
+    return status
+
+
+@lean
+def _observe(model, friction, stops, around, tau, limit, share, period, before, state, seen):
+    """Learn a share of the torques (n,) that the model does not explain.
+
+    before and state are values and rates (2, n) at both ends of the period in which tau acted.
+    What friction takes at rest is not known, and what a stop takes says nothing of the chain.
+    """
+    rates = scratch(MOST_SERVO_JOINTS)
+    explained = scratch(MOST_SERVO_JOINTS)
+    count = model.shape[0] - 1
+    for i in range(count):
+        rates[i] = (state[1, i] - before[1, i]) / period
+    status = inverse_body(model, before[0], before[1], rates[:count], around, explained)
+    for i in range(count):
+        rate = state[1, i]
+        if state[0, i] - stops[0, i] <= _AT_STOP or stops[1, i] - state[0, i] <= _AT_STOP:
+            seen[i] = 0.0
+        elif rate != 0.0 or friction[1, i] + friction[2, i] == 0.0:
+            rest = tau[i] - explained[i] - friction[0, i] * rate
+            if rate != 0.0:
+                rest -= math.copysign(_dry_friction(friction, i, before[1, i]), rate)
+            value = seen[i] + share * (rest - seen[i])
+            seen[i] = min(max(value, -limit[i]), limit[i])
     return status
 
 
@@ -170,7 +205,7 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
     return OK
 
 
-@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, i8, IN1, IN1, IN3, f8, i8, OUT2, OUT3))
+@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, i8, f8, IN1, IN1, IN3, f8, i8, OUT2, OUT3))
 def servo_steps(
     plant,
     plant_friction,
@@ -179,6 +214,7 @@ def servo_steps(
     model_friction,
     gains,
     mode,
+    share,
     effort,
     around,
     wanted,
@@ -202,6 +238,8 @@ def servo_steps(
         Of errors and of their rates: accelerations or, with PD_WITH_GRAVITY, torques.
     mode : int
         COMPUTED_TORQUE or PD_WITH_GRAVITY.
+    share : float
+        Of what the model does not explain of a period, that is learned in it, 0 to 1.
     effort : (n,)
         Largest torques, infinite where there is no limit.
     around : (15,)
@@ -210,23 +248,39 @@ def servo_steps(
         Joint values, rates and accelerations at the beginning of each period.
     period : float
         Of the controller, in s; the plant moves in ``substeps`` of it.
-    state : (2, n)
-        Joint values and rates, brought to the end.
+    state : (3, n)
+        Joint values, rates and observed torques, brought to the end.
     out : (m, 3, n)
         Joint values and rates at the end of each period, and the torques in it.
     """
     tau = scratch(MOST_SERVO_JOINTS)
+    before = scratch(2, MOST_SERVO_JOINTS)
     count = plant.shape[0] - 1
-    q, qd = state[0], state[1]
+    q, qd, seen = state[0], state[1], state[2]
     for k in range(wanted.shape[0]):
         if _command(model, model_friction, gains, mode, around, q, qd, wanted[k], tau) != OK:
             return k
         for i in range(count):
-            tau[i] = min(max(tau[i], -effort[i]), effort[i])
+            before[0, i], before[1, i] = q[i], qd[i]
+            tau[i] = min(max(tau[i] + seen[i], -effort[i]), effort[i])
         for _ in range(substeps):
             step = period / substeps
             if _plant_step(plant, plant_friction, stops, around, tau, step, q, qd) != OK:
                 return k
+        if share > 0.0 and OK != _observe(
+            model,
+            model_friction,
+            stops,
+            around,
+            tau,
+            effort,
+            share,
+            period,
+            before,
+            state,
+            seen,
+        ):
+            return k
         for i in range(count):
             out[k, 0, i], out[k, 1, i], out[k, 2, i] = q[i], qd[i], tau[i]
     return wanted.shape[0]

@@ -1,6 +1,8 @@
 """A robot that obeys its dynamics under a torque controller, in fixed steps of time."""
 
+import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +15,7 @@ from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number,
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, as_finite
+from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 
 __all__ = ["CONTROLS", "Servo", "ServoMotion"]
 
@@ -56,6 +58,12 @@ class Servo:
     that hold the chain.  Both add the friction of the model at the wanted rate.  Without kp and kd
     errors decay as of an oscillator of the natural frequency ``bandwidth`` and this damping ratio.
 
+    With an observer the controller also learns, at that rate, the torques that its model does not
+    explain, such as those of a payload, and adds them.  Joints at a stop and those that friction
+    holds teach it nothing, and it learns no more than the drives exert.  What moves must have less
+    than ``2 damping / (bandwidth period)`` times the inertia of the model in every direction, 40
+    times by default, or the chain swings, within the limits of its drives.
+
     The chain moves by steps that let dry friction stick and break away, and stops hold it without a
     rebound at the position limits.
 
@@ -74,6 +82,8 @@ class Servo:
     kp, kd : array_like, shape (n,), optional
         Gains of errors and of their rates: for computed torque in 1/s^2 and 1/s, else in N m/rad
         and N m s/rad, or N/m and N s/m.
+    observer : float, optional
+        Rate at which torques that the model does not explain are learned, in rad/s; 0 = not at all.
     period : float, optional
         Of the controller (s).
     substeps : int, optional
@@ -95,10 +105,11 @@ class Servo:
     damping: float = 1.0
     kp: ArrayLike | None = None
     kd: ArrayLike | None = None
+    observer: float = 0.0
     period: float = 1e-3
     substeps: int = 1
     gravity: ArrayLike = GRAVITY
-    _arguments: tuple[object, ...] = field(init=False, repr=False)
+    _arguments: tuple[tuple[Any, ...], float, int, float] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_chain(self.model)
@@ -111,6 +122,10 @@ class Servo:
             raise BadValueError("number of joints", n, f"at most {kernels.MOST_SERVO_JOINTS}")
         mode = CONTROLS.index(as_choice("control", self.control, CONTROLS))
         period = positive_number("period", self.period)
+        expected = "a number that is not negative, in rad/s"
+        rate = real_number("observer", self.observer, expected)
+        if not 0.0 <= rate < np.inf:
+            raise BadValueError("observer", self.observer, expected)
         if (
             not isinstance(self.substeps, int | np.integer)
             or isinstance(self.substeps, bool)
@@ -131,7 +146,7 @@ class Servo:
             surroundings((n,), self.gravity)[0].copy(),
         )
         object.__setattr__(self, "plant", plant)
-        object.__setattr__(self, "_arguments", (arguments, period, int(self.substeps)))
+        object.__setattr__(self, "_arguments", (arguments, period, int(self.substeps), rate))
 
     def _gains(self, mode: int) -> Array:
         frequency = positive_number("bandwidth", self.bandwidth)
@@ -169,6 +184,7 @@ class Servo:
         *,
         period: float | None = None,
         held: ArrayLike | None = None,
+        observed: Array | None = None,
     ) -> ServoMotion:
         """Drive the chain along what is wanted, from a state that is brought to the end.
 
@@ -183,6 +199,9 @@ class Servo:
             Of the controller in this run (s); default its own.
         held : array_like of bool, shape (n,), optional
             Joints that brakes hold where they are.
+        observed : ndarray of float64, shape (n,), optional
+            Torques (N m or N) that the observer has learned before; overwritten by those at the
+            end.  Default none.
 
         Returns
         -------
@@ -197,8 +216,9 @@ class Servo:
         wanted = np.ascontiguousarray(as_finite("wanted", wanted, (3, n)))
         if wanted.ndim != 3:
             raise WrongSizeError("wanted", wanted.shape, f"(m, 3, {n})")
-        state = np.empty((2, n))
-        for row, (name, array) in enumerate((("q", q), ("qd", qd))):
+        learned = np.zeros(n) if observed is None else observed
+        state = np.empty((3, n))
+        for row, (name, array) in enumerate((("q", q), ("qd", qd), ("observed", learned))):
             if not isinstance(array, np.ndarray) or array.dtype != np.float64:
                 raise BadValueError(name, array, "an array of float64, to be overwritten")
             if array.shape != (n,):
@@ -206,14 +226,14 @@ class Servo:
             if not np.isfinite(array).all():
                 raise NonFiniteError(name, array)
             state[row] = array
-        arguments, own_period, substeps = self._arguments
-        assert isinstance(arguments, tuple)
+        arguments, own_period, substeps, rate = self._arguments
         step = own_period if period is None else positive_number("period", period)
         out = np.empty((len(wanted), 3, n))
         stops = _stops(arguments[2], state[0], held)
-        arguments = (*arguments[:2], stops, *arguments[3:])
+        share = -math.expm1(-rate * step)
+        arguments = (*arguments[:2], stops, *arguments[3:7], share, *arguments[7:])
         done = kernels.servo_steps(*arguments, wanted, step, substeps, state, out)
-        q[:], qd[:] = state
+        q[:], qd[:], learned[:] = state
         effort = out[:done, 2]
         reason = ""
         if done < len(wanted):
@@ -221,7 +241,7 @@ class Servo:
                 f"the motion ran away after {done * step:.6g} s, with rates of up to "
                 f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
             )
-        saturated = np.abs(effort) >= arguments[7]
+        saturated = np.abs(effort) >= arguments[8]
         return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
 
 

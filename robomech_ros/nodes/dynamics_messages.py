@@ -23,11 +23,15 @@ __all__ = [
     "gravity_vector",
     "motions",
     "payload_body",
+    "positions_of",
     "rates",
     "tip_wrench",
 ]
 
 Array = NDArray[np.float64]
+
+# Largest number in a vector, in SI units: products with masses stay far from overflow.
+_LARGEST = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,11 @@ def rates(state: JointState, field: str, model: RobotModel) -> Array:
     return positions_by_name(state, chain.joint_names, "state", model.joint_names, field)
 
 
+def positions_of(state: JointState) -> JointState:
+    """Give the positions of a state with their names; without positions it names no joints."""
+    return state if len(state.position) else JointState()
+
+
 def gravity_vector(given: Vector3, configured: Array) -> Array:
     """Read the acceleration of gravity (m/s^2), shape (3,); all zero = the configured one."""
     vector = _vector(given, "gravity")
@@ -150,13 +159,17 @@ def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | Non
     if link.joints != chain.n:
         carrying = ", ".join(each.name for each in chain.frames if each.joints == chain.n)
         raise BadValueError("payload.header.frame_id", frame, f"one of {carrying}")
-    if not np.isfinite(inertia.m) or inertia.m < 0.0:
+    if not np.isfinite(inertia.m):
+        raise NonFiniteError("payload.inertia.m", inertia.m)
+    if inertia.m < 0.0:
         raise BadValueError("payload.inertia.m", inertia.m, "a mass in kg, not negative")
     if inertia.m == 0.0:
         return None
     xx, xy, xz = inertia.ixx, inertia.ixy, inertia.ixz
     yy, yz, zz = inertia.iyy, inertia.iyz, inertia.izz
     moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not np.isfinite(moments).all():
+        raise NonFiniteError("payload.inertia moments", moments)
     body = Body(inertia.m, _vector(inertia.com, "payload.inertia.com"), moments)
     if fault := body.fault():
         raise BadValueError("payload.inertia", moments.tolist(), f"those of a body; {fault}")
@@ -167,6 +180,8 @@ def _vector(given: Vector3, what: str) -> Array:
     vector = np.array((given.x, given.y, given.z))
     if not np.isfinite(vector).all():
         raise NonFiniteError(what, vector)
+    if np.abs(vector).max() > _LARGEST:
+        raise BadValueError(what, vector.tolist(), f"magnitudes of at most {_LARGEST:g}")
     return vector
 
 

@@ -34,13 +34,14 @@ from robomech_ros.nodes.dynamics_messages import (
     gravity_vector,
     motions,
     payload_body,
+    positions_of,
     rates,
     tip_wrench,
 )
 from robomech_ros.nodes.error_codes import answer, guarded
 from robomech_ros.nodes.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.parameters import NodeParameters, parameter
+from robomech_ros.nodes.parameters import NodeParameters, ParameterError, parameter
 from robomech_ros.nodes.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.run import run_node
 from robomech_ros.robots import SerialChain
@@ -95,7 +96,8 @@ class DynamicsNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("dynamics", **options)
-        self._table = NodeParameters(self, DynamicsSettings)
+        self._table = NodeParameters(self, DynamicsSettings, check=_check_gravity)
+        _check_gravity(self._table.settings)
         self._monitor = JointStateMonitor(self)
         when_robot_known(self, self._table.settings, self._serve)
 
@@ -150,7 +152,8 @@ class DynamicsNode(Node):
     @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
         chain, patience = self._loaded, self._table.settings.state_timeout
-        q = await self._joints.given_or_present(self._model.chain, request.state, "state", patience)
+        state = positions_of(request.state)
+        q = await self._joints.given_or_present(self._model.chain, state, "state", patience)
         velocity = rates(request.state, "velocity", self._model)
         effort = rates(request.state, "effort", self._model)
         wrench = tip_wrench(request.tip_wrench, self._model, q[None])[0]
@@ -164,7 +167,8 @@ class DynamicsNode(Node):
     @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
         chain, patience = self._loaded, self._table.settings.state_timeout
-        q = await self._joints.given_or_present(self._model.chain, request.state, "state", patience)
+        state = positions_of(request.state)
+        q = await self._joints.given_or_present(self._model.chain, state, "state", patience)
         response.mass_matrix = floats(mass_matrix(chain, q))
         response.joint_names = list(chain.joint_names)
         return answer(response)
@@ -202,16 +206,18 @@ class DynamicsNode(Node):
         return answer(encode_summary(summary, chain, response))
 
     def _gravity(self, request: Any) -> Array:
-        configured = np.array(self._table.settings.gravity)
-        if configured.shape != (3,):
-            raise WrongSizeError("parameter gravity", len(configured), "3: x, y, z in m/s^2")
-        return gravity_vector(request.gravity, configured)
+        return gravity_vector(request.gravity, np.array(self._table.settings.gravity))
 
     def _check_size(self, what: str, count: int) -> None:
         largest = self._table.settings.largest_batch
         if count > largest:
             expected = f"at most {largest}, the parameter largest_batch"
             raise WrongSizeError(what, count, expected)
+
+
+def _check_gravity(settings: DynamicsSettings) -> None:
+    if len(settings.gravity) != 3:
+        raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")
 
 
 def _instants(times: Array, period: float) -> Array:

@@ -55,6 +55,75 @@ def test_a_payload_that_the_model_does_not_know_costs_some_milliradians():
     assert known.reason == "" and np.abs(error).max() < 1e-4
 
 
+def reach(chain, seconds=1.0):
+    """Rest to rest by a quintic, from the middle of the ranges, and half a second at the goal."""
+    count = round(1000 * seconds)
+    s = np.minimum(np.arange(count + 500) / count, 1.0)[:, None]
+    way = np.resize([0.5, -0.4, 0.5, -0.3], chain.n)
+    laws = (
+        s**3 * (10 - 15 * s + 6 * s * s),
+        30 * (s * (1 - s)) ** 2 / seconds,
+        60 * s * (1 - s) * (1 - 2 * s) / seconds**2,
+    )
+    wanted = np.stack([law * way for law in laws], axis=1)
+    wanted[:, 0] += chain.midrange()
+    return wanted
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda"])
+@pytest.mark.parametrize(("control", "tracked"), [("computed-torque", 5e-3), ("pd-gravity", 0.07)])
+def test_an_observer_makes_up_for_a_payload(robot, control, tracked):
+    chain = load_robot(robot)
+    load = Body(2.0, [0.0, 0.0, 0.05], np.zeros((3, 3)))
+    plain = Servo(chain, with_payload(chain, load), control=control)
+    watching = dataclasses.replace(plain, observer=2000.0)
+    _, without = run(plain, reach(chain))
+    motion, error = run(watching, reach(chain))
+    assert motion.reason == "" and not motion.saturated.any()
+    assert np.abs(error).max() < min(tracked, 0.8 * np.abs(without).max())
+    assert np.abs(error[-50:]).max() < 4e-3
+
+
+def test_an_observer_finds_nothing_where_the_model_is_right():
+    wanted = sines(PUMA, 0.5)
+    plain, watching = Servo(PUMA), Servo(PUMA, observer=2000.0)
+    states = []
+    for servo in (plain, watching):
+        q, qd, observed = wanted[0, 0].copy(), wanted[0, 1].copy(), np.zeros(6)
+        servo.run(q, qd, wanted, observed=observed)
+        states.append(q)
+    np.testing.assert_allclose(*states, atol=1e-12)
+    assert np.abs(observed).max() < 1e-9
+
+
+def test_what_was_observed_is_kept_but_not_at_a_stop():
+    chain = load_robot("ur5e")
+    servo = Servo(chain, with_payload(chain, LOAD), observer=2000.0)
+    q, qd, observed = np.array([0.0, -1.2, 1.2, -1.0, -1.5, 0.0]), np.zeros(6), np.zeros(6)
+    wanted = np.zeros((300, 3, 6))
+    wanted[:, 0] = q
+    servo.run(q, qd, wanted, observed=observed)
+    weight = gravity_torque(servo.plant, q) - gravity_torque(chain, q)
+    np.testing.assert_allclose(observed, weight, atol=1e-3 * np.abs(weight).max())
+    held = np.arange(6) == 1
+    servo.run(q, qd, wanted[:50], held=held, observed=observed)
+    assert (observed == 0.0).tolist() == held.tolist()
+    # Released, it falls hardly before the weight is known again.
+    motion = servo.run(q, qd, wanted, observed=observed)
+    assert np.abs(motion.q - wanted[:, 0]).max() < 2e-3
+
+
+def test_an_observer_does_not_push_a_joint_against_its_stop():
+    chain = dataclasses.replace(load_robot("ur5e"), upper=np.full(6, 1.0), lower=np.full(6, -3.0))
+    servo = Servo(chain, with_payload(chain, LOAD), observer=2000.0)
+    q, qd, observed = np.full(6, 0.5), np.zeros(6), np.zeros(6)
+    wanted = np.zeros((2000, 3, 6))
+    wanted[:, 0] = np.interp(np.arange(2000), [0, 700, 1400], [0.5, 1.1, 0.5])[:, None]
+    motion = servo.run(q, qd, wanted, observed=observed)
+    assert motion.reason == "" and motion.q.max() <= 1.0 + 1e-12
+    np.testing.assert_allclose(q, 0.5, atol=1e-3)
+
+
 def test_a_motion_goes_on_where_it_was():
     servo, wanted = Servo(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 0.2)
     q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
@@ -176,6 +245,8 @@ def test_what_is_refused():
         ("substeps", 0),
         ("substeps", 1.5),
         ("kp", np.full(6, -1.0)),
+        ("observer", -1.0),
+        ("observer", np.nan),
     ):
         with pytest.raises(BadValueError, match=name):
             Servo(PUMA, **{name: value})
@@ -190,3 +261,5 @@ def test_what_is_refused():
         servo.run(np.zeros(6), np.full(6, np.inf), wanted)
     with pytest.raises(WrongSizeError, match="q"):
         servo.run(np.zeros(5), np.zeros(6), wanted)
+    with pytest.raises(WrongSizeError, match="observed"):
+        servo.run(np.zeros(6), np.zeros(6), wanted, observed=np.zeros(5))

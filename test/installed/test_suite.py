@@ -353,6 +353,18 @@ def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
     assert [path.suffix for path in (tmp_path / "out").iterdir()] == [".png"]
 
 
+def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
+    """Two kilograms are picked and placed by forces, within the tolerance that is said."""
+    options = ["--robot", "ur5e", "--dynamic", "--payload", "2", "--output", str(tmp_path)]
+    done = suite.run("robomech", "demo", *options, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "picked 2 kg, unknown to the controller of the drives" in done.stdout
+    assert "every joint stayed within 0.02 rad or m of its path" in done.stdout
+    heavy = suite.run("robomech", "demo", *options[:4], "200", *options[5:], timeout=120)
+    assert heavy.returncode == 1
+    assert "was at its effort limit for" in heavy.stderr
+
+
 def test_demo_that_fails_says_so(suite, tmp_path):
     done = suite.run("robomech", "demo", "--robot", "pumba560", "--output", str(tmp_path))
     assert done.returncode == 1

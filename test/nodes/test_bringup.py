@@ -47,6 +47,13 @@ def test_paths_are_made_absolute(tmp_path, monkeypatch):
     assert f'trajectory_planner:joint_limits:="{tmp_path}/limits.yaml"' in command
 
 
+def test_drives_may_move_the_robot():
+    given = "joint_trajectory_controller:simulation:=dynamic"
+    assert given in commands("--robot", "ur5e", "--dynamic")["joint_trajectory_controller"]
+    assert given in bringup.node_commands("ur5e", "--dynamic")["joint_trajectory_controller"]
+    assert given not in commands("--robot", "ur5e")["joint_trajectory_controller"]
+
+
 def test_without_a_robot_the_nodes_wait_for_the_topic():
     assert not [word for word in commands()["kinematics"] if "robot_description" in word]
 

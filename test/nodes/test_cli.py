@@ -206,6 +206,20 @@ def test_unknown_robot_is_said_once_before_anything_starts(capfd):
     assert err.count("unknown robot 'pumba560' (did you mean 'puma560'?)") == 1
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--payload", "2"], "--payload is 2.0, expected 0 without --dynamic"),
+        (["--dynamic", "--payload", "nan"], "--payload is nan, expected 0 to 1000 kg"),
+        (["--dynamic", "--payload", "-1"], "--payload is -1.0, expected 0 to 1000 kg"),
+    ],
+)
+def test_payloads_that_the_demo_refuses(capfd, options, said):
+    code, out, err = run(capfd, "demo", *options)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
 @pytest.mark.parametrize("module", ["robomech_ros", "robomech_ros.nodes.cli"])
 def test_import_pulls_in_neither_ros_nor_numba(module):
     code = (

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Inertia, InertiaStamped, Vector3, WrenchStamped
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -110,6 +112,32 @@ def test_accelerations_and_inertia(rod):
     assert "hinge" in late.error_msg
 
 
+def test_efforts_with_names_act_on_the_present_posture(rod):
+    sender = rod.client.create_publisher(JointState, "joint_states", 10)
+    push = JointState(name=["hinge"], effort=[4.0])
+    for _ in range(50):
+        sender.publish(JointState(name=["hinge"], position=[0.3]))
+        answer = rod.call(
+            ForwardDynamics, "dynamics/forward_dynamics", ForwardDynamics.Request(state=push)
+        )
+        if answer.error_code != ErrorCode.NO_STATE:
+            break
+    assert answer.error_code == ErrorCode.NONE, answer.error_msg
+    np.testing.assert_allclose(answer.acceleration, [(4.0 - weight(0.3)) / INERTIA], rtol=1e-12)
+    named = MassMatrix.Request(state=JointState(name=["hinge"]))
+    answer = rod.call(MassMatrix, "dynamics/mass_matrix", named)
+    np.testing.assert_allclose(answer.mass_matrix, [INERTIA], rtol=1e-12)
+
+
+def test_a_gravity_of_another_size_is_refused_when_it_is_set(rod):
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=[0.0, 9.0])
+    request = SetParameters.Request(parameters=[Parameter(name="gravity", value=value)])
+    result = rod.call(SetParameters, "dynamics/set_parameters", request).results[0]
+    assert not result.successful
+    assert "'gravity' is [0.0, 9.0]; allowed is a list of 3 numbers" in result.reason
+    assert inverse(rod, [point(0.3)]).gravity[0] == pytest.approx(weight(0.3))
+
+
 def payload(graph, frame="", **inertia):
     load = InertiaStamped(inertia=Inertia(**inertia))
     load.header.frame_id = frame
@@ -171,6 +199,11 @@ REFUSALS = {
         ErrorCode.NON_FINITE,
         "gravity",
     ),
+    "huge gravity": (
+        {"points": [point(0.0)], "gravity": Vector3(z=-1e308)},
+        ErrorCode.BAD_VALUE,
+        "gravity is [0.0, 0.0, -1e+308], expected magnitudes of at most",
+    ),
 }
 
 
@@ -190,6 +223,9 @@ def test_refusals_of_payloads_and_wrenches(rod):
     assert (answer.error_code, "camera" in answer.error_msg) == (ErrorCode.FRAME_UNAVAILABLE, True)
     answer = payload(rod, m=-1.0)
     assert (answer.error_code, "payload.inertia.m is -1.0" in answer.error_msg) == (109, True)
+    for load in ({"m": math.nan}, {"m": 1.0, "ixx": math.inf}):
+        answer = payload(rod, **load)
+        assert (answer.error_code, "payload.inertia" in answer.error_msg) == (104, True)
     answer = payload(rod, "base_link", m=1.0)
     assert (answer.error_code, "one of rod, tool0" in answer.error_msg) == (109, True)
     answer = payload(rod, "camera", m=1.0)

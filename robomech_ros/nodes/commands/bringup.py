@@ -42,6 +42,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="YAML with limits that the robot's description lacks, such as MoveIt's "
         "joint_limits.yaml",
     )
+    parser.add_argument(
+        "--dynamic",
+        action="store_true",
+        help="drives move the simulated robot, through mass, friction and effort limits",
+    )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
@@ -79,17 +84,19 @@ def _check(args: argparse.Namespace) -> None:
         raise BadValueError("--namespace", args.namespace, expected)
 
 
-def node_commands(robot: str) -> dict[str, list[str]]:
+def node_commands(robot: str, *options: str) -> dict[str, list[str]]:
     """Give the command lines of all nodes but the servo, as `robomech bringup` starts them.
 
     Parameters
     ----------
     robot : str
         Name or path.
+    *options : str
+        Further options.
     """
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    return _commands(parser.parse_args(["--robot", robot, "--no-servo"]))
+    return _commands(parser.parse_args(["--robot", robot, "--no-servo", *options]))
 
 
 def _nodes(args: argparse.Namespace) -> list[str]:
@@ -126,6 +133,8 @@ def _ros_arguments(args: argparse.Namespace) -> list[str]:
         result += ["-p", f"trajectory_planner:joint_limits:={path}"]
     if args.rate is not None:
         result += ["-p", f"joint_trajectory_controller:publish_rate:={float(args.rate)}"]
+    if args.dynamic:
+        result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
     return result
 
 

@@ -5,17 +5,31 @@ import signal
 import sys
 from pathlib import Path
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.commands.warmup import warm
 
 __all__ = ["add_arguments", "run"]
 
 EXIT_FAILED = 1
+# As the controller's parameter payload_mass, kg.
+HEAVIEST_PAYLOAD = 1000.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--robot", default="puma560", help="name or path of a robot (puma560)")
+    parser.add_argument(
+        "--dynamic",
+        action="store_true",
+        help="drives move the robot, through mass, friction and effort limits",
+    )
+    parser.add_argument(
+        "--payload",
+        type=float,
+        default=0.0,
+        help="with --dynamic: mass in kg that is picked and placed, and that the controller of the "
+        "drives does not know of (0)",
+    )
     parser.add_argument(
         "--output", type=Path, default=Path("demo_output"), help="folder for the plot (demo_output)"
     )
@@ -24,12 +38,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; returns 0 if every step of it succeeded, else 1."""
     # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
+    if args.payload and not args.dynamic:
+        raise BadValueError("--payload", args.payload, "0 without --dynamic: nothing has mass")
+    if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
+        raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
     from robomech_ros.nodes.demonstration.session import demonstrate
 
     try:
-        demonstrate(args.robot, args.output)
+        payload = args.payload if args.dynamic else None
+        demonstrate(args.robot, args.output, payload)
     except RobomechError as error:
         print(f"robomech demo failed: {error}", file=sys.stderr)
         return EXIT_FAILED

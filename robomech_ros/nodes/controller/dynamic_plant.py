@@ -16,9 +16,9 @@ __all__ = ["DynamicPlant", "MotionRanAwayError"]
 
 Array = NDArray[np.float64]
 
-# Longest period of the controller of the drives, and steps that are simulated in one go, s.
+# Longest period of the controller of the drives, and periods that are simulated in one go.
 _PERIOD = 1e-3
-_AT_ONCE = 1.0
+_AT_ONCE = 10
 # Of a longer time, in which the process did not run, the end is simulated, s.
 _LONGEST = 10.0
 # What quotients of times may be off.
@@ -66,7 +66,8 @@ class DynamicPlant:
 
     def put(self, position: Array) -> Driven:
         """Have the joints stand somewhere (rad or m), held against gravity."""
-        self._q, self._qd = np.array(position, dtype=np.float64), np.zeros(len(position))
+        self._q = np.array(position, dtype=np.float64)
+        self._qd, self._observed = np.zeros(len(position)), np.zeros(len(position))
         holding = gravity_torque(self._servo.plant or self._model, self._q, gravity=self._gravity)
         return Driven(at_rest(self._q), holding, np.zeros(len(position)))
 
@@ -80,18 +81,38 @@ class DynamicPlant:
         period = simulated / periods
         wanted = _between(before, command, simulated, periods)
         at_limit, effort = np.zeros(len(started)), np.zeros(len(started))
-        many = round(_AT_ONCE / _PERIOD)
-        for first in range(0, periods, many):
+        for first in range(0, periods, _AT_ONCE):
+            self._limit(wanted[first : first + _AT_ONCE])
             motion = self._servo.run(
-                self._q, self._qd, wanted[first : first + many], period=period, held=held
+                self._q,
+                self._qd,
+                wanted[first : first + _AT_ONCE],
+                period=period,
+                held=held,
+                observed=self._observed,
             )
             if motion.reason:
-                self._qd[:] = 0.0
+                self._qd[:], self._observed[:] = 0.0, 0.0
                 raise MotionRanAwayError(f"{motion.reason}; the robot stands where it was before")
             at_limit += period * motion.saturated.sum(axis=0)
             effort = motion.effort[-1]
         acceleration = (self._qd - started) / simulated
         return Driven(State(self._q.copy(), self._qd.copy(), acceleration), effort, at_limit)
+
+    def _limit(self, wanted: Array) -> None:
+        """Keep what is wanted, shape (m, 3, n), so near that no joint is asked to be too fast.
+
+        Errors are corrected at the rate of ``bandwidth / (2 damping)`` times them: where that is
+        beyond the limit of the velocity, after a step or a brake that is released, the drives would
+        come to their limits and lose the hold of an arm whose speed they cannot take off again.
+        """
+        fastest = np.where(np.isfinite(self._model.velocity), self._model.velocity, np.inf)
+        near = fastest * 2.0 * self._settings.dynamic_damping / self._settings.dynamic_bandwidth
+        far = np.abs(wanted[:, 0] - self._q) > near
+        wanted[:, 0] = np.clip(wanted[:, 0], self._q - near, self._q + near)
+        wanted[:, 1] = np.clip(wanted[:, 1], -fastest, fastest)
+        # Who has to catch up is not to be thrown by what was wanted where it should be.
+        wanted[:, 1:][np.broadcast_to(far[:, None], (len(wanted), 2, far.shape[1]))] = 0.0
 
     @property
     def _gravity(self) -> Array:
@@ -106,6 +127,7 @@ class DynamicPlant:
             control=settings.dynamic_control,
             bandwidth=settings.dynamic_bandwidth,
             damping=settings.dynamic_damping,
+            observer=settings.dynamic_observer,
             period=_PERIOD,
             gravity=settings.gravity,
         )

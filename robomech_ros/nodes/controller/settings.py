@@ -128,6 +128,14 @@ class ControllerSettings(RobotSettings):
     dynamic_damping: float = parameter(
         1.0, "Dynamic: damping ratio with which errors decay; 1 = critical", 0.1, 2.0
     )
+    dynamic_observer: float = parameter(
+        2000.0,
+        "Dynamic: rate at which the controller learns the efforts that its model does not explain, "
+        "such as those of a payload, and adds them; 0 = not at all",
+        0.0,
+        10_000.0,
+        "rad/s",
+    )
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
         "Dynamic: acceleration of gravity in the base link of the chain, towards where things fall",

@@ -91,23 +91,33 @@ class DemoClient:
         return missing if self._rows else [*missing, "joint_states"]
 
     def call(self, service: str, request: Any) -> Any:
-        """Call a service and return its answer.
+        """Call a service of the suite and return its answer.
 
         Raises
         ------
         DemoFailedError
             It did not answer, or answered with an error.
         """
+        response = self.ask(service, request)
+        if response.error_code:
+            code = f"{response.error_code} {name_of(response.error_code)}"
+            raise DemoFailedError(f"{service} answers {code}: {response.error_msg}")
+        return response
+
+    def ask(self, service: str, request: Any) -> Any:
+        """Call any service and return its answer.
+
+        Raises
+        ------
+        DemoFailedError
+            It did not answer.
+        """
         done = threading.Event()
         future = self._clients[service].call_async(request)
         future.add_done_callback(lambda _: done.set())
         if not self._wait(done.is_set, _CALL_SECONDS):
             raise DemoFailedError(f"{service} did not answer within {_CALL_SECONDS:g} s")
-        response = future.result()
-        if response.error_code:
-            code = f"{response.error_code} {name_of(response.error_code)}"
-            raise DemoFailedError(f"{service} answers {code}: {response.error_msg}")
-        return response
+        return future.result()
 
     def wait_until_at(
         self, goal: Array, tolerance: float, seconds: float, look: Callable[[], None]

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from robomech_interfaces.srv import Execute, PlanJoint, SolveFK, SolveIK
+from robomech_ros.dynamics import mass_matrix
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.bringup import node_commands
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.limits import robot_with_limits
+from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
@@ -29,7 +31,7 @@ _SERVICES = {
 }
 
 
-def demonstrate(robot: str, output: Path) -> None:
+def demonstrate(robot: str, output: Path, payload: float | None = None) -> None:
     """Pick and place with a robot, and tell about it.
 
     Parameters
@@ -38,6 +40,8 @@ def demonstrate(robot: str, output: Path) -> None:
         Name or path.
     output : Path
         Folder for the plot.
+    payload : float, optional
+        Drives move the robot, and it carries this mass (kg) from pick to place; default none does.
 
     Raises
     ------
@@ -49,25 +53,28 @@ def demonstrate(robot: str, output: Path) -> None:
     with robot_with_limits(robot) as (used, chain, notice):
         if notice:
             reporter.say(notice)
-        plot = _session(used, chain, output, reporter)
+        plot = _session(used, chain, output, reporter, payload)
     reporter.say(f"plot: {plot}")
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
 
 
-def _session(robot: str, chain: SerialChain, output: Path, reporter: Reporter) -> Path:
+def _session(
+    robot: str, chain: SerialChain, output: Path, reporter: Reporter, payload: float | None
+) -> Path:
     joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
     reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
     start = time.perf_counter()
-    with running_suite(node_commands(robot)) as suite:
+    with running_suite(_commands(robot, chain, payload is not None)) as suite:
         client = DemoClient(suite, chain.joint_names)
         try:
-            client.wait_until_up(_SERVICES)
+            client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
             seconds = time.perf_counter() - start
             reporter.say(
                 f"up after {seconds:.1f} s, each a process of its own in ROS domain "
                 f"{suite.domain}: {', '.join(suite.names)}"
             )
-            task = PickAndPlace(client, chain, reporter)
+            load = None if payload is None else Load(client, payload)
+            task = PickAndPlace(client, chain, reporter, load)
             task.run()
             reporter.heading("summary")
             reporter.summary(task.legs)
@@ -77,6 +84,16 @@ def _session(robot: str, chain: SerialChain, output: Path, reporter: Reporter) -
             raise
         finally:
             client.close()
+
+
+def _commands(robot: str, chain: SerialChain, dynamic: bool) -> dict[str, list[str]]:
+    if not dynamic:
+        return node_commands(robot)
+    # What cannot be simulated is refused here, once, instead of by a node.
+    mass_matrix(chain, chain.midrange())
+    commands = node_commands(robot, "--dynamic")
+    commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
+    return commands
 
 
 def _plot(chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path) -> Path:

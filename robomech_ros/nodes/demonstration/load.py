@@ -1,0 +1,56 @@
+"""What a robot that drives move carries, and how near to its path it has to stay."""
+
+from typing import Any
+
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParametersAtomically
+
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+
+__all__ = ["CARRYING", "TRACKED", "Load"]
+
+_SERVICE = "joint_trajectory_controller/set_parameters_atomically"
+# What the demonstration calls besides, where the robot carries something.
+CARRYING: dict[str, Any] = {_SERVICE: SetParametersAtomically}
+
+# How far a joint may be off its path, rad or m: the controller ends a motion that is farther.
+TRACKED = 0.02
+
+
+class Load:
+    """A mass at the tip of the simulated robot that the controller of its drives does not know of.
+
+    Parameters
+    ----------
+    client : DemoClient
+        Connected to the running suite.
+    mass : float
+        kg; 0 = nothing is carried.
+    """
+
+    def __init__(self, client: DemoClient, mass: float) -> None:
+        self._client = client
+        self.mass = mass
+
+    def grip(self) -> None:
+        """Put it on.
+
+        Raises
+        ------
+        DemoFailedError
+            The robot cannot carry it.
+        """
+        self._carry(self.mass)
+
+    def release(self) -> None:
+        """Take it off."""
+        self._carry(0.0)
+
+    def _carry(self, mass: float) -> None:
+        value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
+        parameter = Parameter(name="payload_mass", value=value)
+        request = SetParametersAtomically.Request(parameters=[parameter])
+        result = self._client.ask(_SERVICE, request).result
+        if not result.successful:
+            raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")
