@@ -3,10 +3,11 @@
 Steps, each skipped while the digest of its inputs is unchanged:
 
 1. environment: a fresh virtual environment with the pinned wheels (ROS 2 among them);
-2. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
-3. package: robomech_ros installed so that edits of the source take effect at once;
-4. kernels: all numba kernels compiled into their cache;
-5. with --compat: the message types of compat/, one package after another.
+2. byte-code: that of these and of robomech_ros, since nodes start in half the time with it;
+3. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
+4. package: robomech_ros installed so that edits of the source take effect at once;
+5. kernels: all numba kernels compiled into their cache;
+6. with --compat: the message types of compat/, one package after another.
 
 A step writes its digest when it is done and takes it away before it starts, so one that was
 interrupted is done again. Only the standard library is used: this runs outside the environment.
@@ -123,8 +124,17 @@ class Environment:
         shutil.rmtree(self.folder, ignore_errors=True)
         subprocess.run([sys.executable, "-m", "venv", str(self.folder)], check=True)
         lists = [part for pins in self.pins for part in ("-r", str(pins))]
-        # Byte code is made of what is imported, when it is.
         self.pip("--no-deps", "--prefer-binary", "--no-compile", *lists)
+
+    def make_byte_code(self) -> None:
+        """Make the byte code of all that was installed.
+
+        Nodes would make it when they start: several of one suite at once, and each anew where
+        PYTHONDONTWRITEBYTECODE is set.
+        """
+        (place,) = self.folder.glob("lib/python3*/site-packages")
+        # What packages bring for their own tests need not be valid.
+        self.succeeds("-m", "compileall", "-qq", "-j", "0", str(place), str(ROOT / "robomech_ros"))
 
     def add_extra(self) -> None:
         """Install what the environment offers beyond, without moving a pin.
@@ -200,6 +210,7 @@ def set_up(env: Environment, with_compat: bool) -> None:
     """Do every step whose inputs changed."""
     pins = digest(env.pins, sys.version, sys.base_prefix, str(env.folder))
     env.step("environment", pins, env.fill)
+    env.step("byte-code", pins, env.make_byte_code)
     if env.extra:
         env.step("extra", digest([REQUIREMENTS / env.extra], pins), env.add_extra)
     if env.distribution:
