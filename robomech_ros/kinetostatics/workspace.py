@@ -118,8 +118,9 @@ class Workspace:
         -------
         ndarray, shape (...)
             m; limits of all these joints included.  Exact to a millionth of the arm's size; but
-            inside, where the nearest point is on an edge that the limits of the first joint make,
-            to some thousandths.  What is beside the plane of a planar arm is outside.
+            where the first joint has limits, to some thousandths inside, if the nearest point is
+            on an edge, and to a thousandth at a few places outside.  What is beside the plane of
+            a planar arm is outside.
 
         Raises
         ------

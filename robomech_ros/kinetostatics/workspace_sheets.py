@@ -59,7 +59,9 @@ class LimitedBoundary:
 
         Which of them are inside tells what it is the distance from: what can be reached, or what
         cannot.  Where the nearest point of an inside one is on the edge between two surfaces it is
-        exact to about a thousandth of the arm's size, else to a millionth or better.
+        exact to some thousandths of the arm's size; from outside it is exact to a millionth, but
+        where another part of a wall is nearest than the one joint 1 cannot lead here, to a
+        thousandth.
         """
         found, nearest = self._tree.query(points)
         on_sheet = self._on_sheet[nearest] & inside
