@@ -1,5 +1,6 @@
 """How near to isotropic an arm can be, and the characteristic length for which it is that."""
 
+import functools
 import math
 from collections.abc import Sequence
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels import indices as kernels
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.iterative import low_discrepancy_strides, reach_bound
+from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.indices import NORMS, PARTS
 from robomech_ros.robots.chain import SerialChain
@@ -20,6 +21,7 @@ __all__ = [
     "ConditioningIndex",
     "characteristic_length",
     "conditioning_index",
+    "length_scale",
 ]
 
 Array = NDArray[np.float64]
@@ -31,9 +33,12 @@ _POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))
 # of them a descent starts from; and how many of its ends are followed through the first powers, and
 # how many from there on.
 _POSTURES = 1024
-_LENGTHS = (1.0 / 32.0, 1.0, 8)
+_LENGTHS = (1.0, 1.0 / 32.0, 8)
 _STARTS = 16
 _FOLLOWED = ((_POWERS[:4], 6), (_POWERS[4:], 2))
+# Lengths whose logarithm is further from that of the arm's size are not looked at: with fewer
+# joints than conditions positions alone, or orientations, can be best, and there would be no end.
+_FARTHEST = math.log(1e3)
 # Minima whose condition numbers differ by less (relative) are one.
 _SAME = 1e-9
 # What stands for the logarithm of the condition number of a singular posture.
@@ -85,7 +90,9 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     """Find the length with which the arm's best posture is as well conditioned as can be.
 
     Linear rows of the Jacobian are divided by it.  Length and posture together make the condition
-    number least, over all postures whether within the limits of revolute joints or not.
+    number least, over all postures whether within the limits of revolute joints or not, and lengths
+    of a thousandth of the arm's size to a thousand times it; arms of few joints can be best at an
+    end of these.  Where nothing depends on it, as of a wrist alone, it may be any of them.
 
     Parameters
     ----------
@@ -109,7 +116,7 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
     """
     x, condition = _best(chain, norm, PARTS["pose"])
-    result = CharacteristicLength(math.exp(x[-1]))
+    result = CharacteristicLength(_length(chain, x))
     result.q = x[:-1]
     result.condition_number = condition
     return result
@@ -187,10 +194,25 @@ def _evaluate(
 ) -> tuple[float, Array]:
     """Give an index at x, joint values and the logarithm of the length, and its gradient."""
     values, gradient = np.empty((1, kernels.COUNT)), np.empty((1, chain.n + 1))
-    q = np.ascontiguousarray(x[None, :-1])
-    weights = _weights(math.exp(x[-1]))
+    q, weights = np.ascontiguousarray(x[None, :-1]), _weights(_length(chain, x))
     kernels.index_gradients(chain.packed, q, weights, rows, power, index, values, gradient)
+    if not abs(x[-1] - math.log(length_scale(chain))) < _FARTHEST:
+        gradient[0, -1] = 0.0
     return float(values[0, index]), gradient[0]
+
+
+def _length(chain: SerialChain, x: Array) -> float:
+    """Give the length (m) that x (n + 1,) ends with the logarithm of, or the last one looked at."""
+    middle = math.log(length_scale(chain))
+    return math.exp(min(max(x[-1], middle - _FARTHEST), middle + _FARTHEST))
+
+
+@functools.lru_cache(maxsize=64)
+def length_scale(chain: SerialChain) -> float:
+    """Give how far the tip can be from the first joint at the most, 1 m where that is nothing."""
+    lengths = np.linalg.norm(chain.packed[1:, 10:], axis=1)
+    travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[chain.types == PRISMATIC]
+    return float(lengths.sum() + travel[np.isfinite(travel)].sum()) or 1.0
 
 
 def _weights(length: float) -> Array:
@@ -239,7 +261,7 @@ def _followed(chain: SerialChain, rows: _Rows, x: Array, powers: Sequence[float]
 
 def _starts(chain: SerialChain, rows: _Rows) -> list[Array]:
     """Give the best conditioned of many postures and lengths, none of them singular."""
-    size = reach_bound(chain)
+    size = length_scale(chain)
     half = np.where(chain.types == PRISMATIC, size, math.pi)
     cube = np.arange(1, _POSTURES + 1)[:, None] * low_discrepancy_strides(chain.n) % 1.0
     q = np.ascontiguousarray((2.0 * cube - 1.0) * half)

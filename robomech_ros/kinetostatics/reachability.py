@@ -14,8 +14,7 @@ from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.box_grid import BoxGrid, as_grid
-from robomech_ros.kinetostatics.conditioning import characteristic_length
-from robomech_ros.kinetostatics.indices import PARTS, as_length
+from robomech_ros.kinetostatics.indices import PARTS
 from robomech_ros.kinetostatics.map_cells import CELL, UNFINISHED, chunk_cells
 from robomech_ros.kinetostatics.map_engines import (
     Chunk,
@@ -27,6 +26,7 @@ from robomech_ros.kinetostatics.map_engines import (
 from robomech_ros.kinetostatics.map_file import as_path, check_writable, load_map, save_map
 from robomech_ros.kinetostatics.map_request import MapRequest, RobotIdentity, identity_of
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
+from robomech_ros.kinetostatics.singularities import report_length
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
@@ -229,7 +229,7 @@ def reach_map(
     _check_size(grid)
     if path is not None:
         check_writable(path)
-    metres = float(characteristic_length(chain)) if length is None else as_length(length)
+    metres = report_length(chain, length)
     request = MapRequest(identity_of(chain), grid, rotations, limited, metres, rows)
     cells = _begun(path, request)
     todo = _unfinished(cells, chunk_cells(chain, len(rotations)))

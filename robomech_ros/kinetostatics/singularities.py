@@ -14,7 +14,7 @@ from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.kinetostatics.conditioning import characteristic_length
+from robomech_ros.kinetostatics.conditioning import characteristic_length, length_scale
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, as_point
@@ -101,16 +101,22 @@ class _Known(NamedTuple):
 
 @functools.lru_cache(maxsize=64)
 def _length(chain: SerialChain) -> float:
-    return float(characteristic_length(chain))
+    try:
+        return float(characteristic_length(chain))
+    except BadValueError:
+        return length_scale(chain)
 
 
 def report_length(chain: SerialChain, length: float | None) -> float:
     """Give the length (m) that a caller wants, or the characteristic length.
 
+    An arm with more joints than its motions have degrees of freedom, such as a planar one of four,
+    has none: it is singular in every posture, and its size takes the place.
+
     Raises
     ------
     BadValueError
-        It is not from 1e-9 to 1e9 m; or the chain has no joint, or is singular in every posture.
+        It is not from 1e-9 to 1e9 m; or the chain has no joint.
     """
     if not chain.n:
         raise BadValueError("chain", chain.name, "one with a joint")
@@ -156,7 +162,7 @@ def singularity_report(
         Of the tip link, in its frame (m), whose motion is judged; default the tip's origin.
     length : float, optional
         What makes linear and angular motions comparable (m); default the characteristic length,
-        which takes a second or so to find and is kept.
+        which takes a second or so to find and is kept, or the size of an arm that has none.
 
     Returns
     -------
@@ -166,8 +172,7 @@ def singularity_report(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         q or the point is not an array of n, or three, finite real numbers, the length is not
-        from 1e-9 to 1e9 m, or the chain has no joint, or is singular in every posture and no
-        length is given.
+        from 1e-9 to 1e9 m, or the chain has no joint.
 
     References
     ----------

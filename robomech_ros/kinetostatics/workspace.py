@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.kinetostatics.workspace_nearest import NearestOnCurves
 from robomech_ros.kinetostatics.workspace_pieces import Piece, divide
 from robomech_ros.kinetostatics.workspace_postures import PointPostures
-from robomech_ros.kinetostatics.workspace_section import Section, section_of
+from robomech_ros.kinetostatics.workspace_section import Section, raise_on_surface, section_of
 from robomech_ros.kinetostatics.workspace_sheets import LimitedBoundary
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
@@ -117,9 +117,10 @@ class Workspace:
         Returns
         -------
         ndarray, shape (...)
-            m; limits of all these joints included.  Where the nearest point is on an edge that
-            the limits of the first joint make, it is exact to some thousandths of the arm's size,
-            else to a millionth.  What is beside the plane of a planar arm is outside.
+            m; limits of all these joints included.  Exact to a millionth of the arm's size; but
+            where the first joint has limits, to some thousandths inside, if the nearest point is
+            on an edge, and to a thousandth at a few places outside.  What is beside the plane of
+            a planar arm is outside.
 
         Raises
         ------
@@ -129,11 +130,12 @@ class Workspace:
         rows = as_finite("points", points, (3,))
         flat = rows.reshape(-1, 3)
         local = self.section.in_frame(flat)
+        inside = self._postures.count(flat) > 0
         if self.section.round[0]:
-            found, _, _ = self.nearest.find(self.section.coordinates(local))
+            found, *_ = self.nearest.find(self.section.coordinates(local))
         else:
-            found = self._limited.distance(local)
-        signed: Array = np.where(self._postures.count(flat) > 0, found, -found)
+            found = self._limited.distance(local, inside)
+        signed: Array = np.where(inside, found, -found)
         beyond = self._beyond(local)
         away = -np.hypot(beyond, np.minimum(signed, 0.0))
         return np.where(beyond > 0.0, away, signed).reshape(rows.shape[:-1])
@@ -242,6 +244,8 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     """
     section = section_of(chain, respect_limits=respect_limits)
     pieces, cusps, nodes = _divided(section)
+    if not pieces:
+        raise_on_surface(chain)
     roles = _roles(pieces, section.size)
     curves = tuple(
         BoundaryCurve(role, _cause(section, piece), piece.points, piece.q, piece.more, piece.fewer)
@@ -276,7 +280,7 @@ def _cause(section: Section, piece: Piece) -> str:
 
 def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:
     """Give the least and the greatest distance from the origin of the section."""
-    found, _, _ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
+    found, *_ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
     inside = PointPostures(section, first_free=True).count(section.on_section(np.zeros((1, 2))))[0]
     points = np.concatenate([piece.points for piece in pieces])
     return (0.0 if inside else float(found[0])), float(np.linalg.norm(points, axis=1).max())

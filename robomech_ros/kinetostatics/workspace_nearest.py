@@ -41,7 +41,7 @@ class NearestOnCurves:
         self.is_end = np.concatenate(ends)
         self._tree = cKDTree(self.points)
 
-    def find(self, coordinates: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    def find(self, coordinates: Array) -> tuple[Array, Array, NDArray[np.int64], Array]:
         """Find the nearest points to points of the section.
 
         Parameters
@@ -58,10 +58,12 @@ class NearestOnCurves:
         vertex : ndarray of int, shape (m,)
             The vertex each is beside, in ``points``, ``normals`` (to the side with more
             postures) and ``is_end``.
+        q : ndarray, shape (m, 2)
+            Values of joints 2 and 3 at the nearest points (rad or m).
         """
         distance, vertex = self._tree.query(coordinates)
         q, joint, longest = self._q[vertex], self._joint[vertex], _REACH * self._steps[vertex]
-        start, feet = q, self.points[vertex]
+        start, feet, at = q, self.points[vertex], q
         for _ in range(_STEPS):
             q = self._nearer(coordinates, q, start, joint, longest)
             points = self._section.image(q[:, 0], q[:, 1])
@@ -69,7 +71,8 @@ class NearestOnCurves:
             better = apart < distance
             distance = np.where(better, apart, distance)
             feet = np.where(better[:, None], points, feet)
-        return distance, feet, vertex
+            at = np.where(better[:, None], q, at)
+        return distance, feet, vertex, at
 
     def _nearer(
         self,

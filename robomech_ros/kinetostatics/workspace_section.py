@@ -12,6 +12,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
 """
 
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["Section", "section_of"]
+__all__ = ["Section", "raise_on_surface", "section_of"]
 
 Array = NDArray[np.float64]
 
@@ -303,11 +304,22 @@ def _frames(chain: SerialChain, part: PositioningPart) -> tuple[Array, Array, Ar
 
 
 def _check_moves(chain: SerialChain, section: Section) -> None:
-    """Refuse a part that is singular in every posture."""
+    """Refuse a part that is singular in every posture, or of which a joint cannot move."""
     u, v = np.meshgrid(
         *(np.linspace(section.lower[j], section.upper[j], _LOOK) + 0.01 for j in (1, 2))
     )
     scale = section.size ** (3 - sum(section.slides))
-    if not section.size or np.abs(section.determinant(u, v)).max() <= ARM_RANK * scale:
-        expected = "one whose first joints move a point in all directions, not on a surface only"
-        raise BadValueError("chain", chain.name, expected)
+    still = not (section.lower < section.upper).all()
+    if still or not section.size or np.abs(section.determinant(u, v)).max() <= ARM_RANK * scale:
+        raise_on_surface(chain)
+
+
+def raise_on_surface(chain: SerialChain) -> NoReturn:
+    """Refuse an arm whose positioning part does not fill a region.
+
+    Raises
+    ------
+    BadValueError
+    """
+    expected = "one whose first joints move a point in all directions, not on a surface only"
+    raise BadValueError("chain", chain.name, expected)

@@ -22,7 +22,7 @@ _BESIDE = 2e-5
 # Samples of a sheet in each direction; distance between those of a wall, over the arm's size.
 _SHEET = 120
 _SPACING = 1.0 / 60.0
-_STEPS = 10
+_STEPS = 20
 
 
 class LimitedBoundary:
@@ -45,6 +45,7 @@ class LimitedBoundary:
         self._walls = [NearestOnCurves(section, [piece]) for piece in pieces]
         sheets, sheet_normals = self._sheet_samples()
         walls, wall_normals = self._wall_samples(pieces)
+        self._sheets = [(cKDTree(self._points(q)), q) for q in np.split(sheets, 2)]
         q = np.concatenate((sheets, walls))
         normals = np.concatenate((sheet_normals, wall_normals))
         points = self._points(q)
@@ -53,64 +54,111 @@ class LimitedBoundary:
         self._on_sheet = (np.arange(len(q)) < len(sheets))[kept]
         self._tree = cKDTree(self._points_kept)
 
-    def distance(self, points: Array) -> Array:
+    def distance(self, points: Array, inside: NDArray[np.bool_]) -> Array:
         """Give the distance (m,) of points (m, 3) in the frame of joint 1 from the boundary (m).
 
-        Where the nearest point is on the edge between two surfaces it is exact to about a
-        thousandth of the arm's size, else to a millionth or better.
+        Which of them are inside tells what it is the distance from: what can be reached, or what
+        cannot.  Where the nearest point of an inside one is on the edge between two surfaces it is
+        exact to some thousandths of the arm's size; from outside it is exact to a millionth, but
+        where another part of a wall is nearest than the one joint 1 cannot lead here, to a
+        thousandth.
         """
         found, nearest = self._tree.query(points)
-        on_sheet = self._on_sheet[nearest]
+        on_sheet = self._on_sheet[nearest] & inside
         if on_sheet.any():
-            found[on_sheet] = self._on_sheets(points[on_sheet], nearest[on_sheet], found[on_sheet])
-        return self._on_walls(points, found)
+            q = self._q[nearest[on_sheet]]
+            found[on_sheet] = self._on_sheets(points[on_sheet], q, found[on_sheet], dividing=True)
+        outside = ~inside
+        if outside.any():
+            for tree, q in self._sheets:
+                start = q[tree.query(points[outside])[1]]
+                found[outside] = self._on_sheets(
+                    points[outside], start, found[outside], dividing=False
+                )
+        return self._on_walls(points, inside, found)
 
-    def _on_sheets(self, points: Array, nearest: NDArray[np.int64], found: Array) -> Array:
-        """Improve the distances from samples of sheets (Gauss-Newton)."""
+    def _on_sheets(self, points: Array, q: Array, found: Array, *, dividing: bool) -> Array:
+        """Improve the distances from sheets, from postures q (m, 3) on (Newton's method).
+
+        Where they are to be dividing, those parts count beside which something is not reached;
+        else all of them, since all is reached.
+        """
         section = self._section
-        q = self._q[nearest].copy()
+        q = q.copy()
         first = q[:, 0]
         turned = self._moved(points, -first)
         # Slides go in parts of the arm's size.
         units = np.where(section.slides[1:], section.size, 1.0)
         for _ in range(_STEPS):
-            p, pu, pv = section.derivatives(q[:, 1], q[:, 2], 1)
-            J = np.stack((pu.T, pv.T), axis=2) * units
-            step = np.einsum("kij,kj->ki", np.linalg.pinv(J, rcond=1e-6), turned - p.T)
-            q[:, 1:] += np.clip(step, -0.1, 0.1) * units
+            q[:, 1:] += np.clip(self._towards(turned, q, units), -0.1, 0.1) * units
             bounded = np.clip(q[:, 1:], section.lower[1:], section.upper[1:])
             q[:, 1:] = np.where(section.round[1:], q[:, 1:], bounded)
         p, pu, pv = section.derivatives(q[:, 1], q[:, 2], 1)
         apart = np.linalg.norm(turned - p.T, axis=1)
-        normal = self._moved(_unit(np.cross(pu.T, pv.T)), first, turns_only=True)
         better = apart < found
-        better[better] = self._divides(self._points(q[better]), normal[better])
+        if dividing:
+            normal = self._moved(_unit(np.cross(pu.T, pv.T)), first, turns_only=True)
+            better[better] = self._divides(self._points(q[better]), normal[better])
         return np.where(better, apart, found)
 
-    def _on_walls(self, points: Array, found: Array) -> Array:
-        """Improve distances by the nearest points of walls, at the azimuth or height as it is."""
+    def _towards(self, points: Array, q: Array, units: Array) -> Array:
+        """Give steps (m, 2) of joints 2 and 3 that bring them nearer to points, in units.
+
+        A joint that stands at a limit and would go beyond it is left there.
+        """
         section = self._section
-        coordinates = section.coordinates(points)
+        p, pu, pv, puu, puv, pvv = section.derivatives(q[:, 1], q[:, 2])
+        gap = points - p.T
+        J = np.stack((pu.T, pv.T), axis=2) * units
+        slope = np.einsum("kij,ki->kj", J, gap)
+        at_lower, at_upper = q[:, 1:] <= section.lower[1:], q[:, 1:] >= section.upper[1:]
+        held = ((at_lower & (slope < 0.0)) | (at_upper & (slope > 0.0))) & ~section.round[1:]
+        bend = np.einsum("abki,ki->kab", np.array(((puu.T, puv.T), (puv.T, pvv.T))), gap)
+        square = np.einsum("kia,kib->kab", J, J)
+        H = square - bend * np.outer(units, units)
+        convex = (H[:, 0, 0] > 0.0) & (np.linalg.det(H) > 1e-6 * np.linalg.det(square))
+        H = np.where(convex[:, None, None], H, square)
+        slope[held] = 0.0
+        H[held[:, 0] | held[:, 1], 0, 1] = H[held[:, 0] | held[:, 1], 1, 0] = 0.0
+        steps: Array = np.einsum("kij,kj->ki", np.linalg.pinv(H, rcond=1e-12), slope)
+        return steps
+
+    def _on_walls(self, points: Array, inside: NDArray[np.bool_], found: Array) -> Array:
+        """Improve distances by the nearest points of walls, at the azimuth or height as it is."""
+        coordinates = self._section.coordinates(points)
         if not self._walls:
             return found
         near = [wall.find(coordinates) for wall in self._walls]
-        distances = np.stack([distance for distance, _, _ in near])
+        distances = np.stack([distance for distance, *_ in near])
         for index in np.argsort(distances, axis=0):
             distance = distances[index, np.arange(len(points))]
             open_ = np.flatnonzero(distance < found)
             if not len(open_):
                 break
-            feet = np.stack([near[k][1][j] for j, k in zip(open_, index[open_], strict=True)])
-            normal = np.stack(
-                [
-                    self._walls[k].normals[near[k][2][j]]
-                    for j, k in zip(open_, index[open_], strict=True)
-                ]
-            )
+            chosen = list(zip(open_, index[open_], strict=True))
+            feet = np.stack([near[k][1][j] for j, k in chosen])
+            q = np.stack([near[k][3][j] for j, k in chosen])
+            normal = np.stack([self._walls[k].normals[near[k][2][j]] for j, k in chosen])
             at, across = self._beside(points[open_], feet, normal)
-            bounds = self._divides(at, across)
+            sides = self._reached_beside(at, across)
+            # Of curves that coincide one is kept: where it cannot lead here, another one may.
+            bounds = np.where(
+                inside[open_], sides[0] != sides[1], sides[0] | sides[1] | self._attains(at, q)
+            )
             found[open_[bounds]] = distance[open_[bounds]]
         return found
+
+    def _attains(self, points: Array, q: Array) -> NDArray[np.bool_]:
+        """Whether joint 1 can bring the point from where joints 2 and 3 put it to points (k, 3)."""
+        section = self._section
+        (p,) = section.derivatives(q[:, 0], q[:, 1], 0)
+        if section.slides[0]:
+            first = points[:, 2] - p[2]
+        else:
+            first = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(p[1], p[0])
+            first = section.lower[0] + np.remainder(first - section.lower[0], 2.0 * np.pi)
+        attained: NDArray[np.bool_] = (first >= section.lower[0]) & (first <= section.upper[0])
+        return attained
 
     def _beside(self, points: Array, feet: Array, normal: Array) -> tuple[Array, Array]:
         """Give points of the section, and directions, at the azimuth or height of points."""
@@ -126,13 +174,17 @@ class LimitedBoundary:
 
     def _divides(self, points: Array, normals: Array) -> NDArray[np.bool_]:
         """Whether of the points on either side of surfaces only one can be reached."""
+        sides = self._reached_beside(points, normals)
+        result: NDArray[np.bool_] = sides[0] != sides[1]
+        return result
+
+    def _reached_beside(self, points: Array, normals: Array) -> list[NDArray[np.bool_]]:
+        """Whether the points on either side of surfaces can be reached."""
         step = _BESIDE * self._section.size
-        sides = [
+        return [
             self._postures.count(self._section.in_base(points + sign * step * normals)) > 0
             for sign in (1.0, -1.0)
         ]
-        result: NDArray[np.bool_] = sides[0] != sides[1]
-        return result
 
     def _sheet_samples(self) -> tuple[Array, Array]:
         section = self._section

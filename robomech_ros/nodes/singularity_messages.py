@@ -49,10 +49,11 @@ def _twist(twist: Array, axes: Array | None, frame: str) -> TwistStamped:
 
 def _summary(report: SingularityReport) -> str:
     if not report.singular:
+        # More joints than freedoms leave singular values of zero, which say nothing of the posture.
+        largest, least = report.singular_values[0], report.singular_values[report.rank - 1]
         return (
-            f"regular: rank {report.rank}, least singular value {report.singular_values[-1]:.3g} "
-            f"and condition number {report.normalised_condition_number:.4g} with lengths over "
-            f"{report.length:.4g} m"
+            f"regular: rank {report.rank}, least singular value {least:.3g} "
+            f"and condition number {largest / least:.4g} with lengths over {report.length:.4g} m"
         )
     lost = len(report.lost_directions)
     directions = f"{lost} direction{'s' if lost != 1 else ''} of motion lost"

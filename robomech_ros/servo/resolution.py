@@ -100,7 +100,7 @@ class TwistResolver:
     Raises
     ------
     BadValueError
-        The chain has no joint, or is singular in every posture.
+        The chain has no joint.
     """
 
     def __init__(

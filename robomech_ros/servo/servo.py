@@ -148,7 +148,7 @@ class Servo:
     MissingLimitsError
         A joint has no velocity limit.
     BadValueError
-        The chain has no joint, or is singular in every posture.
+        The chain has no joint.
 
     Attributes
     ----------

@@ -11,6 +11,8 @@ from robomech_ros.kinetostatics import (
 )
 from robomech_ros.robots import chain_from_dh, load_robot
 
+QUARTER = np.pi / 2
+
 
 @pytest.fixture(scope="module")
 def designs(golden):
@@ -107,3 +109,41 @@ def test_what_is_refused():
     twice = chain_from_dh([0.0, 0.0], [0.1, 0.1], [0.0, 0.0])
     with pytest.raises(BadValueError, match="not singular in every posture"):
         characteristic_length(twice)
+
+
+@pytest.mark.parametrize(
+    ("types", "angles"), [("RRR", [QUARTER, -QUARTER, 0.0]), ("R", [0.0]), ("PPP", [QUARTER] * 3)]
+)
+def test_an_arm_without_lengths_is_conditioned_as_its_axes_are(types, angles):
+    n = len(types)
+    arm = chain_from_dh([0.0] * n, [0.0] * n, angles, [0.0, QUARTER, 0.0][:n], types=types)
+    length = characteristic_length(arm)
+    assert 1e-3 <= length <= 1e3
+    assert length.condition_number == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_a_length_that_would_vanish_ends_at_a_thousandth_of_the_arm(n):
+    # Of few joints positions alone can be conditioned best; here 1.618 in the limit of the 2R arm.
+    rng = np.random.default_rng(2)
+    a, b = rng.uniform(-0.5, 0.5, (2, n))
+    twists, angles = rng.uniform(-3.0, 3.0, (2, n))
+    planar = chain_from_dh([1.0, 1.0], [0.0, 0.0], [0.0, 0.0])
+    arm = planar if n == 2 else chain_from_dh(a, b, twists, angles)
+    length = characteristic_length(arm)
+    reach = np.linalg.norm(arm.packed[1:, 10:], axis=1).sum()
+    assert 1e-3 * reach * (1 - 1e-12) <= length < 0.1 * reach
+    assert condition_number(arm, length.q, length=length) == length.condition_number
+    if n == 2:
+        assert length.condition_number == pytest.approx((1 + np.sqrt(5)) / 2, abs=1e-4)
+
+
+def test_where_the_base_stands_does_not_matter():
+    far = np.eye(4)
+    far[:3, 3] = 1e5
+    arms = [
+        chain_from_dh([1.0, 1.0, 0.5773502691896258], [0.0] * 3, [0.0] * 3, base=base)
+        for base in (None, far)
+    ]
+    near_length, far_length = (characteristic_length(arm) for arm in arms)
+    assert far_length == pytest.approx(near_length, rel=1e-6)

@@ -158,3 +158,15 @@ def test_what_is_refused():
             ask(chain, np.zeros(6), length=-1.0)
         with pytest.raises(NonFiniteError, match="joint 'waist'"):
             ask(chain, [np.inf, 0, 0, 0, 0, 0], length=LENGTH)
+
+
+def test_an_arm_with_more_joints_than_freedoms_is_judged_by_the_rank_it_has():
+    # Planar, of four: it has no characteristic length, since no posture has rank 4.
+    snake = chain_from_dh([1.0] * 4, [0.0] * 4, [0.0] * 4)
+    report = singularity_report(snake, [0.3, 0.6, 0.9, 1.2])
+    assert not report.singular and report.rank == 3 and report.length == 4.0
+    straight = singularity_report(snake, [0.3, 0.0, 0.0, 1.2])
+    assert straight.kinds == ("elbow",) and straight.rank == 2
+    assert len(straight.lost_directions) == 1
+    found = nearest_singular_posture(snake, [0.3, 0.1, 0.05, 1.2])
+    assert found.distance == pytest.approx(np.hypot(0.1, 0.05), rel=1e-9)

@@ -94,7 +94,7 @@ def test_a_million_postures_are_inside_and_come_near_all_of_the_boundary(space):
     inward = ((points[near] - vertices[index[near]]) * normals[index[near]]).sum(axis=1)
     # Whatever may be outside as far as the polygon tells, against the curve itself.
     doubtful = points[near[inward < 3e-6 * size]]
-    distance, feet, vertex = space.nearest.find(doubtful)
+    distance, feet, vertex, _ = space.nearest.find(doubtful)
     offset = ((doubtful - feet) * normals[vertex]).sum(axis=1)
     # At corners, which have two sides, the count decides.
     beyond = offset < -1e-9
@@ -175,6 +175,48 @@ def test_slides_make_a_box_with_corners():
     assert space.distance(inside) == pytest.approx(0.5, abs=1e-6)
     assert len(space.cusps) == 0
     assert {curve.role for curve in space.curves} == {"outer"}
+
+
+def test_outside_the_distance_is_that_from_edges_and_corners_too():
+    # A box of slides, and a wedge of a cylinder: joint 1 has limits.
+    points = np.random.default_rng(4).uniform(-1.0, 2.0, (300, 3))
+    box = chain_from_dh(
+        [0.0] * 3, [0.0] * 3, [H, H, 0.0], [0.0, H, 0.0], types="PPP",
+        limits=ranges([0.0] * 3, [1.0] * 3),
+    )  # fmt: skip
+    corner, opposite = forward_kinematics(box, [[0.0] * 3, [1.0] * 3])[:, :3, 3]
+    lower, upper = np.minimum(corner, opposite), np.maximum(corner, opposite)
+    away = np.linalg.norm(points - points.clip(lower, upper), axis=1)
+    found = workspace_boundary(box).distance(points)
+    assert found[away > 0.0] == pytest.approx(-away[away > 0.0], abs=1e-6)
+    wedge = chain_from_dh(
+        [0.0] * 3, [0.0] * 3, [0.0, H, 0.0], types="RPP",
+        limits=ranges([-1.0, 0.0, 0.2], [1.0, 0.5, 0.8]),
+    )  # fmt: skip
+    q = np.random.default_rng(5).uniform([-1.0, 0.0, 0.2], [1.0, 0.5, 0.8], (20_000, 3))
+    check_outside(wedge, q, points)
+
+
+@pytest.mark.parametrize("name", ["puma560", "scara"])
+def test_outside_no_posture_is_nearer_than_the_boundary_and_one_as_near(name):
+    chain = load_robot(name)
+    q = np.random.default_rng(5).uniform(chain.lower, chain.upper, (20_000, chain.n))
+    check_outside(chain, q, np.random.default_rng(6).uniform(-1.0, 1.0, (120, 3)))
+
+
+def check_outside(chain, q, points):
+    """Compare distances of points that cannot be reached with those from postures (k, n)."""
+    from scipy.spatial import cKDTree
+
+    space, centre = workspace_boundary(chain), positioning_part(chain).in_tip
+    T = forward_kinematics(chain, q)
+    nearest, _ = cKDTree(T[:, :3, :3] @ centre + T[:, :3, 3]).query(points)
+    found = -space.distance(points)
+    outside = found > 0.0
+    size = space.section.size
+    assert outside.sum() > 50
+    assert (found <= nearest + 1e-6 * size)[outside].all()
+    assert (found >= nearest - 0.15 * size)[outside].all()
 
 
 def test_orthogonal_arm_with_offsets_has_four_cusps_and_a_region_of_four():
@@ -322,6 +364,17 @@ def test_arms_without_a_positioning_part_are_refused(name):
 def test_two_joints_that_leave_the_plane_are_refused():
     with pytest.raises(BadValueError, match="'joint_2' moves links out of the plane"):
         workspace_boundary(chain_from_dh([0, 0.3], [0, 0], [H, 0]))
+
+
+@pytest.mark.parametrize("locked", [0, 1, 2])
+@pytest.mark.parametrize("types", ["RRR", "RPP"])
+def test_an_arm_with_a_locked_joint_moves_on_a_surface_only(locked, types):
+    lower, upper = np.array([-1.0, 0.1, 0.1]), np.array([1.0, 0.5, 0.6])
+    upper[locked] = lower[locked]
+    arm = chain_from_dh([0.1, 0.4, 0.3], [0.0] * 3, [H, H, 0.0], types=types,
+                        limits=ranges(lower, upper))  # fmt: skip
+    with pytest.raises(BadValueError, match="not on a surface only"):
+        workspace_boundary(arm)
 
 
 def test_bad_input_is_refused():
