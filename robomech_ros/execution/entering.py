@@ -179,10 +179,10 @@ def smoothed(
     LimitExceededError
         A limit of position or velocity would be exceeded.
     """
+    violation = violation_of(curve, joints)
+    if violation is not None:
+        raise refusal(violation, first)
     if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
-        violation = violation_of(curve, joints)
-        if violation is not None:
-            raise refusal(violation, first)
         return curve
     time = fading_time(step, kick, joints)
     found = None
@@ -193,8 +193,7 @@ def smoothed(
             return candidate
         found = found or violation
     assert found is not None
-    itself = violation_of(curve, joints)
-    raise refusal(found, max(first, time)) if itself is None else refusal(itself, first)
+    raise refusal(found, max(first, time))
 
 
 def violation_of(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
