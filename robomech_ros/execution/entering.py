@@ -30,7 +30,7 @@ STANDING = 1e-6
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
 _STRETCHES = (1.0, 2.0, 4.0, 0.5)
-# A joint slower than this part of its limit can catch up for sure, one faster than the other cannot.
+# Parts of its limit: a slower joint can catch up for sure, a faster one than the other cannot.
 _SLOW, _FULL = 0.1, 0.9
 # A robot that is faster than a curve on its way to the largest speed must be ahead for as long as
 # the curve takes to get there: by a least time (s), and by this part of the way that the difference

@@ -1,4 +1,4 @@
-"""What is done to a curve: a step at its start fades out, speed at its end is braked, or it is cut."""
+"""What is done to curves: a step at the start fades out, speed at the end is braked, a cut."""
 
 import math
 
