@@ -174,11 +174,8 @@ def _course(known: Waypoints, present: State, joints: Joints, late: float) -> _C
     """Make the curve of a trajectory by itself."""
     times, positions, velocities = known.times, known.positions, known.velocities
     curve = interpolant(times, positions, velocities, known.accelerations)
-    corners = velocities is None or bool(np.isnan(velocities[0]).any())
-    if not corners:
-        velocity = velocities[0]
-    else:
-        velocity = curve.sample(times[0]).velocity
+    given = None if velocities is None or np.isnan(velocities[0]).any() else velocities[0]
+    velocity = curve.sample(times[0]).velocity if given is None else given
     if velocities is not None:
         curve = with_braking(curve, velocities[-1], joints)
     early = min(late - times[0], 0.0)
@@ -187,7 +184,7 @@ def _course(known: Waypoints, present: State, joints: Joints, late: float) -> _C
     coefficients = curve.coefficients.copy()
     coefficients[0] += turns
     curve = PiecewisePolynomial(curve.breaks, coefficients)
-    return _Course(curve, velocity, place + turns, corners)
+    return _Course(curve, velocity, place + turns, given is None)
 
 
 def _entered(course: _Course, late: float, present: State, joints: Joints) -> Joined:
