@@ -80,6 +80,8 @@ class Job:
         Whether it was where it should be when the trajectory was over.
     remark : str
         What else the outcome is to say.
+    pace : float
+        With which a robot that moves begins to follow the curve, above 0 up to 1.
     """
 
     waypoints: Waypoints
@@ -93,6 +95,7 @@ class Job:
     braking: float = 0.0
     arrived: bool = False
     remark: str = ""
+    pace: float = 1.0
 
     @property
     def goal(self) -> FloatArray:

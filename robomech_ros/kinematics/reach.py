@@ -13,10 +13,10 @@ from robomech_ros.kinematics.iterative import (
     FULL_TASK,
     Task,
     least_orientation_error,
-    low_discrepancy_strides,
     packed_chain,
     task_data,
 )
+from robomech_ros.kinematics.spread import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["NO_TIME", "ReachGap", "out_of_reach", "reach_gap"]

@@ -17,7 +17,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.singularities import regular_rank
+from robomech_ros.kinetostatics.regularity import regular_rank
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 

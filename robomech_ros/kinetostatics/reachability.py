@@ -25,8 +25,8 @@ from robomech_ros.kinetostatics.map_engines import (
 )
 from robomech_ros.kinetostatics.map_file import as_path, check_writable, load_map, save_map
 from robomech_ros.kinetostatics.map_request import MapRequest, RobotIdentity, identity_of
+from robomech_ros.kinetostatics.regularity import report_length
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
-from robomech_ros.kinetostatics.singularities import report_length
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice

@@ -10,19 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels._jit import direct
 from robomech_ros._kernels.posture_report import FACTORS, MOVING, posture_report
-from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros._kernels.tolerances import FACTOR_ZERO
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.kinetostatics.conditioning import characteristic_length, length_scale
-from robomech_ros.kinetostatics.indices import as_length
-from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, as_point
+from robomech_ros.kinetostatics.regularity import regular_motions, report_length
 from robomech_ros.kinetostatics.singularity_factors import NamedParts, named_parts
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["SingularityReport", "regular_rank", "report_length", "singularity_report"]
+__all__ = ["SingularityReport", "singularity_report"]
 
 Array = NDArray[np.float64]
 
@@ -100,47 +96,8 @@ class _Known(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def _length(chain: SerialChain) -> float:
-    try:
-        return float(characteristic_length(chain))
-    except BadValueError:
-        return length_scale(chain)
-
-
-def report_length(chain: SerialChain, length: float | None) -> float:
-    """Give the length (m) that a caller wants, or the characteristic length.
-
-    An arm with more joints than its motions have degrees of freedom, such as a planar one of four,
-    has none: it is singular in every posture, and its size takes the place.
-
-    Raises
-    ------
-    BadValueError
-        It is not from 1e-9 to 1e9 m; or the chain has no joint.
-    """
-    if not chain.n:
-        raise BadValueError("chain", chain.name, "one with a joint")
-    return _length(chain) if length is None else as_length(length)
-
-
-def regular_rank(chain: SerialChain) -> int:
-    """Give the rank that the Jacobian has in nearly all postures."""
-    return _known(chain).rank
-
-
-@functools.lru_cache(maxsize=64)
 def _known(chain: SerialChain) -> _Known:
-    size = arm_size(chain)
-    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
-    q[:, chain.types == PRISMATIC] *= size
-    J = jacobian(chain, q)
-    J[:, 3:] /= size
-    values = np.linalg.svd(J, compute_uv=False)
-    left, all_values, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
-    rank = int((values > RANK * values[:, :1]).sum(axis=1).max())
-    span: Array = left[:, : int((all_values > RANK * all_values[0]).sum())]
-    span[3:] *= size
-    return _Known(rank, np.ascontiguousarray(span.T), named_parts(chain))
+    return _Known(*regular_motions(chain), named_parts(chain))
 
 
 def singularity_report(

@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import ON_SINGULARITY, RANK
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.kinematics.iterative import low_discrepancy_strides
+from robomech_ros.kinematics.spread import low_discrepancy_strides
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.singularities import regular_rank, report_length
+from robomech_ros.kinetostatics.regularity import regular_rank, report_length
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 

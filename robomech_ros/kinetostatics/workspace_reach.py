@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.iterative import low_discrepancy_strides
 from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinematics.spread import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 

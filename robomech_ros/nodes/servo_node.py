@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.errors import RobomechError
-from robomech_ros.kinetostatics.singularities import report_length
+from robomech_ros.kinetostatics.regularity import report_length
 from robomech_ros.nodes.controller.motion_clock import MotionClock
 from robomech_ros.nodes.error_codes import NoStateError
 from robomech_ros.nodes.joint_state_monitor import JointStateMonitor

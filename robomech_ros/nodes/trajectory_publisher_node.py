@@ -165,7 +165,7 @@ class TrajectoryPublisherNode(Node):
         waypoints = read_waypoints(
             given_trajectory(trajectory), names, settings.max_points, settings.max_duration
         )
-        delay = self._motion_clock.until(trajectory.header.stamp)
+        delay = self._motion_clock.until(trajectory.header.stamp, self._motion_clock.now())
         return Delivery(trajectory, names, waypoints, transport, delay)
 
     def _offer(self, delivery: Delivery) -> None:

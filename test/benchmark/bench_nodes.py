@@ -87,6 +87,8 @@ def rows(ros_python: Path) -> list[Row]:
         Row("servo, 100 Hz, from a command to the stream that follows it",
             1e6 * figures["servo"]["median"], limit=SERVO_LIMIT),
         Row("the same, 99th percentile", 1e6 * figures["servo"]["largest_of_99"]),
+        Row("the same, until the motion changes, two periods ahead of a message",
+            1e6 * figures["servo"]["motion"]),
     ]  # fmt: skip
     for name, load in figures["idle"].items():
         limit = CONTROLLER_LIMIT if name == CONTROLLER else IDLE_LIMIT

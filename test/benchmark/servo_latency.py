@@ -19,14 +19,27 @@ COMMANDS = 300
 BETWEEN = 0.35
 KEPT_UP = 0.03
 PATIENCE = 120.0
+# A message begins so many periods before its newest point: the parameter `lead` of the servo.
+LEAD = 2
 
 
 @dataclass(frozen=True)
 class Latency:
-    """From sending a command to receiving the first message that follows it, in seconds."""
+    """How long a command takes.
+
+    Attributes
+    ----------
+    median, largest_of_99 : float
+        From sending it to receiving the first message that follows it (s).
+    motion : float
+        Until the motion itself changes by that message, the median (s).
+    messages : int
+        How many were received.
+    """
 
     median: float
     largest_of_99: float
+    motion: float
     messages: int
 
 
@@ -47,13 +60,21 @@ class Operator:
         topic = "joint_trajectory_controller/joint_trajectory"
         node.create_subscription(JointTrajectory, topic, self._take, 10)
         self._speeds = (0.0, 0.0)
+        self._turns_at = 0.0
         self._messages = 0
 
     def _take(self, message: JointTrajectory) -> None:
+        """See how fast the joint is at the first point of a message, and at its newest one.
+
+        What comes after that is the plan to stop.
+        """
         self._messages += 1
-        first, second = message.points[0], message.points[min(1, len(message.points) - 1)]
-        place = list(message.joint_names).index(JOINT)
-        self._speeds = first.velocities[place], second.velocities[place]
+        points, place = message.points, list(message.joint_names).index(JOINT)
+        newest = min(LEAD, len(points) - 1)
+        self._speeds = points[0].velocities[place], points[newest].velocities[place]
+        begin = points[max(newest - 1, 0)].time_from_start
+        stamp = message.header.stamp
+        self._turns_at = stamp.sec + begin.sec + 1e-9 * (stamp.nanosec + begin.nanosec)
 
     def _command(self, speed: float) -> None:
         self._commands.publish(JointState(name=[JOINT], velocity=[speed]))
@@ -75,21 +96,25 @@ class Operator:
             self._keep_up(SPEED, 0.1, alive)
             if time.monotonic() > begin + PATIENCE or not alive():
                 raise SystemExit("the servo does not move the robot")
-        speed, seconds = SPEED, []
+        speed, seconds, motions = SPEED, [], []
         for _ in range(COMMANDS):
             # Not in step with the periods of the servo.
             self._keep_up(speed, BETWEEN + 0.01 * (len(seconds) * 0.618 % 1.0), alive)
             speed = -speed
-            sent = time.perf_counter()
+            sent, sent_at = time.perf_counter(), time.time()
             self._command(speed)
             while time.perf_counter() < sent + 1.0:
                 self._executor.spin_once(0.001)
                 before, after = self._speeds
                 if (after - before) * speed > 1e-9:
                     seconds.append(time.perf_counter() - sent)
+                    motions.append(self._turns_at - sent_at)
                     break
         if len(seconds) < 0.9 * COMMANDS:
             raise SystemExit(f"only {len(seconds)} of {COMMANDS} commands were seen to be followed")
         return Latency(
-            statistics.median(seconds), statistics.quantiles(seconds, n=100)[98], self._messages
+            statistics.median(seconds),
+            statistics.quantiles(seconds, n=100)[98],
+            statistics.median(motions),
+            self._messages,
         )

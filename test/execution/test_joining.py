@@ -13,7 +13,7 @@ TOLERANCE = 0.01
 
 
 def joined(waypoints, present, late=0.0):
-    return join(waypoints, present, joints(), TOLERANCE, late)
+    return join(waypoints, present, joints(), TOLERANCE, late).curve
 
 
 def assert_smooth(curve, present):

@@ -10,7 +10,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.iterative import low_discrepancy_strides
+from robomech_ros.kinematics.spread import low_discrepancy_strides
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.kinetostatics.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot

@@ -22,7 +22,7 @@ from rich.progress import (
 )
 
 from robomech_ros.errors import BadValueError, MapFileError
-from robomech_ros.kinematics.iterative import reach_bound
+from robomech_ros.kinematics.spread import reach_bound
 from robomech_ros.kinetostatics import (
     ReachMap,
     even_rotations,

@@ -172,8 +172,8 @@ class SimulatedRobot:
             )
             held_to = tolerances(self._tolerances)
             with self.lock:
-                delay = self._clock.until(trajectory.header.stamp)
                 now = self._clock.now()
+                delay = self._clock.until(trajectory.header.stamp, now)
                 job = self.follower.start(waypoints, held_to, now, delay, self._counted(on_end), by)
                 self.counts.accepted += 1
                 self.counts.last_refusal = ""

@@ -119,8 +119,8 @@ class StateQuery:
             return response
         try:
             with self._robot.lock:
-                ahead = self._clock.until(request.time)
                 self._robot.advance()
+                ahead = self._clock.until(request.time, self._robot.follower.now)
                 state = planned_state(self._robot.follower, ahead)
         except RobomechError as error:
             response.message = str(error)

@@ -165,13 +165,14 @@ class CommandReader:
         settings = self._settings()
         timeout = settings.command_timeout
         told_ahead = min(settings.lead / settings.publish_rate, 0.5 * timeout)
-        ahead = self._clock.until(header.stamp)
+        now = self._clock.now()
+        ahead = self._clock.until(header.stamp, now)
         if ahead < -timeout:
             what = f"made {-ahead:.3g} s ago"
         elif ahead > timeout:
             what = f"{ahead:.3g} s in the future"
         else:
-            return self._clock.now() + timeout - told_ahead + min(ahead, 0.0)
+            return now + timeout - told_ahead + min(ahead, 0.0)
         expected = f"a command from the last {timeout:g} s, the parameter command_timeout"
         stamp = header.stamp
         raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)

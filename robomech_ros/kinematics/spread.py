@@ -1,0 +1,43 @@
+"""Postures spread evenly over all that an arm can take, and how far it reaches in them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["low_discrepancy_strides", "reach_bound"]
+
+Array = NDArray[np.float64]
+
+
+def low_discrepancy_strides(n: int) -> Array:
+    """Give the strides of an n-dimensional sequence that fills the unit cube evenly.
+
+    They are the powers of the inverse of the root of x^(n + 1) = x + 1.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Each in (0, 1).
+
+    References
+    ----------
+    M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018.
+    """
+    root = 1.5
+    for _ in range(64):
+        root = (1.0 + root) ** (1.0 / (n + 1))
+    return (root ** -np.arange(1.0, n + 1)) % 1.0
+
+
+def reach_bound(chain: SerialChain) -> float:
+    """Give an upper bound on the distance (m) between base and tip, prismatic travel included."""
+    fixed = float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum())
+    sliding = chain.types == PRISMATIC
+    travel = np.maximum(np.abs(chain.lower), np.abs(chain.upper))[sliding]
+    return fixed + float(travel[np.isfinite(travel)].sum())

@@ -1,0 +1,78 @@
+"""What the Jacobian of an arm is in nearly all postures: its rank, and its scale."""
+
+import functools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import RANK
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinetostatics.conditioning import characteristic_length, length_scale
+from robomech_ros.kinetostatics.indices import as_length
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["regular_motions", "regular_rank", "report_length"]
+
+Array = NDArray[np.float64]
+
+
+@functools.lru_cache(maxsize=64)
+def _length(chain: SerialChain) -> float:
+    try:
+        return float(characteristic_length(chain))
+    except BadValueError:
+        return length_scale(chain)
+
+
+def report_length(chain: SerialChain, length: float | None) -> float:
+    """Give the length (m) that a caller wants, or the characteristic length.
+
+    An arm with more joints than its motions have degrees of freedom, such as a planar one of four,
+    has none: it is singular in every posture, and its size takes the place.
+
+    Raises
+    ------
+    BadValueError
+        It is not from 1e-9 to 1e9 m; or the chain has no joint.
+    """
+    if not chain.n:
+        raise BadValueError("chain", chain.name, "one with a joint")
+    return _length(chain) if length is None else as_length(length)
+
+
+def regular_rank(chain: SerialChain) -> int:
+    """Give the rank that the Jacobian has in nearly all postures."""
+    return regular_motions(chain)[0]
+
+
+@functools.lru_cache(maxsize=64)
+def regular_motions(chain: SerialChain) -> tuple[int, Array]:
+    """Find the rank that the Jacobian has in nearly all postures, and what it spans in all.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        With one joint at least.
+
+    Returns
+    -------
+    rank : int
+        From 1 to 6.
+    motions : ndarray, shape (r, 6)
+        Twists that span all that it has in one posture or another (1 and m).
+    """
+    size = arm_size(chain)
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (16, chain.n))
+    q[:, chain.types == PRISMATIC] *= size
+    J = jacobian(chain, q)
+    J[:, 3:] /= size
+    values = np.linalg.svd(J, compute_uv=False)
+    left, all_values, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
+    rank = int((values > RANK * values[:, :1]).sum(axis=1).max())
+    span: Array = left[:, : int((all_values > RANK * all_values[0]).sum())]
+    span[3:] *= size
+    return rank, np.ascontiguousarray(span.T)
