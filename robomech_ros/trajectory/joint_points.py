@@ -8,7 +8,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["joint_points"]
+__all__ = ["joint_points", "joint_values"]
 
 
 def joint_points(
@@ -49,3 +49,36 @@ def joint_points(
         raise BadValueError(f"points[{far[0]}]", places[far[0]].tolist(), expected)
     places.setflags(write=False)
     return places
+
+
+def joint_values(what: str, values: npt.ArrayLike | None, joints: int) -> FloatArray:
+    """Give one number for each joint as an array of its own.
+
+    Parameters
+    ----------
+    what : str
+        Name of the values in messages.
+    values : array_like, shape (n,), or None
+        rad or m, or over s and s^2; None for zeros.
+    joints : int
+        n.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        No numbers, of another shape, not finite, or too large.
+    """
+    array = np.zeros(joints) if values is None else real_array(what, values).copy()
+    if array.shape != (joints,):
+        raise WrongSizeError(what, array.shape, (joints,))
+    if not np.isfinite(array).all():
+        raise NonFiniteError(what, array)
+    far = np.flatnonzero(np.abs(array) > LARGEST_LENGTH)
+    if len(far):
+        k = int(far[0])
+        raise BadValueError(f"{what}[{k}]", float(array[k]), f"at most {LARGEST_LENGTH:g}")
+    return array
