@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
-from robomech_ros.trajectory.limits import MARGIN, JointLimits, Limits
+from robomech_ros.trajectory.bounds import extremes
+from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
 from robomech_ros.trajectory.profiles import (
     PROFILES,
     point_to_point,
@@ -18,15 +19,21 @@ from robomech_ros.trajectory.profiles import (
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.verification import Verification, verify
-from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints, discretise
+from robomech_ros.trajectory.waypoints import (
+    PiecewiseTrajectory,
+    Waypoints,
+    discretise,
+    position_rounding,
+)
 
 __all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
-# Where no joint has a lower jerk limit, rounding may do this to the jerk between two samples
-# (rad/s^3, m/s^3) that are very near to each other, because jerk steps are.
-_JERK_ERROR = 100.0
+# Rounding may do this to the jerk between two samples that are near to each other because jerk
+# steps are: in parts of the lowest jerk limit, and at most (rad/s^3, m/s^3).  Less would merge
+# steps farther apart, and that costs more.
+_JERK_ERROR, _LARGEST_JERK_ERROR = 0.02, 100.0
 # An excess up to this ratio is taken off the limits themselves (it costs a third of it in time).
 _SMALL_EXCESS = 1.003
 # A greater one comes from jerk steps of several joints that nearly coincide: the jerk limits are
@@ -98,7 +105,8 @@ def sampled_motion(
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    jerk_error = min(float(known.jerk.min(initial=np.inf)), _JERK_ERROR)
+    lowest = float(known.jerk.min(initial=np.inf))
+    jerk_error = min(_JERK_ERROR * lowest, _LARGEST_JERK_ERROR)
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
@@ -109,7 +117,7 @@ def sampled_motion(
             return plan  # over the limits by rounding only, and there is no time to spare
         waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
         plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
-        ratios = _ratios(plan.verification)
+        ratios = _ratios(plan, known)
         if (ratios <= 1.0).all():
             break
         _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
@@ -195,11 +203,31 @@ def _tightened(limits: Limits, factors: FloatArray) -> Limits:
     return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
 
 
-def _ratios(verification: Verification) -> FloatArray:
-    return np.stack(
+def _ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
+    """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
+
+    A verification forgives what may be rounding; who receives the samples need not, so that here
+    it counts where samples are so near to each other that it can be seen.
+    """
+    verification = plan.verification
+    certain = np.stack(
         [
             verification.peak_velocity_ratio,
             verification.peak_acceleration_ratio,
             verification.peak_jerk_ratio,
         ]
     )
+    if not _rounding_shows(plan.waypoints, limits):
+        return certain
+    low, high = extremes(plan.waypoints.curve)
+    shown: FloatArray = np.maximum(-low, high)[1:] / limits.rates
+    return np.maximum(certain, shown)
+
+
+def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
+    """Say whether rounding of positions can use up the margins of acceleration or jerk."""
+    shortest = float(np.diff(waypoints.times).min(initial=np.inf))
+    rounding = position_rounding(waypoints.positions)
+    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
+    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
+    return rounding > shortest**2 * min(acceleration, shortest * jerk)
