@@ -10,6 +10,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
+from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.profiles import (
     PROFILES,
     point_to_point,
@@ -42,6 +43,10 @@ _STAGGER = 0.004
 # Both settle in a round or two; more would be a defect, which the verification then names.
 _STAGGERED_ROUNDS = 3
 _ROUNDS = 20
+# Where a motion is slowed down for its rounding: how often, by how much more than the last samples
+# ask for (those of the slower one are rounded anew), and by which part of its duration at most,
+# which grows with every plan, as planning many via points anew takes seconds.
+_SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.006
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +110,7 @@ def sampled_motion(
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    lowest = float(known.jerk.min(initial=np.inf))
-    jerk_error = min(_JERK_ERROR * lowest, _LARGEST_JERK_ERROR)
+    jerk_error = _jerk_error(known)
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
@@ -117,9 +121,15 @@ def sampled_motion(
             return plan  # over the limits by rounding only, and there is no time to spare
         waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
         plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
-        ratios = _ratios(plan, known)
+        ratios = _ratios(plan.verification)
         if (ratios <= 1.0).all():
-            break
+            ratios = _shown_ratios(plan, known)
+            if (ratios <= 1.0).all():
+                break
+            slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
+            slowed = _slowed(plan, known, slowest, period, max_points)
+            if slowed is not None:
+                return slowed
         _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
     assert plan is not None
     plan.verification.require_ok()
@@ -203,25 +213,27 @@ def _tightened(limits: Limits, factors: FloatArray) -> Limits:
     return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
 
 
-def _ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
-    """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
-
-    A verification forgives what may be rounding; who receives the samples need not, so that here
-    it counts where samples are so near to each other that it can be seen.
-    """
-    verification = plan.verification
-    certain = np.stack(
+def _ratios(verification: Verification) -> FloatArray:
+    return np.stack(
         [
             verification.peak_velocity_ratio,
             verification.peak_acceleration_ratio,
             verification.peak_jerk_ratio,
         ]
     )
+
+
+def _shown_ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
+    """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
+
+    A verification forgives what may be rounding; who receives the samples need not, so that here
+    it counts where samples are so near to each other that it can be seen.
+    """
     if not _rounding_shows(plan.waypoints, limits):
-        return certain
+        return _ratios(plan.verification)
     low, high = extremes(plan.waypoints.curve)
-    shown: FloatArray = np.maximum(-low, high)[1:] / limits.rates
-    return np.maximum(certain, shown)
+    ratios: FloatArray = np.maximum(-low, high)[1:] / limits.rates
+    return ratios
 
 
 def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
@@ -231,3 +243,33 @@ def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
     acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
     jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
     return rounding > shortest**2 * min(acceleration, shortest * jerk)
+
+
+def _slowed(
+    plan: SampledPlan, limits: Limits, slowest: float, period: float, max_points: int
+) -> SampledPlan | None:
+    """Slow a plan down by up to a factor until its rounding, too, is within the limits, if it gets.
+
+    Where rounding is all that is wrong that takes less time than to plan anew.
+    """
+    start, goal = plan.waypoints.positions[[0, -1]]
+    pieces, jerk_error = plan.trajectory.pieces, _jerk_error(limits)
+    factor, ratios = 1.0, _shown_ratios(plan, limits)
+    for _ in range(_SLOWED_ROUNDS):
+        needed = float(((ratios + MARGIN).max(axis=1) ** (1.0 / np.arange(1.0, 4.0))).max())
+        factor *= 1.0 + _OVERSLOWED * (needed - 1.0)
+        if factor > slowest:
+            return None
+        motion = MotionToRest(goal, pieces.stretched(factor))
+        waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
+        verification = verify(waypoints, limits, start=start)
+        slowed = SampledPlan(motion, waypoints, verification)
+        ratios = _shown_ratios(slowed, limits)
+        if verification.ok and (ratios <= 1.0).all():
+            return slowed
+    return None
+
+
+def _jerk_error(limits: Limits) -> float:
+    """Say what rounding may do to the jerk between samples that are near to each other."""
+    return min(_JERK_ERROR * float(limits.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)
