@@ -63,6 +63,7 @@ from robomech_ros.trajectory import (
     sampled_through_points,
     spline_like,
     spline_through,
+    state_to_state,
     through_points,
     time_optimal,
     verify,
@@ -201,6 +202,7 @@ def calls():
     planned = with_options(sampled_point_to_point, period=0.1, max_points=1000, **good)
     del planned["sampled_point_to_point.max_points"]  # a node's own parameter, checked there
     found |= planned | {"sample": MOTION.sample}
+    found |= with_options(state_to_state, q0=[0] * 6, q1=[0.5] * 6, limits=LIMITS)
     points = [[0.0] * 6, [0.3] * 6, [0.5] * 6]
     for function in (spline_through, through_points, via_polynomial):
         found |= with_options(function, points=points, limits=LIMITS)
@@ -263,6 +265,7 @@ def of_dynamics():
     state = {"chain": PUMA, "q": q, "qd": q}
     good = state | {"qdd": q, "tau": q, "parameters": dynamics.body_parameters(PUMA)[1]}
     good |= {"payload": PUMA.bodies[-1], "algorithm": "inverse: newton-euler", "n": 2}
+    good["path"] = MOTION
     rows = {"chain": PUMA, "times": [0.0], "q": [q], "qd": [q], "qdd": [q]}
     found = with_options(dynamics.torque_summary, **rows)
     for name in dynamics.__all__:

@@ -89,6 +89,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
+    from robomech_ros.dynamics.torques_along_paths import path_torques
 
 __all__ = [
     "BaseParameters",
@@ -138,6 +139,7 @@ __all__ = [
     "nearest_consistent",
     "operation_counts",
     "partial_velocities",
+    "path_torques",
     "potential_energy",
     "power_balance",
     "pseudo_inertia",
@@ -192,6 +194,7 @@ _MODULES = {
     "mass_matrix_gradient": "lagrange",
     "momentum": "energy",
     "natural_orthogonal_complement": "orthogonal_complement",
+    "path_torques": "torques_along_paths",
     "nearest_consistent": "pseudo_inertias",
     "operation_counts": "complexity",
     "partial_velocities": "kane",

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.interpolation import interpolant
     from robomech_ros.trajectory.jerk_limited import JerkLimited
     from robomech_ros.trajectory.limits import JointLimits, Limits
+    from robomech_ros.trajectory.moving_ends import StateToState, state_to_state
     from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
     from robomech_ros.trajectory.path_motions import (
         PATH_PROFILES,
@@ -109,6 +110,7 @@ __all__ = [
     "SerialArm",
     "SpeedLimit",
     "Spline",
+    "StateToState",
     "TimeOptimal",
     "TimeOptimalMotion",
     "TimeOptimalThrough",
@@ -149,6 +151,7 @@ __all__ = [
     "spline_like",
     "spline_path",
     "spline_through",
+    "state_to_state",
     "straight_path",
     "through_points",
     "time_optimal",
@@ -198,6 +201,7 @@ _MODULES = {
     "SampledPlan": "sampled_plan",
     "SerialArm": "paths.serial_arm",
     "Spline": "splines",
+    "StateToState": "moving_ends",
     "Trajectory": "sample",
     "Trapezoidal": "velocity_profiles",
     "Turning": "paths.orientation",
@@ -231,6 +235,7 @@ _MODULES = {
     "spline_like": "profile_splines",
     "spline_path": "paths.pose_lists",
     "spline_through": "splines",
+    "state_to_state": "moving_ends",
     "straight_path": "paths.pose_lists",
     "through_points": "via_motions",
     "track_path": "paths.path_tracking",

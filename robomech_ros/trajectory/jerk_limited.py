@@ -13,7 +13,7 @@ from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.many_samples import sample_many
-from robomech_ros.trajectory.motion_to_rest import check_positions, settled
+from robomech_ros.trajectory.motion_to_rest import check_positions, check_rates, settled
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import (
     Phases,
@@ -23,7 +23,7 @@ from robomech_ros.trajectory.ruckig_phases import (
 )
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["JerkLimited", "curve_of"]
+__all__ = ["JerkLimited", "binding_rates", "check_state", "curve_of"]
 
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
@@ -93,7 +93,8 @@ class JerkLimited:
         DurationTooShortError
             If the wanted duration would break a limit.
         LimitExceededError
-            If the start is faster than the limits, or the motion overshoots a position limit.
+            If the start is faster than the limits, its acceleration must make it so, or the motion
+            overshoots a position limit.
         BadValueError
             If Ruckig fails.
         """
@@ -104,7 +105,7 @@ class JerkLimited:
         rest = np.zeros(len(start))
         velocity = rest if start_velocity is None else start_velocity
         acceleration = rest if start_acceleration is None else start_acceleration
-        _check_moving_start(limits, velocity, acceleration)
+        check_state("start", limits, velocity, acceleration)
         least = tolerances.SHORTEST_TRAJECTORY
         moving = bool(velocity.any() or acceleration.any())
         if moving and duration is not None:
@@ -116,6 +117,7 @@ class JerkLimited:
             if not moving and duration > planned.duration:
                 planned = cls(start, goal, limits, phases.slowed(duration / planned.duration))
         if moving:
+            check_rates(planned.pieces, limits)
             check_positions(planned.pieces, start, limits)
         return planned
 
@@ -167,24 +169,30 @@ class JerkLimited:
         if self.duration <= max(wanted, tolerances.SHORTEST_TRAJECTORY) + slack:
             return
         joint = int(np.argmax(alone))
-        binding = []
-        low, high = extremes(self.pieces)
-        for order, rate in enumerate(RATES, start=1):
-            peak = max(-low[order, joint], high[order, joint])
-            if peak > (1.0 - tolerances.LIMIT_SLACK) * getattr(limits, rate)[joint]:
-                binding.append(rate)
-        names = " and ".join(binding) or "jerk"
+        names = binding_rates(self.pieces, limits, joint)
         raise DurationTooShortError(wanted, self.duration, limits.joint_names[joint], names)
 
 
-def _check_moving_start(limits: Limits, velocity: FloatArray, acceleration: FloatArray) -> None:
+def binding_rates(pieces: PiecewisePolynomial, limits: Limits, joint: int) -> str:
+    """Name the limits that a joint reaches on a curve."""
+    low, high = extremes(pieces)
+    binding = []
+    for order, rate in enumerate(RATES, start=1):
+        peak = max(-low[order, joint], high[order, joint])
+        if peak > (1.0 - tolerances.LIMIT_SLACK) * getattr(limits, rate)[joint]:
+            binding.append(rate)
+    return " and ".join(binding) or "jerk"
+
+
+def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: FloatArray) -> None:
+    """Raise `LimitExceededError` where the rates (n,) at an end of a motion are over a limit."""
     for rate, values in (("velocity", velocity), ("acceleration", acceleration)):
         bound = getattr(limits, rate)
         over = np.flatnonzero(np.abs(values) > bound * (1.0 + tolerances.LIMIT_SLACK))
         if len(over):
             k = int(over[0])
             raise LimitExceededError(
-                f"start {rate}", limits.joint_names[k], float(values[k]), float(bound[k])
+                f"{end} {rate}", limits.joint_names[k], float(values[k]), float(bound[k])
             )
 
 

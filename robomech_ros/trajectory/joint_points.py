@@ -10,7 +10,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["joint_points"]
+__all__ = ["check_numbers", "joint_points", "joint_values"]
 
 
 def joint_points(
@@ -56,3 +56,20 @@ def _refuse(places: FloatArray, good: npt.NDArray[np.bool_]) -> NoReturn:
     row = int(good.all(axis=1).argmin())
     expected = f"numbers of at most {LARGEST_LENGTH:g}"
     raise BadValueError(f"points[{row}]", places[row].tolist(), expected)
+
+
+def joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Copy one number for each joint, shape (n,), without a look at their size."""
+    array = real_array(what, values).copy()
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    return array
+
+
+def check_numbers(what: str, values: FloatArray) -> None:
+    """Refuse numbers (n,) that are not finite, or too large."""
+    if not np.isfinite(values).all():
+        raise NonFiniteError(what, values)
+    k = int(np.argmax(np.abs(values))) if len(values) else 0
+    if len(values) and abs(values[k]) > LARGEST_LENGTH:
+        raise BadValueError(f"{what}[{k}]", float(values[k]), f"at most {LARGEST_LENGTH:g}")

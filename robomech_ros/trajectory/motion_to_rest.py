@@ -9,12 +9,12 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.bounds import extremes
-from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["MotionToRest", "check_positions", "settled"]
+__all__ = ["MotionToRest", "check_positions", "check_rates", "settled"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,3 +90,17 @@ def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limi
             raise LimitExceededError(
                 "position on the way", limits.joint_names[joint], value, float(bound[joint])
             )
+
+
+def check_rates(pieces: PiecewisePolynomial, limits: Limits) -> None:
+    """Raise `LimitExceededError` where a curve is over a limit of a rate, by more than rounding."""
+    low, high = extremes(pieces)
+    for rate, least, largest in zip(RATES, low[1:], high[1:], strict=True):
+        bound = getattr(limits, rate)
+        over = np.flatnonzero(np.maximum(-least, largest) > bound * (1.0 + tolerances.LIMIT_SLACK))
+        if len(over):
+            k = int(over[0])
+            falling = -least[k] > largest[k]
+            value, limit = (least[k], -bound[k]) if falling else (largest[k], bound[k])
+            name = limits.joint_names[k]
+            raise LimitExceededError(f"{rate} on the way", name, float(value), float(limit))

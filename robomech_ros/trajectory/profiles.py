@@ -3,14 +3,14 @@
 import math
 from typing import Any, ClassVar, Protocol
 
-import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import time_straight, tolerances
+from robomech_ros._kernels import time_straight
 from robomech_ros._kernels._jit import direct
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory.jerk_limited import JerkLimited
+from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.rest_to_rest import (
     CubicSplineMotion,
@@ -148,10 +148,10 @@ def point_to_point(
     known = limits if type(limits) is Limits else Limits.of(limits)
     allowed = scaled_limits(known, method, velocity_scale, acceleration_scale, jerk_scale)
     shape = allowed.lower.shape
-    start, goal = _joint_values("start", q0, shape), _joint_values("goal", q1, shape)
+    start, goal = joint_values("start", q0, shape), joint_values("goal", q1, shape)
     if not _both_within(start, goal, allowed.ranges):
-        _check_numbers("start", start)
-        _check_numbers("goal", goal)
+        check_numbers("start", start)
+        check_numbers("goal", goal)
         allowed.check_start(start)
         allowed.check_goal(goal)
     seconds = None if duration is None else checked_duration(duration)
@@ -193,24 +193,6 @@ def _check_scale(what: str, given: object) -> None:
         raise BadValueError(what, scale, expected)
 
 
-def _joint_values(what: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    """Copy one number for each joint, shape (n,)."""
-    array = real_array(what, values).copy()
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    return array
-
-
-def _check_numbers(what: str, values: FloatArray) -> None:
-    """Refuse numbers (n,) that are not finite, or too large."""
-    if not np.isfinite(values).all():
-        raise NonFiniteError(what, values)
-    k = int(np.argmax(np.abs(values))) if len(values) else 0
-    if len(values) and abs(values[k]) > tolerances.LARGEST_LENGTH:
-        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
-        raise BadValueError(f"{what}[{k}]", float(values[k]), expected)
-
-
 def _rates_at_start(
     velocity: npt.ArrayLike | None,
     acceleration: npt.ArrayLike | None,
@@ -220,8 +202,8 @@ def _rates_at_start(
     moving = {}
     for what, values in (("start_velocity", velocity), ("start_acceleration", acceleration)):
         if values is not None:
-            moving[what] = _joint_values(what, values, shape)
-            _check_numbers(what, moving[what])
+            moving[what] = joint_values(what, values, shape)
+            check_numbers(what, moving[what])
     return moving
 
 

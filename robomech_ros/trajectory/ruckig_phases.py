@@ -271,6 +271,8 @@ def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
 def _phases_of(motion: Any, request: Any, length: FloatArray | float) -> Phases:
     alone = np.array(motion.independent_min_durations)
     profiles = motion.profiles[0]
+    if not profiles:
+        return Phases(np.array([0.0, motion.duration]), np.zeros((4, 1, 0)), alone)
     rates = request.current_velocity, request.current_acceleration, request.target_velocity
     if any(map(any, rates)):
         joints = [_phases(profile) for profile in profiles]

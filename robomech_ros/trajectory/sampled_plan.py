@@ -8,7 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
-from robomech_ros.trajectory.limits import MARGIN, JointLimits, Limits
+from robomech_ros.trajectory.bounds import extremes
+from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
+from robomech_ros.trajectory.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.profiles import (
     PROFILES,
     point_to_point,
@@ -18,15 +20,21 @@ from robomech_ros.trajectory.profiles import (
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.time_scaling import checked_duration
 from robomech_ros.trajectory.verification import Verification, verify
-from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints, discretise
+from robomech_ros.trajectory.waypoints import (
+    PiecewiseTrajectory,
+    Waypoints,
+    discretise,
+    position_rounding,
+)
 
 __all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
 
 Planner = Callable[[Limits], PiecewiseTrajectory]
 
-# Where no joint has a lower jerk limit, rounding may do this to the jerk between two samples
-# (rad/s^3, m/s^3) that are very near to each other, because jerk steps are.
-_JERK_ERROR = 100.0
+# Rounding may do this to the jerk between two samples that are near to each other because jerk
+# steps are: in parts of the lowest jerk limit, and at most (rad/s^3, m/s^3).  Less would merge
+# steps farther apart, and that costs more.
+_JERK_ERROR, _LARGEST_JERK_ERROR = 0.02, 100.0
 # An excess up to this ratio is taken off the limits themselves (it costs a third of it in time).
 _SMALL_EXCESS = 1.003
 # A greater one comes from jerk steps of several joints that nearly coincide: the jerk limits are
@@ -35,6 +43,10 @@ _STAGGER = 0.004
 # Both settle in a round or two; more would be a defect, which the verification then names.
 _STAGGERED_ROUNDS = 3
 _ROUNDS = 20
+# Where a motion is slowed down for its rounding: how often, by how much more than the last samples
+# ask for (those of the slower one are rounded anew), and by which part of its duration at most,
+# which grows with every plan, as planning many via points anew takes seconds.
+_SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.006
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +110,7 @@ def sampled_motion(
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))
-    jerk_error = min(float(known.jerk.min(initial=np.inf)), _JERK_ERROR)
+    jerk_error = _jerk_error(known)
     plan: SampledPlan | None = None
     for attempt in range(_ROUNDS):
         try:
@@ -111,7 +123,13 @@ def sampled_motion(
         plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
         ratios = _ratios(plan.verification)
         if (ratios <= 1.0).all():
-            break
+            ratios = _shown_ratios(plan, known)
+            if (ratios <= 1.0).all():
+                break
+            slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
+            slowed = _slowed(plan, known, slowest, period, max_points)
+            if slowed is not None:
+                return slowed
         _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
     assert plan is not None
     plan.verification.require_ok()
@@ -203,3 +221,55 @@ def _ratios(verification: Verification) -> FloatArray:
             verification.peak_jerk_ratio,
         ]
     )
+
+
+def _shown_ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
+    """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
+
+    A verification forgives what may be rounding; who receives the samples need not, so that here
+    it counts where samples are so near to each other that it can be seen.
+    """
+    if not _rounding_shows(plan.waypoints, limits):
+        return _ratios(plan.verification)
+    low, high = extremes(plan.waypoints.curve)
+    ratios: FloatArray = np.maximum(-low, high)[1:] / limits.rates
+    return ratios
+
+
+def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
+    """Say whether rounding of positions can use up the margins of acceleration or jerk."""
+    shortest = float(np.diff(waypoints.times).min(initial=np.inf))
+    rounding = position_rounding(waypoints.positions)
+    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
+    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
+    return rounding > shortest**2 * min(acceleration, shortest * jerk)
+
+
+def _slowed(
+    plan: SampledPlan, limits: Limits, slowest: float, period: float, max_points: int
+) -> SampledPlan | None:
+    """Slow a plan down by up to a factor until its rounding, too, is within the limits, if it gets.
+
+    Where rounding is all that is wrong that takes less time than to plan anew.
+    """
+    start, goal = plan.waypoints.positions[[0, -1]]
+    pieces, jerk_error = plan.trajectory.pieces, _jerk_error(limits)
+    factor, ratios = 1.0, _shown_ratios(plan, limits)
+    for _ in range(_SLOWED_ROUNDS):
+        needed = float(((ratios + MARGIN).max(axis=1) ** (1.0 / np.arange(1.0, 4.0))).max())
+        factor *= 1.0 + _OVERSLOWED * (needed - 1.0)
+        if factor > slowest:
+            return None
+        motion = MotionToRest(goal, pieces.stretched(factor))
+        waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
+        verification = verify(waypoints, limits, start=start)
+        slowed = SampledPlan(motion, waypoints, verification)
+        ratios = _shown_ratios(slowed, limits)
+        if verification.ok and (ratios <= 1.0).all():
+            return slowed
+    return None
+
+
+def _jerk_error(limits: Limits) -> float:
+    """Say what rounding may do to the jerk between samples that are near to each other."""
+    return min(_JERK_ERROR * float(limits.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)

@@ -152,7 +152,13 @@ def spline_through(
         for what, given in (("duration", duration), ("at", at)):
             if given is not None:
                 raise BadValueError(what, given, "none, where times are given")
-        return _spline(places, _knots(times, len(places)), ends, degree, rates)
+        knots = _knots(times, len(places))
+        with np.errstate(all="ignore"):
+            spline = _spline(places, knots, ends, degree, rates)
+        if not np.isfinite(spline.pieces.coefficients).all():
+            expected = "instants neither so near nor so far that numbers between them overflow"
+            raise BadValueError("times", knots.tolist(), expected)
+        return spline
     if limits is None:
         raise BadValueError("limits", None, "limits of the joints, where no times are given")
     allowed = Limits.of(limits)

@@ -13,7 +13,7 @@ from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Trajectory
 
-__all__ = ["PiecewiseTrajectory", "Waypoints", "discretise"]
+__all__ = ["PiecewiseTrajectory", "Waypoints", "discretise", "position_rounding"]
 
 _NANOSECONDS = 1e9
 
@@ -114,12 +114,19 @@ def discretise(
     return Waypoints(times, sample.position, sample.velocity, sample.acceleration)
 
 
+def position_rounding(positions: FloatArray) -> float:
+    """Bound what the rounding of positions (m, n) does to the quintic through samples h apart.
+
+    It multiplies errors of position by 60 / h^3 in its jerk, and by 60 / h^2 or less in its
+    acceleration: this is 60 times the error, rad or m.
+    """
+    reach = float(np.abs(positions).max(initial=1.0))
+    return 60.0 * float(np.finfo(np.float64).eps) * reach
+
+
 def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> FloatArray:
     """List the breaks, a middle one for those that nearly coincide; the two ends for sure."""
-    reach = np.abs(curve.coefficients[0]).max(initial=1.0)
-    # The quintic through samples h apart multiplies errors of position by 60 / h^3 in its jerk.
-    rounding = 60.0 * float(np.finfo(np.float64).eps) * reach
-    nearest = float(np.cbrt(rounding / jerk_error))
+    nearest = float(np.cbrt(position_rounding(curve.coefficients[0]) / jerk_error))
     breaks = curve.breaks
     inner = breaks[(breaks > nearest) & (breaks < breaks[-1] - nearest)]
     distinct = [breaks[0]]

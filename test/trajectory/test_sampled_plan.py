@@ -10,6 +10,7 @@ from robomech_ros.trajectory import (
     interpolant,
     point_to_point,
     sampled_point_to_point,
+    sampled_through_points,
 )
 
 SAMPLED = sorted(name for name, method in PROFILES.items() if not method.ACCELERATION_STEPS)
@@ -60,6 +61,33 @@ def test_the_interpolated_samples_keep_to_the_limits(seed, profile):
     np.testing.assert_allclose(sample.position, exact.position, atol=1e-6)
     fastest = point_to_point(start, goal, limits=limits, profile=profile).duration
     assert fastest < planned.trajectory.duration < 1.005 * fastest
+
+
+def peaks(points):
+    """Give the largest acceleration and jerk of the quintics, by the textbook."""
+    h = np.diff(points.times)[:, None]
+    rise = np.diff(points.positions, axis=0)
+    v0, v1 = points.velocities[:-1] * h, points.velocities[1:] * h
+    a0, a1 = points.accelerations[:-1] * h**2, points.accelerations[1:] * h**2
+    cubic = 10.0 * rise - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
+    quartic = -15.0 * rise + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
+    quintic = 6.0 * rise - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1
+    part = np.linspace(0.0, 1.0, 11)[:, None, None]
+    acceleration = a0 + part * (6.0 * cubic + part * (12.0 * quartic + part * 20.0 * quintic))
+    jerk = 6.0 * cubic + part * (24.0 * quartic + part * 60.0 * quintic)
+    return np.abs(acceleration / h**2).max(), np.abs(jerk / h**3).max()
+
+
+@pytest.mark.parametrize("seed", [0, 3, 34, 38])
+def test_jerk_steps_that_nearly_coincide_leave_no_rounding_above_the_limits(seed):
+    limits = Limits([f"joint_{k}" for k in range(6)], velocity=3.0, acceleration=3.0, jerk=30.0)
+    points = np.random.default_rng(seed).uniform(-1.5, 1.5, (6, 6))
+    sampled = sampled_through_points(
+        points, limits=limits, profile="ruckig", period=0.01, max_points=10000
+    )
+    acceleration, jerk = peaks(sampled.waypoints)
+    assert acceleration <= 3.0 * (1.0 + 1e-9)
+    assert jerk <= 30.0 * (1.0 + 1e-9)
 
 
 def test_equal_steps_where_nothing_jumps():

@@ -298,3 +298,9 @@ def test_a_spline_that_swings_out_too_far_is_spaced_by_distances():
     assert far > near
     limits = replace(limits, lower=-0.5 * (far + near), upper=0.5 * (far + near))
     assert through_points(points, limits=limits).duration == pytest.approx(plain.duration)
+
+
+@pytest.mark.parametrize("ends", ["rest", "clamped", "natural"])
+def test_instants_that_make_no_numbers_are_refused(ends):
+    with pytest.raises(BadValueError, match="times is"):
+        spline_through([[0.0], [0.5], [1.0]], times=[0.0, 1e-300, 1.0], ends=ends)
