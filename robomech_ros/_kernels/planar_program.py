@@ -21,7 +21,7 @@ _BESIDE = 1e-9
 
 @inline
 def _along(first, second, rest, order, rows, offset, slope, box):
-    """Find the range of x with ``y = offset + slope x`` that keeps to the first rows and to the box.
+    """Find the range of x with ``y = offset + slope x`` that keeps to the first rows and the box.
 
     No distance to another point comes in: the range may be smaller by many orders of magnitude than
     the box, and still has all its digits.

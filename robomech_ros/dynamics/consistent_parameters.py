@@ -1,9 +1,9 @@
-"""Least squares over the parameters of bodies that there can be: a convex program.
+r"""Least squares over the parameters of bodies that there can be: a convex program.
 
 A body with the pseudo-inertia J is one that there can be where J is positive definite.  What is
 minimised is
 
-.. math:: |C p - t|^2 / 2 + \\gamma \\sum_i (\\mathrm{tr} J_i K_i^{-1} - \\log \\det J_i K_i^{-1} - 4)
+.. math:: |C p - t|^2 / 2 + \gamma \sum_i (\mathrm{tr} J_i K_i^{-1} - \log \det J_i K_i^{-1} - 4)
 
 with the pseudo-inertias K_i of bodies known before.  The sum, a divergence that does not depend on
 frames and units, is convex, 0 at the bodies known before, and infinite where J_i is no longer

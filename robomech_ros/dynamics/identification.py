@@ -260,7 +260,19 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     Returns
     -------
     ConsistentFit
+
+    Raises
+    ------
+    BadValueError
+        Not an identification.
+
+    References
+    ----------
+    Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",
+    IEEE Trans. Robotics 36(2), 2020.
     """
+    if not isinstance(found, Identification):
+        raise BadValueError("found", found, "an Identification, such as identify gives")
     chain, base = found.chain, found.base
     # Torques without noise leave nothing but rounding, which no solution has to meet.
     least = _LEAST_ERROR * np.abs(found.base_values).max()

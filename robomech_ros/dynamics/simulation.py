@@ -294,8 +294,8 @@ def _refuse_run_away(t: float, state: Array, n: int) -> None:
     fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
     if fastest > LARGEST_SERVO_RATE:
         raise _RunAwayError(
-            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; {LARGEST_SERVO_RATE:g} is the "
-            "most"
+            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
+            f"{LARGEST_SERVO_RATE:g} is the most"
         )
 
 

@@ -1,8 +1,8 @@
-"""Time-optimal motion along a path within the torques that drives can exert.
+r"""Time-optimal motion along a path within the torques that drives can exert.
 
 The dynamics come as callables, so that any model of them will do.  On the path q(s) a robot takes
 
-.. math:: \\tau = M q' \\ddot s + (M q'' + C(q, q') q') \\dot s^2 + g + f(q' \\dot s)
+.. math:: \tau = M q' \ddot s + (M q'' + C(q, q') q') \dot s^2 + g + f(q' \dot s)
 
 whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q, 0, 0).  Friction f is
 no function of the square of the speed; it is replaced by its tangent at the speeds of the motion

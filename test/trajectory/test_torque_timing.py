@@ -88,7 +88,7 @@ def test_along_a_straight_line_of_the_tip():
     )
     tracked = track_path(straight_path([start, end]), arm, POINTS[0])
     motion = torque_limited(tracked.path.pieces, SPEEDS, MODEL, friction=FRICTION, **EFFORT)
-    torques, most = loads(motion, MODEL, PUMA.effort, FRICTION, PUMA.velocity)
+    _, most = loads(motion, MODEL, PUMA.effort, FRICTION, PUMA.velocity)
     assert most.max() <= 1.0 + 1e-6 and np.quantile(most, 0.1) > 0.999
     np.testing.assert_allclose(
         motion.sample(motion.duration).position,
