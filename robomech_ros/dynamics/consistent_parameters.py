@@ -7,8 +7,8 @@ minimised is
 
 with the pseudo-inertias K_i of bodies known before.  The sum, a divergence that does not depend on
 frames and units, is convex, 0 at the bodies known before, and infinite where J_i is no longer
-positive definite; so there is one minimum, which damped Newton steps find from anywhere, for smaller
-and smaller gamma.
+positive definite; so there is one minimum, which damped Newton steps find from anywhere, for less
+and less gamma.
 
 References
 ----------

@@ -4,8 +4,8 @@ The dynamics come as callables, so that any model of them will do.  On the path 
 
 .. math:: \tau = M q' \ddot s + (M q'' + C(q, q') q') \dot s^2 + g + f(q' \dot s)
 
-whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q, 0, 0).  Friction f is
-no function of the square of the speed; it is replaced by its tangent at the speeds of the motion
+whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q, 0, 0).  Friction f
+is no function of the square of the speed; it is replaced by its tangent at the speeds of the motion
 before, and the motion found anew until it takes no more than the torques there are.
 
 References
