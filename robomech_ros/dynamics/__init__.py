@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from robomech_ros.dynamics.payload import (
         with_payload,
     )
+    from robomech_ros.dynamics.planar import PlanarComplement, planar_orthogonal_complement
     from robomech_ros.dynamics.pseudo_inertias import (
         bodies_from_parameters,
         is_consistent,
@@ -99,6 +100,7 @@ __all__ = [
     "Operations",
     "OrthogonalComplement",
     "PartialVelocities",
+    "PlanarComplement",
     "PowerBalance",
     "Servo",
     "ServoMotion",
@@ -138,6 +140,7 @@ __all__ = [
     "nearest_consistent",
     "operation_counts",
     "partial_velocities",
+    "planar_orthogonal_complement",
     "potential_energy",
     "power_balance",
     "pseudo_inertia",
@@ -156,6 +159,7 @@ _MODULES = {
     "Operations": "complexity",
     "OrthogonalComplement": "orthogonal_complement",
     "PartialVelocities": "kane",
+    "PlanarComplement": "planar",
     "PowerBalance": "energy",
     "Servo": "servo",
     "ServoMotion": "servo",
@@ -195,6 +199,7 @@ _MODULES = {
     "nearest_consistent": "pseudo_inertias",
     "operation_counts": "complexity",
     "partial_velocities": "kane",
+    "planar_orthogonal_complement": "planar",
     "potential_energy": "energy",
     "power_balance": "energy",
     "pseudo_inertia": "pseudo_inertias",
