@@ -279,8 +279,8 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     covariance = found.covariance[: base.rank, : base.rank] + least**2 * np.eye(base.rank)
     scale = np.sqrt(np.diag(covariance))
     inner = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    C = np.linalg.solve(inner, base.combination / scale[:, None])
-    target = np.linalg.solve(inner, found.base_values / scale)
+    C: Array = np.linalg.solve(inner, base.combination / scale[:, None]).astype(np.float64)
+    target: Array = np.linalg.solve(inner, found.base_values / scale).astype(np.float64)
     outcome = consistent_least_squares(C, target, _known(chain, _START), _PULL)
     parameters = outcome.parameters
     left = C @ parameters.ravel() - target

@@ -375,7 +375,9 @@ def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
 
 
 def _as_torque(chain: SerialChain, torque: ArrayLike | Torque | None) -> Torque:
-    if callable(torque) and not isinstance(torque, type):
+    if isinstance(torque, type):
+        raise BadValueError("torque", torque, "an array of real numbers, or a function")
+    if callable(torque):
         return torque
     constant = np.zeros(chain.n) if torque is None else _start(chain, torque, "torque")
     return lambda t, q, qd: constant
