@@ -66,12 +66,14 @@ from robomech_ros.trajectory import (
     state_to_state,
     through_points,
     time_optimal,
+    torque_limited,
     verify,
     via_polynomial,
 )
 
 PATHS = "trajectory/paths/test_wrong_arguments.py"
-# Of the dynamics: a run over time, what takes another function's result, what takes many states.
+# Of the dynamics, called by hand: a run over time, what takes another function's result, what takes
+# many states.
 NOT_OF_A_STATE = ("simulate", "consistent_fit", "torque_summary")
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
@@ -268,6 +270,14 @@ def of_dynamics():
     good["path"] = MOTION
     rows = {"chain": PUMA, "times": [0.0], "q": [q], "qd": [q], "qdd": [q]}
     found = with_options(dynamics.torque_summary, **rows)
+    found |= with_options(dynamics.consistent_fit, found=None)
+    run = {"chain": PUMA, "q0": q, "qd0": q, "torque": None, "duration": 1e-3}
+    found |= with_options(dynamics.simulate, **run, method="RK23", rtol=1e-3, atol=1e-3)
+    found |= {
+        "midpoint.step": lambda value: dynamics.simulate(**run, method="midpoint", step=value),
+        "simulate.torques": lambda value: dynamics.simulate(**run | {"torque": lambda *_: value}),
+        "simulate.event": lambda value: dynamics.simulate(**run, events=[lambda *_: value]),
+    }
     for name in dynamics.__all__:
         function = getattr(dynamics, name)
         if not name[0].islower() or name in NOT_OF_A_STATE:
@@ -293,6 +303,12 @@ def along_paths():
             time_optimal, path=path, limits=LIMITS, jerk_smoothing=True
         ).items()
     }
+    model = {"inverse_dynamics": lambda q, qd, qdd: qdd, "effort": [9.0] * 6}
+    found |= with_options(torque_limited, path=path, limits=LIMITS, **model)
+    for name in ("inverse_dynamics", "friction"):
+        found[f"torque_limited.{name}()"] = lambda value, name=name: torque_limited(
+            path, LIMITS, **(model | {name: lambda *_: value})
+        )
     found["path.breaks"] = lambda value: time_optimal(
         PiecewisePolynomial(value, path.coefficients), LIMITS
     )

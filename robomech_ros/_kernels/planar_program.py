@@ -15,25 +15,35 @@ from robomech_ros._kernels.tolerances import ROW_SLACK
 __all__ = ["farthest"]
 
 
+# By how much a line may seem beyond another one, parallel to it, that it coincides with.
+_BESIDE = 1e-9
+
+
 @inline
-def _along(first, second, rest, order, rows, x, y, dx, dy, box):
-    """Find the range of t for which (x + t dx, y + t dy) keeps to the first rows and to the box."""
-    low, high = -math.inf, math.inf
-    for k in range(rows + 2):
+def _along(first, second, rest, order, rows, offset, slope, box):
+    """Find the range of x with ``y = offset + slope x`` that keeps to the first rows and the box.
+
+    No distance to another point comes in: the range may be smaller by many orders of magnitude than
+    the box, and still has all its digits.
+    """
+    low, high = box[0], box[1]
+    for k in range(rows + 1):
         if k < rows:
             i = order[k]
-            value = first[i] * x + second[i] * y + rest[i]
-            slope = first[i] * dx + second[i] * dy
+            rise = first[i] + second[i] * slope
+            value = rest[i] + second[i] * offset
             below, above = -1.0 - value, 1.0 - value
-            steep = abs(slope) > 1e-12 * (abs(first[i]) + abs(second[i]))
-        elif k == rows:
-            slope, below, above, steep = dx, box[0] - x, box[1] - x, abs(dx) > 1e-12
+            steep = abs(rise) > 1e-12 * (abs(first[i]) + abs(second[i]))
         else:
-            slope, below, above, steep = dy, box[2] - y, box[3] - y, abs(dy) > 1e-12
+            rise, value, steep = slope, offset, abs(slope) > 1e-12
+            below, above = box[2] - offset, box[3] - offset
         if not steep:
+            # A line beside this one: only rounding puts it on the wrong side.
+            if below > _BESIDE * (1.0 + abs(value)) or above < -_BESIDE * (1.0 + abs(value)):
+                return math.inf, -math.inf
             continue
-        inverse = 1.0 / slope
-        if slope < 0.0:
+        inverse = 1.0 / rise
+        if rise < 0.0:
             below, above = above, below
         low = max(low, below * inverse)
         high = min(high, above * inverse)
@@ -68,21 +78,23 @@ def farthest(first, second, rest, order, box, sign):
         value = first[i] * x + second[i] * y + rest[i]
         if abs(value) <= 1.0 + ROW_SLACK:
             continue
-        square = first[i] * first[i] + second[i] * second[i]
-        if not square > 0.0:
+        if not abs(first[i]) + abs(second[i]) > 0.0:
             return math.nan
-        step = (value - math.copysign(1.0, value)) / square
-        x -= step * first[i]
-        y -= step * second[i]
-        length = math.sqrt(square)
-        dx, dy = second[i] / length, -first[i] / length
-        if sign * dx < 0.0:
-            dx, dy = -dx, -dy
-        low, high = _along(first, second, rest, order, k, x, y, dx, dy, box)
-        if low > high + 1e-9 * (abs(low) + abs(high)) + 1e-300:
+        bound = math.copysign(1.0, value) - rest[i]
+        # The line by the variable that changes more along it.
+        if abs(second[i]) >= abs(first[i]):
+            offset, slope = bound / second[i], -first[i] / second[i]
+            low, high = _along(first, second, rest, order, k, offset, slope, box)
+            x = high if sign > 0.0 else low
+            y = offset + slope * x
+        else:
+            offset, slope = bound / first[i], -second[i] / first[i]
+            turned = (box[2], box[3], box[0], box[1])
+            low, high = _along(second, first, rest, order, k, offset, slope, turned)
+            y = high if sign * slope >= 0.0 else low
+            x = offset + slope * y
+        if not low <= high + 1e-9 * (abs(low) + abs(high)) + 1e-300:
             return math.nan
-        x += high * dx
-        y += high * dy
         for j in range(k, 0, -1):
             order[j] = order[j - 1]
         order[0] = i

@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from robomech_ros.dynamics.payload import (
         with_payload,
     )
+    from robomech_ros.dynamics.planar import PlanarComplement, planar_orthogonal_complement
     from robomech_ros.dynamics.pseudo_inertias import (
         bodies_from_parameters,
         is_consistent,
@@ -89,7 +90,6 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.servo import Servo, ServoMotion
     from robomech_ros.dynamics.simulation import Simulation, simulate
-    from robomech_ros.dynamics.torques_along_paths import path_torques
 
 __all__ = [
     "BaseParameters",
@@ -100,6 +100,7 @@ __all__ = [
     "Operations",
     "OrthogonalComplement",
     "PartialVelocities",
+    "PlanarComplement",
     "PowerBalance",
     "Servo",
     "ServoMotion",
@@ -139,7 +140,7 @@ __all__ = [
     "nearest_consistent",
     "operation_counts",
     "partial_velocities",
-    "path_torques",
+    "planar_orthogonal_complement",
     "potential_energy",
     "power_balance",
     "pseudo_inertia",
@@ -158,6 +159,7 @@ _MODULES = {
     "Operations": "complexity",
     "OrthogonalComplement": "orthogonal_complement",
     "PartialVelocities": "kane",
+    "PlanarComplement": "planar",
     "PowerBalance": "energy",
     "Servo": "servo",
     "ServoMotion": "servo",
@@ -194,10 +196,10 @@ _MODULES = {
     "mass_matrix_gradient": "lagrange",
     "momentum": "energy",
     "natural_orthogonal_complement": "orthogonal_complement",
-    "path_torques": "torques_along_paths",
     "nearest_consistent": "pseudo_inertias",
     "operation_counts": "complexity",
     "partial_velocities": "kane",
+    "planar_orthogonal_complement": "planar",
     "potential_energy": "energy",
     "power_balance": "energy",
     "pseudo_inertia": "pseudo_inertias",

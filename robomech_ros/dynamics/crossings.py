@@ -1,5 +1,6 @@
 """Where a simulated motion crosses a limit or an event, and what a bounce does."""
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -8,19 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.dynamics.matrices import mass_matrix
+from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["Event", "bounced", "limit_events", "note", "zero"]
+__all__ = ["Event", "bounced", "first_crossing", "limit_events", "note"]
 
 Array = NDArray[np.float64]
 Event = Callable[[float, Array, Array], float]
+Crossing = Callable[[Array], float]
+
+# Parts of a step at whose ends limits are looked at: a joint may pass one and be back.
+_PARTS = 8
 
 
-def limit_events(chain: SerialChain) -> Iterator[tuple[int, Callable[[Array], float]]]:
+def limit_events(chain: SerialChain) -> Iterator[Crossing]:
     """Give, for the lower and upper limit of each joint, how far inside it a state is."""
     for i in range(chain.n):
-        yield 0, partial(_inside, i, 1.0, float(chain.lower[i]))
-        yield 1, partial(_inside, i, -1.0, float(chain.upper[i]))
+        yield partial(_inside, i, 1.0, float(chain.lower[i]))
+        yield partial(_inside, i, -1.0, float(chain.upper[i]))
 
 
 def _inside(joint: int, sign: float, limit: float, state: Array) -> float:
@@ -41,8 +48,25 @@ def bounced(chain: SerialChain, state: Array, joint: int, side: int, restitution
     return state
 
 
-def zero(crossing: Callable[[Array], float], dense: Any, before: float, after: float) -> float:
-    """Find when a function of the state goes through zero, just before it does."""
+def first_crossing(
+    crossings: list[Crossing], dense: Any, before: tuple[float, Array], after: tuple[float, Array]
+) -> list[tuple[float, int]]:
+    """List when in a step, given its ends, functions of the state fall below zero, and which."""
+    if not crossings:
+        return []
+    times = np.linspace(before[0], after[0], _PARTS + 1).tolist()
+    states = [before[1], *(dense(t) for t in times[1:-1]), after[1]]
+    found = []
+    for number, crossing in enumerate(crossings):
+        inside = [crossing(state) >= 0.0 for state in states]
+        if inside[0] and not all(inside):
+            k = inside.index(False)
+            found.append((_zero(crossing, dense, times[k - 1], times[k]), number))
+    return found
+
+
+def _zero(crossing: Crossing, dense: Any, before: float, after: float) -> float:
+    """Find when a function goes through zero, just before it does."""
     from scipy.optimize import brentq
 
     if crossing(dense(before)) < 0.0:
@@ -66,9 +90,13 @@ def note(
     found = []
     for number, event in enumerate(watched):
 
-        def value(t: float, event: Event = event) -> float:
+        def value(t: float, event: Event = event, number: int = number) -> float:
             y = dense(t)
-            return float(event(t, y[:n], y[n : 2 * n]))
+            expected = "a finite number"
+            told = real_number(f"event {number}", event(t, y[:n], y[n : 2 * n]), expected)
+            if not math.isfinite(told):
+                raise BadValueError(f"event {number} at {t:.9g} s", told, expected)
+            return told
 
         first, last = value(before), value(after)
         if first != 0.0 and (first < 0.0) != (last < 0.0):

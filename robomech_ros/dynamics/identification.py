@@ -18,19 +18,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.consistent_parameters import consistent_least_squares
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,
     is_consistent,
-    log_cholesky,
-    log_cholesky_derivative,
-    parameters_from_log_cholesky,
 )
 from robomech_ros.dynamics.regressor import BaseParameters, base_parameters, torque_regressor
 from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.numerics import least_squares, minimum_norm, newton_gauss
+from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.drives import Drive
 
@@ -40,12 +38,10 @@ Array = NDArray[np.float64]
 
 # Singular values below this of the largest: the motion does not show all parameters.
 _RANK = 1e-9
-# Logarithms and entries of factors beyond this are of no body of a robot.
-_FARTHEST = 20.0
 # Least deviation of torques (N m or N) that weights are made of.
 _LEAST_DEVIATION = 1e-12
-# By how much of the accuracy of the data a consistent body is drawn to the bodies known before.
-_PULL = 1e-3
+# How much a consistent body is drawn to the one known before, where 1 is a standard error or so.
+_PULL = 1e-6
 # Least standard error of a base parameter that is counted on, of the largest base parameter.
 _LEAST_ERROR = 1e-6
 # A body to start from where nothing is known: 1 kg, a ball of 0.1 m about the joint.
@@ -131,7 +127,8 @@ class ConsistentFit:
         Of the base parameters from those found, in their standard errors: about 1 where the data
         allow these bodies.
     converged : bool
-        Otherwise they are consistent, but not the best.
+        The deviation is the least that bodies can have, but for a part of 1e-4 or of an error;
+        otherwise they are consistent, but not the best.
     """
 
     parameters: Array
@@ -252,10 +249,9 @@ def excitation(
 def consistent_fit(found: Identification) -> ConsistentFit:
     """Choose bodies that there can be, as near as possible to what was found.
 
-    The bodies are described by logarithmic Cholesky factors of their pseudo-inertias, which are
-    positive definite whatever their entries; Newton-Gauss steps (appendix B) bring the base
-    parameters, weighted by their covariance, to those found.  Where the data leave a choice, the
-    bodies stay near those known before.
+    The base parameters, weighted by their covariance, are brought as near to those found as bodies
+    with positive definite pseudo-inertias can: a convex program, whose minimum is the only one.
+    Where the data leave a choice, the bodies stay near those known before.
 
     Parameters
     ----------
@@ -264,30 +260,29 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     Returns
     -------
     ConsistentFit
+
+    Raises
+    ------
+    BadValueError
+        Not an identification.
+
+    References
+    ----------
+    Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",
+    IEEE Trans. Robotics 36(2), 2020.
     """
+    if not isinstance(found, Identification):
+        raise BadValueError("found", found, "an Identification, such as identify gives")
     chain, base = found.chain, found.base
-    start = log_cholesky(_known(chain, _START)).ravel()
     # Torques without noise leave nothing but rounding, which no solution has to meet.
     least = _LEAST_ERROR * np.abs(found.base_values).max()
     covariance = found.covariance[: base.rank, : base.rank] + least**2 * np.eye(base.rank)
     scale = np.sqrt(np.diag(covariance))
     inner = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    C = np.linalg.solve(inner, base.combination / scale[:, None])
-    target = np.linalg.solve(inner, found.base_values / scale)
-
-    def residual(numbers: Array) -> Array:
-        if np.abs(numbers).max() > _FARTHEST:
-            return np.full(len(target) + len(start), np.inf)  # the step is halved
-        parameters = parameters_from_log_cholesky(numbers.reshape(-1, 10)).ravel()
-        return np.concatenate((C @ parameters - target, _PULL * (numbers - start)))
-
-    def derivative(numbers: Array) -> Array:
-        blocks = log_cholesky_derivative(numbers.reshape(-1, 10))
-        columns = [C[:, 10 * i : 10 * i + 10] @ block for i, block in enumerate(blocks)]
-        return np.concatenate((np.hstack(columns), _PULL * np.eye(len(start))))
-
-    outcome = newton_gauss(residual, derivative, start, tolerance=1e-6, iterations=200)
-    parameters = parameters_from_log_cholesky(outcome.x.reshape(-1, 10))
+    C: Array = np.linalg.solve(inner, base.combination / scale[:, None]).astype(np.float64)
+    target: Array = np.linalg.solve(inner, found.base_values / scale).astype(np.float64)
+    outcome = consistent_least_squares(C, target, _known(chain, _START), _PULL)
+    parameters = outcome.parameters
     left = C @ parameters.ravel() - target
     drives = tuple(
         Drive(

@@ -88,7 +88,8 @@ class MidpointSolver:
         chain, options = self.forces.chain, self.forces.options
         p = mass_matrix(chain, q) @ qd
         wrench = options["tip_wrench"]
-        middle, momentum, size = q + 0.5 * h * qd, p, 1.0 + np.abs(p).max()
+        middle, momentum = q + 0.5 * h * qd, p
+        reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
             rate = _solved(mass_matrix(chain, middle), momentum)
             tau = self.forces.drives(self.t + 0.5 * h, middle, rate)
@@ -97,9 +98,12 @@ class MidpointSolver:
             force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost
             q_next, p_next = q + 0.5 * h * rate, p + 0.5 * h * force
             change = max(
-                float(np.abs(q_next - middle).max()), float(np.abs(p_next - momentum).max()) / size
+                float(np.abs(q_next - middle).max()) / reach,
+                float(np.abs(p_next - momentum).max()) / size,
             )
             middle, momentum = q_next, p_next
+            if not np.isfinite(change):
+                return None
             if change < _ARRIVED:
                 power = float(tau @ rate)
                 if wrench is not None:

@@ -7,8 +7,6 @@ References
 ----------
 Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter
 identification, IEEE Robotics and Automation Letters 3, 2018.
-Rucker, Wensing, Smooth parameterization of rigid-body inertia, IEEE Robotics and Automation Letters
-7, 2022.
 """
 
 import numpy as np
@@ -21,21 +19,16 @@ from robomech_ros.spatial.arrays import as_finite, real_number
 __all__ = [
     "bodies_from_parameters",
     "is_consistent",
-    "log_cholesky",
-    "log_cholesky_derivative",
     "nearest_consistent",
-    "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia",
 ]
 
 Array = NDArray[np.float64]
 
-# Products of parameters up to this, and exponentials of numbers up to this, do not overflow.
+# Products of parameters up to this do not overflow.
 _LARGEST = 1e30
-_LARGEST_LOGARITHM = 30.0
 _UPPER = np.triu_indices(3)
-_FACTOR = np.triu_indices(4)
 
 
 def pseudo_inertia(parameters: ArrayLike) -> Array:
@@ -130,59 +123,6 @@ def nearest_consistent(parameters: ArrayLike, *, least: float = 1e-6) -> Array:
     return parameters_from_pseudo_inertia(raised @ np.swapaxes(vectors, -1, -2))
 
 
-def log_cholesky(parameters: ArrayLike) -> Array:
-    """Describe consistent bodies (..., 10) by ten numbers that may take any value.
-
-    They are the entries of the upper triangle U with ``J = U U^T``, logarithms on its diagonal.
-
-    Raises
-    ------
-    BadValueError
-        A body that is not consistent; and as for :func:`pseudo_inertia`.
-    """
-    if not is_consistent(parameters).all():
-        raise BadValueError("parameters", np.asarray(parameters), "those of bodies there can be")
-    # An upper factor is the lower one with rows and columns in reverse order.
-    J = pseudo_inertia(parameters)
-    U = np.array(np.linalg.cholesky(J[..., ::-1, ::-1])[..., ::-1, ::-1], dtype=np.float64)
-    diagonal = np.arange(4)
-    U[..., diagonal, diagonal] = np.log(U[..., diagonal, diagonal])
-    numbers: Array = U[..., _FACTOR[0], _FACTOR[1]]
-    return numbers
-
-
-def parameters_from_log_cholesky(numbers: ArrayLike) -> Array:
-    """Invert :func:`log_cholesky`: every ten numbers (..., 10) are those of a body.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not ten finite real numbers a body, or exponentials that overflow.
-    """
-    U = _factor(_bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM))
-    return parameters_from_pseudo_inertia(U @ np.swapaxes(U, -1, -2))
-
-
-def log_cholesky_derivative(numbers: ArrayLike) -> Array:
-    """Differentiate :func:`parameters_from_log_cholesky`: shape (..., 10, 10).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`parameters_from_log_cholesky`.
-    """
-    given = _bounded("numbers", numbers, (10,), _LARGEST_LOGARITHM)
-    U = _factor(given)
-    derivative = np.empty((*given.shape, 10))
-    for k, (i, j) in enumerate(zip(*_FACTOR, strict=True)):
-        step = np.zeros_like(U)
-        step[..., i, j] = U[..., i, i] if i == j else 1.0
-        half = step @ np.swapaxes(U, -1, -2)
-        column = parameters_from_pseudo_inertia(half + np.swapaxes(half, -1, -2))
-        derivative[..., k] = column
-    return derivative
-
-
 def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
     """Make bodies of parameters, shape (n, 10), of positive mass.
 
@@ -209,11 +149,3 @@ def _bounded(what: str, value: ArrayLike, tail: tuple[int, ...], largest: float)
     if found > largest:
         raise BadValueError(f"largest of {what}", found, f"at most {largest:g}")
     return array
-
-
-def _factor(numbers: Array) -> Array:
-    U = np.zeros((*numbers.shape[:-1], 4, 4))
-    U[..., _FACTOR[0], _FACTOR[1]] = numbers
-    diagonal = np.arange(4)
-    U[..., diagonal, diagonal] = np.exp(U[..., diagonal, diagonal])
-    return U

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels._jit import direct
 from robomech_ros._kernels.dynamics_forward import forward_dynamics_one
-from robomech_ros.dynamics.crossings import Event, bounced, limit_events, note, zero
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+from robomech_ros.dynamics.crossings import Event, bounced, first_crossing, limit_events, note
 from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_model
@@ -19,7 +20,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
 
 __all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
 
@@ -31,8 +32,12 @@ AT_LIMITS = ("ignore", "end", "bounce")
 
 _forward_one = direct(forward_dynamics_one)
 
-_MOST_STEPS = 1_000_000
+_MOST_STEPS = 200_000
+# The longest duration (s), and the least relative tolerance that scipy's solvers take as it is.
+_LONGEST = 1e6
+_LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
 _MOST_BOUNCES = 1000
+_FINISHED = "finished"
 # A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
 _REST = 1e-6
 
@@ -44,7 +49,8 @@ class Simulation:
     Attributes
     ----------
     t : ndarray, shape (m,)
-        The times asked for, or those of the integrator's steps (s), as far as it came.
+        The times asked for, or those of the integrator's steps (s), as far as it came; where it
+        ended before, its end is the last of them.
     q, qd : ndarray, shape (m, n)
         Joint values (rad or m) and rates (rad/s or m/s).
     kinetic, potential : ndarray, shape (m,)
@@ -95,7 +101,7 @@ class _Motion:
         return torque
 
     def drives(self, t: float, q: Array, qd: Array) -> Array:
-        tau = np.ascontiguousarray(np.asarray(self.torque(t, q, qd), dtype=np.float64))
+        tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
         if tau.shape != q.shape:
             raise WrongSizeError("torque", tau.shape, q.shape)
         if not np.isfinite(tau).all():
@@ -111,8 +117,7 @@ class _Motion:
         qdd = np.empty(n)
         if _forward_one(self.model, q, qd, tau - lost, self.around, qdd):
             raise _RunAwayError(f"the accelerations at {t:.6g} s are not finite")
-        with np.errstate(over="ignore", invalid="ignore"):
-            power, loss = tau @ qd, lost @ qd
+        power, loss = tau @ qd, lost @ qd
         wrench = self.options["tip_wrench"]
         if wrench is not None:
             power += wrench @ (jacobian(self.chain, q) @ qd)
@@ -149,7 +154,7 @@ def simulate(
     torque : array_like of shape (n,), callable, or None
         Of the drives (N m or N): constant, ``torque(t, q, qd)``, or none.
     duration : float
-        In s.
+        In s, up to 1e6; no more than 200,000 steps are done.
     gravity, tip_wrench
         As for :func:`inverse_dynamics`; the wrench keeps its direction and goes with the tip.
     method : str, optional
@@ -157,7 +162,7 @@ def simulate(
         ``"midpoint"``, the implicit midpoint rule in joint values and momenta with a fixed
         step, which is symplectic: without friction the energy does not drift, however long.
     rtol, atol : float, optional
-        Relative and absolute tolerance of a step; not for ``"midpoint"``.
+        Relative (at least 2.3e-14) and absolute tolerance of a step; not for ``"midpoint"``.
     step : float, optional
         Longest step (s), or the step of ``"midpoint"``, 1e-3 unless given.
     rest_rate : float, optional
@@ -182,7 +187,8 @@ def simulate(
     Raises
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`forward_dynamics`, for the start.
+        As for :func:`forward_dynamics`, for the start; or a number or a function is not what it
+        has to be.  Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
 
     References
     ----------
@@ -191,9 +197,10 @@ def simulate(
     """
     q, qd = _start(chain, q0, "q0"), _start(chain, qd0, "qd0")
     duration = positive_number("duration", duration)
-    if step is not None:
-        step = positive_number("step", step)
+    if duration > _LONGEST:
+        raise BadValueError("duration", duration, f"at most {_LONGEST:g} s")
     choice = as_choice("method", method, SOLVERS)
+    step = _as_step(choice, step, duration)
     limits = as_choice("at_limits", at_limits, AT_LIMITS)
     part = real_number("restitution", restitution, "a number from 0 to 1")
     if not 0.0 <= part <= 1.0:
@@ -214,12 +221,18 @@ def simulate(
     record = _Record(_as_times(times, duration))
     state = np.concatenate((q, qd, [0.0, 0.0]))
     tolerances = (positive_number("rtol", rtol), positive_number("atol", atol))
+    if tolerances[0] < _LEAST_RTOL:
+        raise BadValueError("rtol", rtol, f"at least {_LEAST_RTOL:.2g}")
     seen: list[tuple[float, int]] = []
 
     def make(t: float, y: Array) -> Any:
         return _solver(choice, motion, t, y, duration, step, tolerances)
 
-    reason = _integrate(make, motion, state, limits, part, watched, record, seen)
+    # What overflows is found in the states.
+    with np.errstate(over="ignore", invalid="ignore"):
+        reason = _integrate(make, motion, state, limits, part, watched, record, seen)
+    if reason != _FINISHED:
+        record.close()
     return _told(motion, record, tuple(seen), reason)
 
 
@@ -237,26 +250,23 @@ def _integrate(
     chain, n = motion.chain, motion.chain.n
     bounds = [] if limits == "ignore" else list(limit_events(chain))
     record.add(0.0, state, None)
-    if limits != "ignore" and any(crossing(state) < 0.0 for _, crossing in bounds):
+    if any(crossing(state) < 0.0 for crossing in bounds):
         raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
     bounces = 0
     try:
         solver = make(0.0, state)
         for _ in range(_MOST_STEPS):
             if solver.status == "finished":
-                return "finished"
+                return _FINISHED
             before, y_before = solver.t, solver.y.copy()
             message = solver.step()
             if solver.status == "failed":
                 return f"the integration failed at {before:.6g} s: {message}"
             dense = solver.dense_output()
             y_after = solver.y
-            hits = [
-                (zero(crossing, dense, before, solver.t), i, direction)
-                for i, (direction, crossing) in enumerate(bounds)
-                if crossing(y_after) < 0.0 <= crossing(y_before)
-            ]
-            end, joint, _ = min(hits, default=(solver.t, -1, 0))
+            _refuse_run_away(solver.t, y_after, n)
+            hits = first_crossing(bounds, dense, (before, y_before), (solver.t, y_after))
+            end, joint = min(hits, default=(solver.t, -1))
             ended = note(watched, dense, before, end, n, seen)
             if ended is not None:
                 record.add(ended[0], dense(ended[0]), dense)
@@ -278,15 +288,35 @@ def _integrate(
     return f"{_MOST_STEPS} steps did not reach the end"
 
 
+def _refuse_run_away(t: float, state: Array, n: int) -> None:
+    if not np.isfinite(state).all():
+        raise _RunAwayError(f"the state at {t:.6g} s is not finite")
+    fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
+    if fastest > LARGEST_SERVO_RATE:
+        raise _RunAwayError(
+            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
+            f"{LARGEST_SERVO_RATE:g} is the most"
+        )
+
+
 class _Record:
-    """States at the times asked for, or at the steps, and always the last."""
+    """States at the times asked for, or at the steps."""
 
     def __init__(self, times: Array | None) -> None:
         self.times = times
         self.t: list[float] = []
         self.states: list[Array] = []
+        self.last: tuple[float, Array] = 0.0, np.empty(0)
+
+    def close(self) -> None:
+        """Add where the motion came to."""
+        t, state = self.last
+        if not self.t or self.t[-1] < t:
+            self.t.append(t)
+            self.states.append(state)
 
     def add(self, t: float, state: Array, dense: Any) -> None:
+        self.last = t, np.array(state)
         if self.times is None:
             self.t.append(t)
             self.states.append(np.array(state))
@@ -324,7 +354,8 @@ def _solver(
     tolerances: tuple[float, float],
 ) -> Any:
     if method == "midpoint":
-        return MidpointSolver(motion, t, state, end, 1e-3 if step is None else step)
+        assert step is not None
+        return MidpointSolver(motion, t, state, end, step)
     from scipy import integrate
 
     rtol, atol = tolerances
@@ -344,16 +375,29 @@ def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
 
 
 def _as_torque(chain: SerialChain, torque: ArrayLike | Torque | None) -> Torque:
+    if isinstance(torque, type):
+        raise BadValueError("torque", torque, "an array of real numbers, or a function")
     if callable(torque):
         return torque
     constant = np.zeros(chain.n) if torque is None else _start(chain, torque, "torque")
     return lambda t, q, qd: constant
 
 
+def _as_step(method: str, step: object, duration: float) -> float | None:
+    """Give the longest step, or the one of the midpoint rule, that comes to the end."""
+    if step is None and method != "midpoint":
+        return None
+    length = 1e-3 if step is None else positive_number("step", step)
+    least = duration / _MOST_STEPS
+    if length < least:
+        raise BadValueError("step", length, f"at least {least:.3g} s, or a shorter duration")
+    return length
+
+
 def _watched(events: Sequence[Event]) -> list[Event]:
     watched = list(listed("events", events, "a list of functions of t, q and qd"))
     for event in watched:
-        if not callable(event):
+        if not callable(event) or isinstance(event, type):
             raise BadValueError("one of events", event, "a function of t, q and qd")
     return watched
 

@@ -69,6 +69,7 @@ if TYPE_CHECKING:
         TimeOptimalMotion,
         TimeOptimalThrough,
     )
+    from robomech_ros.trajectory.torque_timing import torque_limited
     from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
     from robomech_ros.trajectory.verification import Verification, Violation, verify
     from robomech_ros.trajectory.via_motions import (
@@ -155,6 +156,7 @@ __all__ = [
     "straight_path",
     "through_points",
     "time_optimal",
+    "torque_limited",
     "track_path",
     "tracking_error",
     "verify",
@@ -164,6 +166,7 @@ __all__ = [
 
 _MODULES = {
     "time_optimal": "path_timing",
+    "torque_limited": "torque_timing",
     "TimeOptimal": "path_timing",
     "TimeOptimalMotion": "time_optimal_motions",
     "TimeOptimalThrough": "time_optimal_motions",

@@ -346,6 +346,27 @@ def test_torque_limits_without_gravity_are_acceleration_limits():
     assert motion.duration == pytest.approx(2.0 * np.sqrt(np.pi / 4.0), rel=ROUNDING)
 
 
+@pytest.mark.parametrize("constant", [0.0, 0.3, 0.45, 0.8])
+def test_torque_limits_far_below_what_the_speed_limits_allow(constant):
+    def coefficients(s):
+        ones = np.ones((len(s), 1))
+        return ones, 0.0 * ones, constant * ones
+
+    given = TorqueLimits(coefficients, -1.0, 1.0)
+    motion = time_optimal(line(1.0), Limits(["a"], velocity=1e3), torque_limits=given)
+    up, down = 1.0 - constant, 1.0 + constant
+    assert motion.duration == pytest.approx(np.sqrt(2.0 * (1.0 / up + 1.0 / down)), rel=2e-6)
+
+
+def test_torque_limits_that_exclude_each_other():
+    def coefficients(s):
+        return np.ones((len(s), 2)), np.zeros((len(s), 2)), np.tile([3.0, -3.0], (len(s), 1))
+
+    both = TorqueLimits(coefficients, [-1.0, -1.0], [1.0, 1.0])
+    with pytest.raises(BadValueError, match="these allow none"):
+        time_optimal(line(1.0), Limits(["a"], velocity=9.0), torque_limits=both)
+
+
 def test_torque_limits_with_gravity():
     limits = Limits(["a"], velocity=9.0)
     motion = time_optimal(line(np.pi), limits, torque_limits=TorqueLimits(pendulum, [-3.5], [4.0]))
