@@ -15,7 +15,9 @@ from robomech_ros.robots import Body, chain_from_dh, load_robot
 
 SLIDING = chain_from_dh(
     [0.4, 0.0, 0.3], [0.0, 0.0, 0.0], [np.pi / 2, -np.pi / 2, 0.0], types="RPR",
-    bodies=[Body(m, [0.1, 0.02 * m, 0.03], np.diag([0.02, 0.03, 0.02 + 0.005 * m])) for m in (3, 2, 1)],
+    bodies=[
+        Body(m, [0.1, 0.02 * m, 0.03], np.diag([0.02, 0.03, 0.02 + 0.005 * m])) for m in (3, 2, 1)
+    ],
 )  # fmt: skip
 
 
