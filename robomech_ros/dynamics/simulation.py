@@ -100,10 +100,14 @@ class _Motion:
         torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
         return torque
 
-    def drives(self, t: float, q: Array, qd: Array) -> Array:
+    def asked(self, t: float, q: Array, qd: Array) -> Array:
         tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
         if tau.shape != q.shape:
             raise WrongSizeError("torque", tau.shape, q.shape)
+        return tau
+
+    def drives(self, t: float, q: Array, qd: Array) -> Array:
+        tau = self.asked(t, q, qd)
         if not np.isfinite(tau).all():
             raise _RunAwayError(f"the torque at {t:.6g} s is not finite")
         return tau
@@ -216,7 +220,7 @@ def simulate(
         positive_number("rest_rate", rest_rate),
     )
     # The start is refused where it is wrong; what comes later is told.
-    forward_dynamics(chain, q, qd, motion.drives(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
+    forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
     record = _Record(_as_times(times, duration))
     state = np.concatenate((q, qd, [0.0, 0.0]))

@@ -13,7 +13,7 @@ import ruckig
 from robomech_ros.errors import LimitExceededError, RobomechError
 from robomech_ros.trajectory.jerk_limited import JerkLimited, curve_of
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.motion_to_rest import MotionThrough, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.ruckig_phases import jerk_phases
 from robomech_ros.trajectory.sample import FloatArray
@@ -40,16 +40,8 @@ _SLOWER = 1.0 + 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class JerkLimitedThrough(MotionToRest):
-    """Piecewise constant jerk through via points, without a stop where that is faster.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m,)
-        When start, via points and goal are passed, in s.
-    """
-
-    knots: FloatArray
+class JerkLimitedThrough(MotionThrough):
+    """Piecewise constant jerk through via points, without a stop where that is faster."""
 
 
 def jerk_limited_through(

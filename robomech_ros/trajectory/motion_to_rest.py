@@ -14,7 +14,7 @@ from robomech_ros.trajectory.many_samples import sample_many
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
-__all__ = ["MotionToRest", "check_positions", "check_rates", "settled"]
+__all__ = ["MotionThrough", "MotionToRest", "check_positions", "check_rates", "settled"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +58,19 @@ class MotionToRest:
             If an instant is NaN or infinite.
         """
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionThrough(MotionToRest):
+    """A motion to rest that passes via points.
+
+    Attributes
+    ----------
+    knots : ndarray, shape (m,)
+        When start, via points and goal are passed, in s.
+    """
+
+    knots: FloatArray
 
 
 def settled(

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.trajectory.bounds import extremes
 from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
-from robomech_ros.trajectory.motion_to_rest import MotionToRest
+from robomech_ros.trajectory.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.profiles import (
     PROFILES,
     point_to_point,
@@ -34,7 +34,7 @@ Planner = Callable[[Limits], PiecewiseTrajectory]
 # Rounding may do this to the jerk between two samples that are near to each other because jerk
 # steps are: in parts of the lowest jerk limit, and at most (rad/s^3, m/s^3).  Less would merge
 # steps farther apart, and that costs more.
-_JERK_ERROR, _LARGEST_JERK_ERROR = 0.02, 100.0
+_JERK_ERROR, _LARGEST_JERK_ERROR = 0.05, 100.0
 # An excess up to this ratio is taken off the limits themselves (it costs a third of it in time).
 _SMALL_EXCESS = 1.003
 # A greater one comes from jerk steps of several joints that nearly coincide: the jerk limits are
@@ -46,7 +46,7 @@ _ROUNDS = 20
 # Where a motion is slowed down for its rounding: how often, by how much more than the last samples
 # ask for (those of the slower one are rounded anew), and by which part of its duration at most,
 # which grows with every plan, as planning many via points anew takes seconds.
-_SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.006
+_SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.012
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,15 +121,13 @@ def sampled_motion(
             return plan  # over the limits by rounding only, and there is no time to spare
         waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
         plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
-        ratios = _ratios(plan.verification)
+        ratios = _shown_ratios(plan, known)
         if (ratios <= 1.0).all():
-            ratios = _shown_ratios(plan, known)
-            if (ratios <= 1.0).all():
-                break
-            slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
-            slowed = _slowed(plan, known, slowest, period, max_points)
-            if slowed is not None:
-                return slowed
+            break
+        slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
+        slowed = _slowed(plan, known, slowest, period, max_points)
+        if slowed is not None:
+            return slowed
         _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
     assert plan is not None
     plan.verification.require_ok()
@@ -260,7 +258,12 @@ def _slowed(
         factor *= 1.0 + _OVERSLOWED * (needed - 1.0)
         if factor > slowest:
             return None
-        motion = MotionToRest(goal, pieces.stretched(factor))
+        longer, knots = pieces.stretched(factor), getattr(plan.trajectory, "knots", None)
+        motion = (
+            MotionToRest(goal, longer)
+            if knots is None
+            else MotionThrough(goal, longer, factor * knots)
+        )
         waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
         verification = verify(waypoints, limits, start=start)
         slowed = SampledPlan(motion, waypoints, verification)

@@ -8,7 +8,7 @@ import numpy as np
 from robomech_ros.trajectory.cubic_spline import cubic_spline
 from robomech_ros.trajectory.knots import spaced_knots
 from robomech_ros.trajectory.limits import Limits, Rate
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.motion_to_rest import MotionThrough, MotionToRest, check_positions
 from robomech_ros.trajectory.path_timing import TimeOptimal, time_optimal
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.thinning import thinned
@@ -91,16 +91,8 @@ class TimeOptimalMotion(MotionToRest):
 
 
 @dataclass(frozen=True, eq=False)
-class TimeOptimalThrough(MotionToRest):
-    """Along the natural cubic spline through via points, nearly as fast as the limits allow.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m,)
-        When start, via points and goal are passed, in s.
-    """
-
-    knots: FloatArray
+class TimeOptimalThrough(MotionThrough):
+    """Along the natural cubic spline through via points, nearly as fast as the limits allow."""
 
 
 def time_optimal_through(

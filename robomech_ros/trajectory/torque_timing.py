@@ -105,9 +105,9 @@ def torque_limited(
     """
     curve = checked_path(path)
     known = Limits.of(limits)
-    for what, given in (("inverse_dynamics", inverse_dynamics), ("friction", friction)):
-        if not callable(given) and not (what == "friction" and given is None):
-            raise BadValueError(what, given, "a callable")
+    _check_callable("inverse_dynamics", inverse_dynamics)
+    if friction is not None:
+        _check_callable("friction", friction)
     if curve.joints != len(known.joint_names):
         raise WrongSizeError("joints of the path", curve.joints, len(known.joint_names))
     known.require("velocity")
@@ -271,6 +271,11 @@ def _efforts(limits: object, known: Limits, effort: npt.ArrayLike | None) -> Flo
     if not np.isfinite(values).any():
         raise MissingLimitsError("effort", known.joint_names)
     return values
+
+
+def _check_callable(what: str, given: object) -> None:
+    if not callable(given) or isinstance(given, type):
+        raise BadValueError(what, given, "a function")
 
 
 def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:

@@ -99,6 +99,7 @@ def test_payloads_that_the_controller_does_not_know(dynamic_arm):
     go(arm, 0.5, 0.2, 0.1)
     go(arm, 0.5, -0.2, 0.1, 1.0)
     go(arm, 0.5, -0.2, 0.0)
+    arm.until(lambda: not arm.velocity.any())
     weight = arm.states[-1].effort - gravity_torque(arm.chain, arm.position)
     carry(arm, 0.0)
     go(arm, 0.5, -0.2, 0.1)
