@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.execution.entering import Joined
 from robomech_ros.execution.job import Code, End, Job, Outcome
 from robomech_ros.execution.joining import join, join_in_steps
 from robomech_ros.execution.joints import Joints, State
@@ -19,6 +18,7 @@ from robomech_ros.execution.smoothing import braking_time
 from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.supervision import verdict
 from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
@@ -66,7 +66,7 @@ class FollowerSettings:
     command_timeout: float = 0.0
     interpolate: bool = True
     wait_for_stamp: bool = True
-    cycle: float = 0.01
+    cycle: float = 0.0
 
 
 class Follower:
@@ -166,8 +166,8 @@ class Follower:
         delay = max(delay, 0.0)
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
-        curve, pace = self._joined(waypoints, self._expected(delay), late)
-        job = Job(waypoints, tolerances, self.now + delay, curve, late, on_end, pace=pace)
+        curve = self._joined(waypoints, self._expected(delay), late)
+        job = Job(waypoints, tolerances, self.now + delay, curve, late, on_end)
         if self.settings.interpolate and waypoints.velocities is not None:
             job.braking = braking_time(waypoints.velocities[-1], self.joints)
         if delay > 0.0:
@@ -257,7 +257,7 @@ class Follower:
         acceleration = sample.acceleration * pace * pace + sample.velocity * rate
         return State(sample.position, sample.velocity * pace, acceleration)
 
-    def _joined(self, waypoints: Waypoints, present: State, late: float) -> Joined:
+    def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
         settings = self.settings
         joined = join if settings.interpolate else join_in_steps
         tolerance, cycle = settings.start_tolerance, settings.cycle
@@ -269,14 +269,14 @@ class Follower:
         else:
             self._end(End.ABORTED, Code.PREEMPTED, text)
         # A curve that begins moving begins with the speed that the joints have.
-        self.pace = job.pace if self.wanted.velocity.any() else self.scale
+        self.pace = 1.0 if self.wanted.velocity.any() else self.scale
         self.active, self.phase = job, Phase.MOVING
         self.simulation.count_anew()
 
     def _begin_waiting(self, job: Job) -> None:
         self.waiting = None
         try:
-            job.curve, job.pace = self._joined(job.waypoints, self.wanted, job.late)
+            job.curve = self._joined(job.waypoints, self.wanted, job.late)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             job.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)

@@ -80,8 +80,6 @@ class Job:
         Whether it was where it should be when the trajectory was over.
     remark : str
         What else the outcome is to say.
-    pace : float
-        With which a robot that moves begins to follow the curve, above 0 up to 1.
     """
 
     waypoints: Waypoints
@@ -95,7 +93,6 @@ class Job:
     braking: float = 0.0
     arrived: bool = False
     remark: str = ""
-    pace: float = 1.0
 
     @property
     def goal(self) -> FloatArray:

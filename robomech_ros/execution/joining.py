@@ -1,55 +1,35 @@
 """From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.execution.entering import (
-    LATENCY,
-    STANDING,
-    Joined,
-    entered,
-    refusal,
-    smoothed,
-    violation_of,
-)
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
-from robomech_ros.execution.smoothing import with_braking
+from robomech_ros.execution.smoothing import fading_time, with_braking, with_fading
 from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.verification import Violation, first_violation
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["join", "join_in_steps"]
 
+# A moving joint may be off the start by the way it covers in this time (s): the client has seen
+# the joint states some time ago.
+LATENCY = 0.1
+# A start off by less than this (rad, m and per s) is no step that would have to be smoothed.
+NO_STEP = 1e-9
+# A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
+# without velocities as it is given, corners included, as ros2_control does.
+STANDING = 1e-6
 # Without interpolation the last point is told for this long (s) before the trajectory is over.
 _INSTANT = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class _Course:
-    """A trajectory as a curve that the robot may be on already.
-
-    Attributes
-    ----------
-    curve : PiecewisePolynomial
-        From the first point to the last and, where the robot moves there, until it has braked.
-    velocity : ndarray, shape (n,)
-        With which the joints come to the first point (rad/s or m/s).
-    place : ndarray, shape (n,)
-        Where the joints should be now (rad or m).
-    corners : bool
-        Whether it begins as a straight line.
-    """
-
-    curve: PiecewisePolynomial
-    velocity: FloatArray
-    place: FloatArray
-    corners: bool
+# Times that are tried one after the other, in units of the one in which the smoothing takes half
+# the acceleration limit.
+_STRETCHES = (1.0, 2.0, 4.0, 0.5)
 
 
 def join(
@@ -59,7 +39,7 @@ def join(
     start_tolerance: float,
     late: float = 0.0,
     cycle: float = 0.0,
-) -> Joined:
+) -> PiecewisePolynomial:
     """Make the curve that leads from the present state along a trajectory to its end.
 
     A first point at time 0 must be where the robot is, within tolerance; what is left of the
@@ -68,13 +48,6 @@ def join(
     the points among each other: linearly, or by a cubic or quintic where it has velocities and
     accelerations.
 
-    A trajectory that should have begun, or whose first point is less than a cycle away, is taken
-    up where it should be now, if the robot is there within tolerance: the step is smoothed out in
-    the same way.  Otherwise points that are over are dropped, and the next one is reached from
-    the present state.  A trajectory whose first point the robot cannot reach in time by a little,
-    or which it cannot catch up with, is followed later: a stream goes on where its messages come
-    early or late.
-
     Parameters
     ----------
     waypoints : Waypoints
@@ -82,19 +55,20 @@ def join(
     present : State
         Where the robot is when the trajectory begins.
     joints : Joints
-        Limits; whole turns between the present position and the trajectory are removed for
+        Limits; whole turns between the present position and the first point are removed for
         continuous joints.
     start_tolerance : float
         Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
     late : float
-        How long ago the trajectory should have begun, s.
+        How long ago the trajectory should have begun, s; points before that are dropped, and the
+        next one is reached from the present state.
     cycle : float
-        How often the robot is told where to be, s: a point less than that away is as good as over
-        where there is another one.
+        How often the robot is told where to be, s: where the trajectory should have begun, points
+        less than that ahead are dropped, too, if there are others.
 
     Returns
     -------
-    Joined
+    PiecewisePolynomial
         From t = 0, now, to the end and, where the robot moves there, on until it has braked;
         within the limits of position and velocity.
 
@@ -107,25 +81,22 @@ def join(
     LimitExceededError
         A position or velocity limit would be exceeded, on the points or between them.
     """
-    known = _completed(waypoints, present)
-    left = _remaining(known, late)
-    ahead = float(known.times[0] - late)
-    if ahead <= 0.0 or (ahead < cycle and len(known.times) > 1):
-        course = _course(known, present, joints, late)
-        mismatch = _mismatch(course.place, present, joints, start_tolerance)
-        if mismatch is None:
-            return _entered(course, late, present, joints)
-        if left.times[0] <= 0.0:
-            raise mismatch
-    try:
-        return Joined(_approached(left, present, joints))
-    except LimitExceededError:
-        if not 0.0 < ahead < LATENCY:
-            raise
-        course = _course(known, present, joints, late)
-        if _mismatch(course.place, present, joints, start_tolerance) is not None:
-            raise
-        return _entered(course, late, present, joints)
+    remaining = _remaining(_completed(waypoints, present), late, cycle)
+    positions = _turned(remaining, present, joints, start_tolerance)
+    if remaining.times[0] <= 0.0:
+        curve = interpolant(
+            remaining.times, positions, remaining.velocities, remaining.accelerations
+        )
+    else:
+        curve = _approached(remaining, positions, present)
+    velocities = remaining.velocities
+    if velocities is not None:
+        curve = with_braking(curve, velocities[-1], joints)
+    step = present.position - curve.sample(0.0).position
+    kick = present.velocity - curve.sample(0.0).velocity
+    if velocities is None or np.isnan(velocities[0]).any():
+        kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
+    return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
 
 
 def join_in_steps(
@@ -135,7 +106,7 @@ def join_in_steps(
     start_tolerance: float,
     late: float = 0.0,
     cycle: float = 0.0,
-) -> Joined:
+) -> PiecewisePolynomial:
     """Make the curve of a trajectory that is not interpolated: each point is told at once.
 
     As with ros2_control's ``interpolation_method: none`` the joints stay where they are until a
@@ -143,52 +114,27 @@ def join_in_steps(
     and accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """
-    left = _remaining(_completed(waypoints, present), late)
-    positions = left.positions + _turns(left.positions[0], present, joints)
-    times, told = left.times, np.vstack([positions[1:], positions[-1:]])
-    mismatch = _mismatch(positions[0], present, joints, start_tolerance)
-    if mismatch is not None and times[0] <= 0.0:
-        raise mismatch
+    remaining = _remaining(_completed(waypoints, present), late, cycle)
+    positions = _turned(remaining, present, joints, start_tolerance)
+    times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
     if times[0] > 0.0:
-        told = np.vstack([present.position, told])
-        # A robot that is near is there in time for the point after the first one.
-        if mismatch is not None or not times[0] < cycle:
-            positions = np.vstack([present.position, positions])
-    violation = violation_of(
-        interpolant(np.append(0.0, times)[-len(positions) :], positions), joints
-    )
+        positions = np.vstack([present.position, positions])
+        times, told = np.append(0.0, times), np.vstack([present.position, told])
+    violation = _violation(interpolant(times, positions), joints)
     if violation is not None:
-        raise refusal(violation, float(left.times[0]))
-    if times[0] > 0.0:
-        times = np.append(0.0, times)
-    return Joined(PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), told[None]))
+        raise _refusal(violation, float(remaining.times[0]))
+    return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), told[None])
 
 
-def _turns(place: FloatArray, present: State, joints: Joints) -> FloatArray:
-    """Give the whole turns (rad), of continuous joints, from a place to near the robot's."""
-    turns = np.round((present.position - place) / math.tau)
-    return np.where(joints.continuous, turns * math.tau, 0.0)
-
-
-def _course(known: Waypoints, present: State, joints: Joints, late: float) -> _Course:
-    """Make the curve of a trajectory by itself."""
-    times, positions, velocities = known.times, known.positions, known.velocities
-    curve = interpolant(times, positions, velocities, known.accelerations)
-    given = None if velocities is None or np.isnan(velocities[0]).any() else velocities[0]
-    velocity = curve.sample(times[0]).velocity if given is None else given
-    if velocities is not None:
-        curve = with_braking(curve, velocities[-1], joints)
-    early = min(late - times[0], 0.0)
-    place = curve.sample(max(late, times[0])).position + early * velocity
-    turns = _turns(place, present, joints)
-    coefficients = curve.coefficients.copy()
-    coefficients[0] += turns
-    curve = PiecewisePolynomial(curve.breaks, coefficients)
-    return _Course(curve, velocity, place + turns, given is None)
-
-
-def _entered(course: _Course, late: float, present: State, joints: Joints) -> Joined:
-    return entered(course.curve, late, course.velocity, present, joints, corners=course.corners)
+def _turned(
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float
+) -> FloatArray:
+    """Take whole turns off the positions, and require a first point at time 0 to be near."""
+    turns = np.round((present.position - waypoints.positions[0]) / math.tau)
+    positions = waypoints.positions + np.where(joints.continuous, turns * math.tau, 0.0)
+    if waypoints.times[0] <= 0.0:
+        _require_near(positions[0], present, joints, start_tolerance)
+    return positions
 
 
 def _completed(waypoints: Waypoints, present: State) -> Waypoints:
@@ -209,13 +155,15 @@ def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatAr
     return np.where(missing & there, 0.0, rate)
 
 
-def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
-    """Drop what should have happened before now."""
+def _remaining(waypoints: Waypoints, late: float, cycle: float) -> Waypoints:
+    """Drop what should have happened before now, or so soon that only a jump would get there."""
     if late <= 0.0:
         return waypoints
     left = waypoints.times > late
     if not left.any():
         raise TrajectoryOverError(late, waypoints.times[-1])
+    later = waypoints.times > late + cycle
+    left = later if later.any() else left
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times[left] - late,
@@ -225,38 +173,60 @@ def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
     )
 
 
-def _mismatch(
-    start: FloatArray, present: State, joints: Joints, tolerance: float
-) -> StartMismatchError | None:
-    """Say which joint is too far from where it should be."""
+def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: float) -> None:
     allowed = tolerance + LATENCY * np.abs(present.velocity)
     excess = np.abs(start - present.position) - allowed
     worst = int(np.argmax(excess))
-    if excess[worst] <= 0.0:
-        return None
-    return StartMismatchError(
-        joints.names[worst],
-        start[worst],
-        present.position[worst],
-        allowed[worst],
-        turns=bool(joints.revolute[worst]),
-    )
+    if excess[worst] > 0.0:
+        raise StartMismatchError(
+            joints.names[worst],
+            start[worst],
+            present.position[worst],
+            allowed[worst],
+            turns=bool(joints.revolute[worst]),
+        )
 
 
-def _approached(left: Waypoints, present: State, joints: Joints) -> PiecewisePolynomial:
-    """Reach the first point from the present state as the points among each other."""
-    positions = left.positions + _turns(left.positions[0], present, joints)
-    velocities, accelerations = left.velocities, left.accelerations
-    curve = interpolant(
-        np.concatenate([[0.0], left.times]),
+def _approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
+    """Put the present state before the first point."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return interpolant(
+        np.concatenate([[0.0], waypoints.times]),
         np.vstack([present.position, positions]),
         None if velocities is None else np.vstack([present.velocity, velocities]),
         None if accelerations is None else np.vstack([present.acceleration, accelerations]),
     )
-    corners = velocities is None or bool(np.isnan(velocities[0]).any())
-    if velocities is not None:
-        curve = with_braking(curve, velocities[-1], joints)
-    kick = present.velocity - curve.sample(0.0).velocity
-    if corners and np.max(np.abs(present.velocity)) <= STANDING:
-        kick = np.zeros_like(kick)
-    return smoothed(curve, np.zeros_like(kick), kick, joints, float(left.times[0]))
+
+
+def _smoothed(
+    curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, joints: Joints, first: float
+) -> PiecewisePolynomial:
+    """Smooth out the step at the start, in a time that keeps the limits."""
+    violation = _violation(curve, joints)
+    if violation is not None:
+        raise _refusal(violation, first)
+    if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
+        return curve
+    time = fading_time(step, kick, joints)
+    found = None
+    for stretch in _STRETCHES:
+        candidate = with_fading(curve, step, kick, stretch * time)
+        violation = _violation(candidate, joints)
+        if violation is None:
+            return candidate
+        found = found or violation
+    assert found is not None
+    raise _refusal(found, max(first, time))
+
+
+def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
+    return first_violation(
+        curve, joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
+    )
+
+
+def _refusal(violation: Violation, joined: float) -> LimitExceededError:
+    what = f"at t = {violation.time:.6g} s the {violation.what}"
+    if violation.time < joined:
+        what = f"on the way from the present state, {what}"
+    return LimitExceededError(what, violation.joint, violation.value, violation.limit)

@@ -1,4 +1,4 @@
-"""What is done to curves: a step at the start fades out, speed at the end is braked, a cut."""
+"""What is added to a curve: a step at its start fades out, speed at its end is braked."""
 
 import math
 
@@ -9,7 +9,7 @@ from robomech_ros.trajectory.interpolation import interpolant
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["braking_time", "fading_time", "rest_of", "with_braking", "with_fading"]
+__all__ = ["braking_time", "fading_time", "with_braking", "with_fading"]
 
 # Shortest time in which a step at the start is smoothed out, s.
 SHORTEST_BLEND = 0.05
@@ -71,33 +71,6 @@ def with_braking(
     coefficients[1, -1] = velocity
     coefficients[2, -1] = -velocity / (2.0 * time)
     return PiecewisePolynomial(np.append(curve.breaks, curve.breaks[-1] + time), coefficients)
-
-
-def rest_of(curve: PiecewisePolynomial, time: float, velocity: FloatArray) -> PiecewisePolynomial:
-    """Cut a curve at a time, which becomes 0.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        Of n joints.
-    time : float
-        On its clock, before its end (s).
-    velocity : ndarray, shape (n,)
-        With which the joints move, steadily, before its first break (rad/s or m/s).
-    """
-    breaks, coefficients = curve.breaks, curve.coefficients
-    if time == breaks[0]:
-        return PiecewisePolynomial(breaks - time, coefficients)
-    after = int(np.searchsorted(breaks, time, side="right"))
-    if after:
-        first = _moved(coefficients[:, after - 1], float(time - breaks[after - 1]))
-    else:
-        first = np.zeros((max(len(coefficients), 2), curve.joints))
-        first[0], first[1] = coefficients[0, 0] + (time - breaks[0]) * velocity, velocity
-    later = coefficients[:, after:] if len(breaks) > 1 else coefficients[:, :0]
-    pieces = np.zeros((len(first), 1 + later.shape[1], curve.joints))
-    pieces[:, 0], pieces[: len(later), 1:] = first, later
-    return PiecewisePolynomial(np.append(0.0, breaks[after:] - time), pieces)
 
 
 def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:

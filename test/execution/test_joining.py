@@ -13,7 +13,7 @@ TOLERANCE = 0.01
 
 
 def joined(waypoints, present, late=0.0):
-    return join(waypoints, present, joints(), TOLERANCE, late).curve
+    return join(waypoints, present, joints(), TOLERANCE, late)
 
 
 def assert_smooth(curve, present):
@@ -146,6 +146,22 @@ def test_what_is_past_is_dropped():
     curve = joined(waypoints, state((0.25, 0.0, 0.0)), late=0.6)
     np.testing.assert_allclose(curve.breaks, [0.0, 0.4])
     np.testing.assert_allclose(curve.sample(0.4).position, [0.5, 0.0, 0.0])
+
+
+def test_a_point_too_soon_to_be_reached_is_dropped_from_a_late_trajectory():
+    waypoints = Waypoints(
+        np.array([0.0, 0.5, 1.0]), np.array([[0.0] * 3, [0.2, 0, 0], [0.5, 0, 0]], dtype=float)
+    )
+    present, late = state((0.199, 0.0, 0.0)), 0.5 - 7e-6
+    with pytest.raises(LimitExceededError, match="on the way from the present state"):
+        joined(waypoints, present, late)
+    curve = join(waypoints, present, joints(), TOLERANCE, late, cycle=0.01)
+    np.testing.assert_allclose(curve.breaks, [0.0, 1.0 - late])
+    # The last point is never dropped, nor one of a trajectory that is not late.
+    early = join(waypoints, state(), joints(), TOLERANCE, cycle=0.6)
+    np.testing.assert_allclose(early.breaks, waypoints.times)
+    with pytest.raises(LimitExceededError):
+        join(waypoints, present, joints(), TOLERANCE, 1.0 - 7e-6, cycle=0.01)
 
 
 def test_what_has_ended_is_refused():

@@ -89,12 +89,8 @@ def test_a_clock_that_jumps_while_the_robot_moves(simulated_time, operator, jump
     hand.repeat(send, lambda: hand.arm.position[0] > before + 0.2)
     hand.until_still()
     positions = np.array([state.position for state in hand.arm.states])
-    assert np.abs(np.diff(positions, axis=0)).max() < 0.1
-    # Where messages were lost the robot may come back to where the stream ends, without haste.
-    speeds = np.abs([state.velocity for state in hand.arm.states])
-    assert (speeds <= hand.arm.chain.velocity * (1.0 + 1e-6)).all()
-    highest = np.maximum.accumulate(positions[:, 0])
-    assert (highest - positions[:, 0]).max() < 0.1
+    assert np.abs(np.diff(positions, axis=0)).max() < 0.05
+    assert (np.diff(positions[:, 0]) > -1e-9).all()
     for _, message in hand.streamed:
         assert not any(message.points[-1].velocities)
 
