@@ -16,6 +16,7 @@ from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_model
 from robomech_ros.dynamics.midpoint import MidpointSolver
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
+from robomech_ros.dynamics.simulation_record import Record
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
 from robomech_ros.kinetostatics.jacobians import jacobian
@@ -222,7 +223,7 @@ def simulate(
     # The start is refused where it is wrong; what comes later is told.
     forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
-    record = _Record(_as_times(times, duration))
+    record = Record(_as_times(times, duration))
     state = np.concatenate((q, qd, [0.0, 0.0]))
     tolerances = (positive_number("rtol", rtol), positive_number("atol", atol))
     if tolerances[0] < _LEAST_RTOL:
@@ -247,7 +248,7 @@ def _integrate(
     limits: str,
     restitution: float,
     watched: list[Event],
-    record: "_Record",
+    record: "Record",
     seen: list[tuple[float, int]],
 ) -> str:
     """Step to the end, or to what ends it before; returns the reason."""
@@ -303,37 +304,8 @@ def _refuse_run_away(t: float, state: Array, n: int) -> None:
         )
 
 
-class _Record:
-    """States at the times asked for, or at the steps."""
-
-    def __init__(self, times: Array | None) -> None:
-        self.times = times
-        self.t: list[float] = []
-        self.states: list[Array] = []
-        self.last: tuple[float, Array] = 0.0, np.empty(0)
-
-    def close(self) -> None:
-        """Add where the motion came to."""
-        t, state = self.last
-        if not self.t or self.t[-1] < t:
-            self.t.append(t)
-            self.states.append(state)
-
-    def add(self, t: float, state: Array, dense: Any) -> None:
-        self.last = t, np.array(state)
-        if self.times is None:
-            self.t.append(t)
-            self.states.append(np.array(state))
-            return
-        for wanted in self.times[len(self.t) :]:
-            if wanted > t:
-                break
-            self.t.append(float(wanted))
-            self.states.append(np.array(state if dense is None else dense(wanted)))
-
-
 def _told(
-    motion: _Motion, record: _Record, seen: tuple[tuple[float, int], ...], reason: str
+    motion: _Motion, record: Record, seen: tuple[tuple[float, int], ...], reason: str
 ) -> Simulation:
     chain, n = motion.chain, motion.chain.n
     rows = np.array(record.states).reshape(-1, 2 * n + 2)

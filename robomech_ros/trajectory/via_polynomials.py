@@ -16,7 +16,7 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.knots import knots_at, spaced_knots
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.motion_to_rest import MotionThrough, check_positions
 from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.time_scaling import checked_duration, fitted
@@ -30,16 +30,8 @@ MOST_VIAS = 2
 
 
 @dataclass(frozen=True, eq=False)
-class ViaPolynomial(MotionToRest):
-    """A single polynomial through via points.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m,)
-        When start, via points and goal are passed, in s.
-    """
-
-    knots: FloatArray
+class ViaPolynomial(MotionThrough):
+    """A single polynomial through via points."""
 
 
 def via_polynomial(
