@@ -25,6 +25,8 @@ NO_STEP = 1e-9
 # A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
+# A point less than this part of a cycle ahead comes too soon: the way there would be too steep.
+_SOON = 0.01
 # Without interpolation the last point is told for this long (s) before the trajectory is over.
 _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
@@ -64,7 +66,7 @@ def join(
         next one is reached from the present state.
     cycle : float
         How often the robot is told where to be, s: where the trajectory should have begun, points
-        less than that ahead are dropped, too, if there are others.
+        less than a hundredth of that ahead are dropped, too, if there are others.
 
     Returns
     -------
@@ -162,7 +164,7 @@ def _remaining(waypoints: Waypoints, late: float, cycle: float) -> Waypoints:
     left = waypoints.times > late
     if not left.any():
         raise TrajectoryOverError(late, waypoints.times[-1])
-    later = waypoints.times > late + cycle
+    later = waypoints.times > late + _SOON * cycle
     left = later if later.any() else left
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
