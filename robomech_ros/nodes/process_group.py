@@ -15,7 +15,7 @@ from robomech_ros.nodes.start import NODE_MODULES, STOP_SIGNALS
 __all__ = ["NODE_MODULES", "STOP_SIGNALS", "ProcessGroup", "node_command"]
 
 # Longer than a node takes at the most to hold its robot and say goodbye.
-_STOP_SECONDS = 8.0
+_STOP_SECONDS = 10.0
 _PR_SET_PDEATHSIG = 1
 
 
@@ -81,7 +81,11 @@ class ProcessGroup:
         return {name: code for name, code in codes.items() if code is not None}
 
     def stop(self) -> dict[str, int]:
-        """End all processes as Ctrl-C would, by force after a while; gives their exit codes."""
+        """End all processes as Ctrl-C would, by force after a while; gives their exit codes.
+
+        A node that has done all of its own, and that SIGALRM ended because its middleware did not,
+        counts as ended well; stderr is told.
+        """
         for process in self.processes.values():
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
@@ -91,7 +95,11 @@ class ProcessGroup:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-        return self.dead()
+        codes = self.dead()
+        for name in [name for name, code in codes.items() if code == -signal.SIGALRM]:
+            print(f"{name}: the middleware did not let it go; it was ended", file=sys.stderr)
+            codes[name] = 0
+        return codes
 
 
 def _prepare_child() -> None:

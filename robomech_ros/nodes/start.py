@@ -10,7 +10,9 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
+from typing import NoReturn
 
 __all__ = [
     "NODE_MODULES",
@@ -38,40 +40,40 @@ NODE_MODULES = {
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node named by the first argument; returns the exit code of the process."""
+def main(args: Sequence[str] | None = None) -> NoReturn:
+    """Run the node named by the first argument, and end the process."""
     argv = list(sys.argv[1:] if args is None else args)
-    return _run(argv[0], argv)
+    _run(argv[0], argv)
 
 
-def kinematics_node() -> int:
-    """Run the node kinematics; returns the exit code of the process."""
-    return _run("kinematics", sys.argv)
+def kinematics_node() -> NoReturn:
+    """Run the node kinematics, and end the process."""
+    _run("kinematics", sys.argv)
 
 
-def dynamics_node() -> int:
-    """Run the node dynamics; returns the exit code of the process."""
-    return _run("dynamics", sys.argv)
+def dynamics_node() -> NoReturn:
+    """Run the node dynamics, and end the process."""
+    _run("dynamics", sys.argv)
 
 
-def trajectory_planner_node() -> int:
-    """Run the node trajectory_planner; returns the exit code of the process."""
-    return _run("trajectory_planner", sys.argv)
+def trajectory_planner_node() -> NoReturn:
+    """Run the node trajectory_planner, and end the process."""
+    _run("trajectory_planner", sys.argv)
 
 
-def trajectory_publisher_node() -> int:
-    """Run the node trajectory_publisher; returns the exit code of the process."""
-    return _run("trajectory_publisher", sys.argv)
+def trajectory_publisher_node() -> NoReturn:
+    """Run the node trajectory_publisher, and end the process."""
+    _run("trajectory_publisher", sys.argv)
 
 
-def joint_state_simulator_node() -> int:
-    """Run the node joint_trajectory_controller; returns the exit code of the process."""
-    return _run("joint_trajectory_controller", sys.argv)
+def joint_state_simulator_node() -> NoReturn:
+    """Run the node joint_trajectory_controller, and end the process."""
+    _run("joint_trajectory_controller", sys.argv)
 
 
-def servo_node() -> int:
-    """Run the node servo; returns the exit code of the process."""
-    return _run("servo", sys.argv)
+def servo_node() -> NoReturn:
+    """Run the node servo, and end the process."""
+    _run("servo", sys.argv)
 
 
 def leave_on_signals() -> None:
@@ -81,13 +83,20 @@ def leave_on_signals() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
 
 
-def _run(node: str, argv: Sequence[str]) -> int:
+def _run(node: str, argv: Sequence[str]) -> NoReturn:
     leave_on_signals()
     # Hundreds of thousands of objects are made, and all stay: there is no garbage to look for.
     gc.disable()
     module = import_module(NODE_MODULES[node])
     gc.enable()
-    return int(module.main(argv))
+    code = int(module.main(argv))
+    for stream in (sys.stdout, sys.stderr):
+        # Who read it may have gone.
+        with suppress(OSError):
+            stream.flush()
+    # All is done and said.  To take the interpreter and its libraries apart would take longer than
+    # the node's own end, and waits for threads of the middleware.
+    os._exit(code)
 
 
 def _leave(number: int, frame: object) -> None:
@@ -96,4 +105,4 @@ def _leave(number: int, frame: object) -> None:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

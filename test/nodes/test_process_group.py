@@ -84,6 +84,34 @@ def test_what_does_not_listen_is_killed(monkeypatch):
     assert group.stop() == {"deaf": -signal.SIGKILL}
 
 
+HELD = """
+import ctypes, os, signal
+from rclpy.node import Node
+from robomech_ros.nodes import run, start
+start.leave_on_signals()
+run._FAREWELL_SECONDS = 0.5
+class Held(Node):
+    def __init__(self):
+        super().__init__("held")
+        os.kill(os.getpid(), signal.SIGINT)
+    def stop(self):
+        print("stopped", flush=True)
+    def destroy_node(self):
+        # Not even other threads of the interpreter get a turn while a library hangs.
+        ctypes.PyDLL(None).pause()
+run.run_node(Held, ["held"])
+"""
+
+
+def test_a_node_that_its_middleware_does_not_let_go_is_ended_and_that_is_told(capfd):
+    group = ProcessGroup({"held": [sys.executable, "-c", HELD]}, log=subprocess.PIPE)
+    process = group.processes["held"]
+    assert process.wait(60.0) == -signal.SIGALRM
+    assert process.stdout.read() == b"stopped\n"
+    assert group.stop() == {"held": 0}
+    assert capfd.readouterr().err == "held: the middleware did not let it go; it was ended\n"
+
+
 def test_children_die_with_a_parent_that_is_killed():
     program = (
         "import sys, time; from robomech_ros.nodes.process_group import ProcessGroup;"
