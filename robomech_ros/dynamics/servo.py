@@ -14,6 +14,7 @@ from robomech_ros.dynamics.matrices import mass_matrix
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinematics.spread import spread_postures
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 
@@ -24,6 +25,12 @@ Array = NDArray[np.float64]
 CONTROLS = ("computed-torque", "pd-gravity")
 
 _MOST_SUBSTEPS = 1000
+
+# Postures in which fixed gains are looked at.
+_POSTURES = 256
+_ROUNDS = 200
+# Most that damping takes off a rate in one period, over the rate: 1 in one go, from 2 on it grows.
+_QUIET = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,15 +163,8 @@ class Servo:
                 raise BadValueError(name, value, f"at most {LARGEST_SERVO_RATE:g}{unit}")
         stiffness = viscosity = np.ones(self.model.n)
         if mode == kernels.PD_WITH_GRAVITY:
-            inertia = mass_matrix(self.model, self.model.midrange())
-            if np.linalg.matrix_rank(inertia) < self.model.n:
-                expected = "bodies or rotors that resist every motion of it"
-                raise BadValueError("least inertia of the chain", 0.0, expected)
-            # Joints that are nearly parallel feel much less inertia with the others free than with
-            # them at rest: stiff for the one and damped for the other, they neither chatter nor
-            # swing.
-            stiffness = 1.0 / np.diag(np.linalg.inv(inertia))
-            viscosity = np.sqrt(stiffness * np.diag(inertia))
+            chatter = 2.0 * damping * frequency * positive_number("period", self.period)
+            stiffness, viscosity = _felt_inertias(self.model, _QUIET / chatter)
         gains = np.array([frequency**2 * stiffness, 2.0 * damping * frequency * viscosity])
         for row, (name, given) in enumerate((("kp", self.kp), ("kd", self.kd))):
             if given is not None:
@@ -243,6 +243,34 @@ class Servo:
             )
         saturated = np.abs(effort) >= arguments[8]
         return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
+
+
+def _felt_inertias(chain: SerialChain, most: float) -> tuple[Array, Array]:
+    """Give the inertias (n,) with which joints of fixed gains are to be stiff, and to be damped.
+
+    Joints that are nearly parallel feel much less inertia with the others free than with them at
+    rest: stiff for the one and damped for the other, they neither chatter nor swing.  Where an arm
+    folds up they feel so little that they would chatter all the same: no damping may exceed `most`
+    times the inertia in any direction, in any posture.
+    """
+    inertia = mass_matrix(chain, spread_postures(chain, _POSTURES))
+    if np.linalg.matrix_rank(inertia).min() < chain.n:
+        expected = "bodies or rotors that resist every motion of it"
+        raise BadValueError("least inertia of the chain", 0.0, expected)
+    inverse = np.linalg.inv(inertia)
+    stiff = np.median(1.0 / np.diagonal(inverse, axis1=1, axis2=2), axis=0)
+    wanted = np.sqrt(stiff * np.median(np.diagonal(inertia, axis1=1, axis2=2), axis=0))
+    damped = wanted.copy()
+    for _ in range(_ROUNDS):
+        root = np.sqrt(damped)
+        ratios, directions = np.linalg.eigh(root[:, None] * inverse * root)
+        worst = ratios[:, -1].argmax()
+        excess = ratios[worst, -1] / most
+        if excess <= 1.0:
+            break
+        # Each joint gives way by its part in the motion that would chatter most.
+        damped *= (excess * 1.001) ** -(directions[worst, :, -1] ** 2)
+    return stiff * (damped / wanted) ** 2, damped
 
 
 def _stops(limits: Array, q: Array, held: ArrayLike | None) -> Array:

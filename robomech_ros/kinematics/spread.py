@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["low_discrepancy_strides", "reach_bound"]
+__all__ = ["low_discrepancy_strides", "reach_bound", "spread_postures"]
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,30 @@ def low_discrepancy_strides(n: int) -> Array:
     for _ in range(64):
         root = (1.0 + root) ** (1.0 / (n + 1))
     return (root ** -np.arange(1.0, n + 1)) % 1.0
+
+
+def spread_postures(chain: SerialChain, count: int) -> Array:
+    """Spread postures evenly over what the joints can take, the one in its middle first.
+
+    Joints that can turn around are spread over a whole turn, slides without ends over 2 m.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count, n)
+        Joint values (rad or m).
+    """
+    whole = (chain.types != PRISMATIC) & ~(chain.upper - chain.lower < 2.0 * np.pi)
+    lower = np.where(whole, -np.pi, np.where(np.isfinite(chain.lower), chain.lower, -1.0))
+    upper = np.where(whole, np.pi, np.where(np.isfinite(chain.upper), chain.upper, lower + 2.0))
+    share = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(chain.n)) % 1.0
+    q: Array = lower + share * (upper - lower)
+    return q
 
 
 def reach_bound(chain: SerialChain) -> float:

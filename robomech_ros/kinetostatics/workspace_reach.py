@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.spread import low_discrepancy_strides
+from robomech_ros.kinematics.spread import spread_postures
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
@@ -54,11 +54,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
     """Give the least distance (sign 1) or the greatest (-1)."""
     C = unpack_chain(chain.packed)
     turns = chain.types != PRISMATIC
-    whole = turns & ~(chain.upper - chain.lower < 2.0 * np.pi)
-    lower = np.where(whole, -np.pi, np.where(np.isfinite(chain.lower), chain.lower, -1.0))
-    upper = np.where(whole, np.pi, np.where(np.isfinite(chain.upper), chain.upper, lower + 2.0))
-    share = (0.5 + np.arange(_STARTS)[:, None] * low_discrepancy_strides(chain.n)) % 1.0
-    q = lower + share * (upper - lower)
+    q = spread_postures(chain, _STARTS)
     distance = np.full(_STARTS, np.inf)
     for _ in range(_SWEEPS):
         before = distance
