@@ -63,6 +63,26 @@ def test_a_robot_is_at_a_limit_nearly_all_the_time(friction):
     assert np.quantile(most, 0.1) > 0.999 and np.quantile(most, 0.01) > 0.98
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_pinocchio_finds_the_same_torques_at_their_limits(seed, pinocchio_model):
+    import pinocchio
+
+    chain, model = load_robot("ur5e"), pinocchio_model("ur5e")
+    data, effort = model.createData(), 0.6 * chain.effort
+    points = np.random.default_rng(seed).uniform(-1.5, 1.5, (4, 6))
+    path = spline_through(points, times=[0.0, 1.0, 2.0, 3.0], ends="natural").pieces
+    speeds = Limits(chain.joint_names, velocity=chain.velocity)
+    motion = torque_limited(path, speeds, partial(inverse_dynamics, chain), effort=effort)
+
+    def theirs(q, qd, qdd):
+        rows = zip(q, qd, qdd, strict=True)
+        return np.array([pinocchio.rnea(model, data, *row) for row in rows])
+
+    torques, most = loads(motion, theirs, effort, None, chain.velocity)
+    assert 1.0 - 1e-6 < torques.max() <= 1.0 + 1e-6 and most.max() <= 1.0 + 1e-6
+    assert np.quantile(most, 0.1) > 0.999
+
+
 def test_the_drives_of_a_chain_are_its_own_limits_beside_those_of_acceleration():
     motion = torque_limited(PATH, PUMA, MODEL)
     torques, _ = loads(motion, MODEL, PUMA.effort)
