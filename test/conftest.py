@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,12 @@ from robomech_ros.robots import SerialChain, load_description, load_robot
 from robomech_ros.robots.chain_layout import pack_chain
 
 GOLDEN = Path(__file__).parent / "data" / "golden"
+
+
+def pytest_configure():
+    """Let Ctrl-C reach what the tests start, also where a shell runs them in the background."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
