@@ -122,25 +122,20 @@ def peak_above(times, coefficients, scales, order, floor):
 @inline
 def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
     """Give the largest value of joint j in piece k, with a sign, or the best if it is less."""
-    size = coefficients.shape[0] - order
+    degree = max(coefficients.shape[0] - order - 1, 0)
     total = _derivative(coefficients, k, j, order, span, sign, control)
-    # No power on [0, 1] is larger than 1.
-    above = control[0] - doubt
-    for i in range(1, size):
-        above += max(control[i], 0.0)
-    if not above > best:
-        return best
-    to_bernstein(control, max(size - 1, 0))
-    for i in range(max(size, 1)):
+    to_bernstein(control, degree)
+    for i in range(degree + 1):
         control[i] -= doubt
-    return _highest(control, max(size - 1, 0), best, 0.0, PEAK_ACCURACY * total, stack)
+    return _highest(control, degree, best, 0.0, PEAK_ACCURACY * total, stack)
 
 
 @inline
-def _look_at_ends(spans, coefficients, order, slack, control, before, low, high):
+def _look_at_ends(spans, coefficients, order, slack, control, before, low, high, below, above):
     """Give the extremes at the ends of all pieces as low and high (n,), and the largest step.
 
     The steps are written in place of `before` (2, n), which holds the last piece's end as well.
+    No value of a piece is outside `below` and `above`, (s, n): no power on [0, 1] is larger than 1.
     """
     for j in range(coefficients.shape[2]):
         low[j], high[j] = np.inf, -np.inf
@@ -148,10 +143,13 @@ def _look_at_ends(spans, coefficients, order, slack, control, before, low, high)
     for k in range(coefficients.shape[1]):
         for j in range(coefficients.shape[2]):
             _derivative(coefficients, k, j, order, spans[k], 1.0, control)
-            last = control[0]
-            for i in range(1, coefficients.shape[0] - order):
-                last += control[i]
             first, doubt = control[0], slack[order, k, j]
+            rise = fall = 0.0
+            for i in range(1, coefficients.shape[0] - order):
+                rise += max(control[i], 0.0)
+                fall += min(control[i], 0.0)
+            above[k, j], below[k, j] = first + rise - doubt, first + fall + doubt
+            last = first + rise + fall
             high[j] = max(high[j], max(first, last) - doubt)
             low[j] = min(low[j], min(first, last) + doubt)
             if k > 0:
@@ -186,16 +184,19 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps):
     size = coefficients.shape[0]
     control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
     before = np.empty((2, coefficients.shape[2]))
+    below, above = np.empty(coefficients.shape[1:]), np.empty(coefficients.shape[1:])
     for order in range(low.shape[0]):
         lows, highs = low[order], high[order]
-        _look_at_ends(spans, coefficients, order, slack, control, before, lows, highs)
+        ends = spans, coefficients, order, slack, control, before, lows, highs, below, above
+        _look_at_ends(*ends)
         for j in range(low.shape[1]):
             steps[order, j] = before[1, j]
         for k in range(coefficients.shape[1]):
-            span = spans[k]
             for j in range(low.shape[1]):
-                doubt, least, most = slack[order, k, j], -lows[j], highs[j]
-                given = coefficients, k, j, order, span
-                highs[j] = _raised(*given, 1.0, doubt, most, control, stack)
-                lows[j] = -_raised(*given, -1.0, doubt, least, control, stack)
+                given = coefficients, k, j, order, spans[k]
+                doubt = slack[order, k, j]
+                if above[k, j] > highs[j]:
+                    highs[j] = _raised(*given, 1.0, doubt, highs[j], control, stack)
+                if below[k, j] < lows[j]:
+                    lows[j] = -_raised(*given, -1.0, doubt, -lows[j], control, stack)
     return 0
