@@ -15,7 +15,7 @@ from robomech_ros.nodes.start import NODE_MODULES, STOP_SIGNALS
 __all__ = ["NODE_MODULES", "STOP_SIGNALS", "ProcessGroup", "node_command"]
 
 # Longer than a node takes at the most to hold its robot and say goodbye.
-_STOP_SECONDS = 10.0
+_STOP_SECONDS = 12.0
 _PR_SET_PDEATHSIG = 1
 
 

@@ -39,7 +39,7 @@ EXIT_CANNOT_START = 2
 _STOP_SECONDS = 3.0
 _DELIVERY_SECONDS = 0.1
 # Threads of Fast DDS may wait for each other when peers leave at the same time (its issue 6502).
-_FAREWELL_SECONDS = 3.0
+_FAREWELL_SECONDS = 5.0
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
