@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 _derivatives_one = direct(kernels.inverse_derivatives_one)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class InverseDerivatives:
     """Derivatives of the torques by joint values, rates and accelerations.
 
