@@ -1,5 +1,6 @@
 """Simulation: the motion of a chain under torques that are given or computed."""
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +40,8 @@ _LONGEST = 1e6
 _LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
 _MOST_BOUNCES = 1000
 _FINISHED = "finished"
+# Squares and quotients of what is larger overflow in the solvers.
+_LARGEST_RATE = 1e100
 # A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
 _REST = 1e-6
 
@@ -126,7 +129,10 @@ class _Motion:
         wrench = self.options["tip_wrench"]
         if wrench is not None:
             power += wrench @ (jacobian(self.chain, q) @ qd)
-        return np.concatenate((qd, qdd, [power, loss]))
+        rates = np.concatenate((qd, qdd, [power, loss]))
+        if not np.abs(rates).max() <= _LARGEST_RATE:
+            raise _RunAwayError(f"accelerations or powers at {t:.6g} s exceed {_LARGEST_RATE:g}")
+        return rates
 
 
 def simulate(
@@ -234,7 +240,9 @@ def simulate(
         return _solver(choice, motion, t, y, duration, step, tolerances)
 
     # What overflows is found in the states.
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
+        # LSODA warns of what the reason says.
+        warnings.filterwarnings("ignore", "lsoda", UserWarning)
         reason = _integrate(make, motion, state, limits, part, watched, record, seen)
     if reason != _FINISHED:
         record.close()

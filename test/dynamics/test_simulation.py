@@ -116,6 +116,13 @@ def test_a_motion_that_runs_away_is_stopped_with_its_state():
         assert found.reason.startswith(("the motion ran away", "the integration failed"))
         assert np.isfinite(found.q).all() and len(found.t) >= 1 and found.t[-1] < 10.0
 
+    def breaks_out(t, q, qd):
+        return 1e200 * np.sin(t) * (qd + 1.0)
+
+    for method in ("Radau", "BDF", "LSODA", "RK45"):
+        found = simulate(ARM, *START, breaks_out, 1.0, method=method)
+        assert found.reason.startswith("the motion ran away") and len(found.t) >= 1
+
     def breaks(t, q, qd):
         return np.full(3, np.nan if t > 0.1 else 0.0)
 
