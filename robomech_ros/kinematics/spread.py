@@ -38,7 +38,8 @@ def low_discrepancy_strides(n: int) -> Array:
 def spread_postures(chain: SerialChain, count: int) -> Array:
     """Spread postures evenly over what the joints can take, the one in its middle first.
 
-    Joints that can turn around are spread over a whole turn, slides without ends over 2 m.
+    Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at
+    least.
 
     Parameters
     ----------
@@ -52,7 +53,8 @@ def spread_postures(chain: SerialChain, count: int) -> Array:
         Joint values (rad or m).
     """
     whole = (chain.types != PRISMATIC) & ~(chain.upper - chain.lower < 2.0 * np.pi)
-    lower = np.where(whole, -np.pi, np.where(np.isfinite(chain.lower), chain.lower, -1.0))
+    open_below = np.minimum(-1.0, chain.upper - 2.0)
+    lower = np.where(whole, -np.pi, np.where(np.isfinite(chain.lower), chain.lower, open_below))
     upper = np.where(whole, np.pi, np.where(np.isfinite(chain.upper), chain.upper, lower + 2.0))
     share = (0.5 + np.arange(count)[:, None] * low_discrepancy_strides(chain.n)) % 1.0
     q: Array = lower + share * (upper - lower)

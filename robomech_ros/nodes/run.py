@@ -15,7 +15,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import rclpy
@@ -29,11 +29,11 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.parameters import table_rows
+from robomech_ros.nodes.start import EXIT_CANNOT_START
 
 __all__ = ["Spinner", "run_node", "run_nodes"]
 
 EXIT_FAILED = 1
-EXIT_CANNOT_START = 2
 
 # How long the nodes get to hold and to say goodbye to their clients.
 _STOP_SECONDS = 3.0
@@ -164,7 +164,9 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     except Exception as error:
         return _start_failed(program, error)
     if "-h" in rest or "--help" in rest:
-        print("\n\n".join(_help(program, factory) for factory in factories))
+        # Who has read enough of it may have gone.
+        with suppress(BrokenPipeError):
+            print("\n\n".join(_help(program, factory) for factory in factories))
         return 0
     if rest:
         return _refuse(program, f"unknown argument {rest[0]!r}; see --help")

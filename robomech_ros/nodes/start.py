@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import NoReturn
 
 __all__ = [
+    "EXIT_CANNOT_START",
     "NODE_MODULES",
     "STOP_SIGNALS",
     "dynamics_node",
@@ -39,11 +40,13 @@ NODE_MODULES = {
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
+EXIT_CANNOT_START = 2
+
 
 def main(args: Sequence[str] | None = None) -> NoReturn:
     """Run the node named by the first argument, and end the process."""
     argv = list(sys.argv[1:] if args is None else args)
-    _run(argv[0], argv)
+    _run(argv[0] if argv else "", argv)
 
 
 def kinematics_node() -> NoReturn:
@@ -85,14 +88,18 @@ def leave_on_signals() -> None:
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:
     leave_on_signals()
+    if node not in NODE_MODULES:
+        names = ", ".join(NODE_MODULES)
+        print(f"unknown node {node!r}; available: {names}", file=sys.stderr)
+        raise SystemExit(EXIT_CANNOT_START)
     # Hundreds of thousands of objects are made, and all stay: there is no garbage to look for.
     gc.disable()
     module = import_module(NODE_MODULES[node])
     gc.enable()
     code = int(module.main(argv))
     for stream in (sys.stdout, sys.stderr):
-        # Who read it may have gone.
-        with suppress(OSError):
+        # Who read it may have gone, or there is none.
+        with suppress(OSError, AttributeError):
             stream.flush()
     # All is done and said.  To take the interpreter and its libraries apart would take longer than
     # the node's own end, and waits for threads of the middleware.

@@ -84,6 +84,47 @@ def test_fixed_gains_bring_arms_to_rest_wherever_they_are(robot):
         assert np.abs(motion.q[-1] - wanted[-1, 0]).max() < 1e-3
 
 
+# Where they fold up and have the least inertia about one of their motions.
+FOLDED = {
+    "vx300": [-1.9, -0.119, -1.545, 0.24, 3.13],
+    "xarm6": [3.14, -0.13, -2.785, -0.9, 0.824, -0.04],
+    "ur5e": [-0.713, 1.57, 0.0, -1.571, -0.002, -3.14],
+}
+
+
+@pytest.mark.parametrize("robot", FOLDED)
+@pytest.mark.parametrize(
+    ("bandwidth", "damping"), [(50.0, 1.0), (1000.0, 1.0), (1000.0, 0.1), (1e6, 1.0), (50.0, 100.0)]
+)
+def test_fixed_gains_are_quiet_where_an_arm_folds_up(robot, bandwidth, damping):
+    chain = load_robot(robot)
+    servo = Servo(chain, control="pd-gravity", bandwidth=bandwidth, damping=damping)
+    start = np.array(FOLDED[robot])
+    wanted = np.zeros((1000, 3, chain.n))
+    wanted[:, 0] = start + 1e-4 * np.random.default_rng(0).uniform(-1.0, 1.0, chain.n)
+    motion = servo.run(start, np.zeros(chain.n), wanted)
+    assert motion.reason == "" and not motion.saturated[-100:].any()
+    assert np.abs(np.diff(motion.qd[-100:], axis=0)).max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"bandwidth": 1e-300, "damping": 1e-300},
+        {"bandwidth": 1e-200, "period": 1e-200},
+        {"bandwidth": 1e6, "damping": 1e6, "period": 1e308},
+    ],
+)
+def test_fixed_gains_are_numbers_however_small_or_large_their_grounds(given):
+    start = PUMA.midrange()
+    wanted = np.zeros((10, 3, PUMA.n))
+    wanted[:, 0] = start
+    motion = Servo(PUMA, control="pd-gravity", **given).run(
+        start, np.zeros(PUMA.n), wanted, period=1e-3
+    )
+    assert motion.reason == "" and np.abs(motion.q - wanted[0, 0]).max() < 1e-3
+
+
 @pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda"])
 @pytest.mark.parametrize(("control", "tracked"), [("computed-torque", 5e-3), ("pd-gravity", 0.075)])
 def test_an_observer_makes_up_for_a_payload(robot, control, tracked):

@@ -1,5 +1,6 @@
 """Child processes: watched together, ended together."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -137,8 +138,43 @@ def _is_alive(pid):
         return False
 
 
+START = [sys.executable, "-m", "robomech_ros.nodes.start"]
+
+
+@pytest.mark.parametrize("streams", ["2>&1 >&-", "2>&-", ">&- 2>&-"])
+def test_a_node_without_streams_gives_its_exit_code(streams):
+    command = f'exec "$@" {streams}'
+    done = subprocess.run(
+        ["sh", "-c", command, "sh", *START, "trajectory_publisher", "--fast"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    said = "trajectory_publisher: unknown argument '--fast'; see --help\n"
+    # Python's errors go where the other stream does, if there is one.
+    assert (done.returncode, done.stdout) == (2, "" if streams == ">&- 2>&-" else said)
+    assert done.stderr == ""
+
+
+def test_help_ends_well_when_its_reader_has_seen_enough():
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [*START, "servo", "--help"], stdout=write, stderr=subprocess.PIPE, check=False
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("words", [[], ["kinematic"]])
+def test_a_node_that_there_is_not_is_refused_with_those_there_are(words):
+    done = subprocess.run([*START, *words], capture_output=True, text=True, check=False)
+    name = words[0] if words else ""
+    said = f"unknown node {name!r}; available: {', '.join(NODE_MODULES)}\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
 def test_every_node_has_a_command():
-    start = [sys.executable, "-m", "robomech_ros.nodes.start"]
     for node in NODE_MODULES:
-        assert node_command(node) == [*start, node]
-        assert node_command(node, ["-p", "a:=1"]) == [*start, node, "--ros-args", "-p", "a:=1"]
+        assert node_command(node) == [*START, node]
+        assert node_command(node, ["-p", "a:=1"]) == [*START, node, "--ros-args", "-p", "a:=1"]
