@@ -56,8 +56,6 @@ class FollowerSettings:
     wait_for_stamp : bool
         Whether the present motion goes on until a later one begins; else that one replaces it when
         it comes, and its first point is reached at the time that its stamp gives.
-    cycle : float
-        How often the owner lets it move on, s.
     """
 
     start_tolerance: float = 0.01
@@ -66,7 +64,6 @@ class FollowerSettings:
     command_timeout: float = 0.0
     interpolate: bool = True
     wait_for_stamp: bool = True
-    cycle: float = 0.0
 
 
 class Follower:
@@ -260,8 +257,7 @@ class Follower:
     def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
         settings = self.settings
         joined = join if settings.interpolate else join_in_steps
-        tolerance, cycle = settings.start_tolerance, settings.cycle
-        return joined(waypoints, present, self.joints, tolerance, late, cycle)
+        return joined(waypoints, present, self.joints, settings.start_tolerance, late)
 
     def _begin(self, job: Job, text: str) -> None:
         if self.phase is Phase.STOPPING:

@@ -1,6 +1,7 @@
 """From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -25,13 +26,17 @@ NO_STEP = 1e-9
 # A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
-# A point less than this part of a cycle ahead comes too soon: the way there would be too steep.
-_SOON = 0.01
+# So many points of a late trajectory that cannot be reached in time are passed over.
+_PASSED_OVER = 8
 # Without interpolation the last point is told for this long (s) before the trajectory is over.
 _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
 _STRETCHES = (1.0, 2.0, 4.0, 0.5)
+
+
+class _TooSteepError(LimitExceededError):
+    """The way onto a trajectory exceeds a limit."""
 
 
 def join(
@@ -40,7 +45,6 @@ def join(
     joints: Joints,
     start_tolerance: float,
     late: float = 0.0,
-    cycle: float = 0.0,
 ) -> PiecewisePolynomial:
     """Make the curve that leads from the present state along a trajectory to its end.
 
@@ -63,10 +67,7 @@ def join(
         Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
     late : float
         How long ago the trajectory should have begun, s; points before that are dropped, and the
-        next one is reached from the present state.
-    cycle : float
-        How often the robot is told where to be, s: where the trajectory should have begun, points
-        less than a hundredth of that ahead are dropped, too, if there are others.
+        next one that can be reached in time, of eight, is reached from the present state.
 
     Returns
     -------
@@ -83,7 +84,29 @@ def join(
     LimitExceededError
         A position or velocity limit would be exceeded, on the points or between them.
     """
-    remaining = _remaining(_completed(waypoints, present), late, cycle)
+    remaining = _remaining(_completed(waypoints, present), late)
+    return _reached(lambda left: _onto(left, present, joints, start_tolerance), remaining, late)
+
+
+def _reached(
+    onto: Callable[[Waypoints], PiecewisePolynomial], remaining: Waypoints, late: float
+) -> PiecewisePolynomial:
+    """Make the curve onto what is left of a trajectory, if it is late from where that gets."""
+    refusal: _TooSteepError | None = None
+    count = len(remaining.times)
+    for passed_over in range(min(_PASSED_OVER, count) if late > 0.0 else 1):
+        try:
+            return onto(_from(remaining, np.arange(count) >= passed_over))
+        except _TooSteepError as error:
+            refusal = refusal or error
+    assert refusal is not None
+    raise refusal
+
+
+def _onto(
+    remaining: Waypoints, present: State, joints: Joints, start_tolerance: float
+) -> PiecewisePolynomial:
+    """Make the curve that leads onto what is left of a trajectory and along it."""
     positions = _turned(remaining, present, joints, start_tolerance)
     if remaining.times[0] <= 0.0:
         curve = interpolant(
@@ -107,7 +130,6 @@ def join_in_steps(
     joints: Joints,
     start_tolerance: float,
     late: float = 0.0,
-    cycle: float = 0.0,
 ) -> PiecewisePolynomial:
     """Make the curve of a trajectory that is not interpolated: each point is told at once.
 
@@ -116,7 +138,16 @@ def join_in_steps(
     and accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """
-    remaining = _remaining(_completed(waypoints, present), late, cycle)
+    remaining = _remaining(_completed(waypoints, present), late)
+    return _reached(
+        lambda left: _onto_in_steps(left, present, joints, start_tolerance), remaining, late
+    )
+
+
+def _onto_in_steps(
+    remaining: Waypoints, present: State, joints: Joints, start_tolerance: float
+) -> PiecewisePolynomial:
+    """Make the curve that tells each point at once of what is left of a trajectory."""
     positions = _turned(remaining, present, joints, start_tolerance)
     times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
     if times[0] > 0.0:
@@ -157,15 +188,18 @@ def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatAr
     return np.where(missing & there, 0.0, rate)
 
 
-def _remaining(waypoints: Waypoints, late: float, cycle: float) -> Waypoints:
-    """Drop what should have happened before now, or so soon that only a jump would get there."""
+def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
+    """Drop what should have happened before now."""
     if late <= 0.0:
         return waypoints
     left = waypoints.times > late
     if not left.any():
         raise TrajectoryOverError(late, waypoints.times[-1])
-    later = waypoints.times > late + _SOON * cycle
-    left = later if later.any() else left
+    return _from(waypoints, left, late)
+
+
+def _from(waypoints: Waypoints, left: npt.NDArray[np.bool_], late: float = 0.0) -> Waypoints:
+    """Keep some points, so much nearer in time (s)."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
         waypoints.times[left] - late,
@@ -229,6 +263,7 @@ def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
 
 def _refusal(violation: Violation, joined: float) -> LimitExceededError:
     what = f"at t = {violation.time:.6g} s the {violation.what}"
+    given = violation.joint, violation.value, violation.limit
     if violation.time < joined:
-        what = f"on the way from the present state, {what}"
-    return LimitExceededError(what, violation.joint, violation.value, violation.limit)
+        return _TooSteepError(f"on the way from the present state, {what}", *given)
+    return LimitExceededError(what, *given)

@@ -148,20 +148,18 @@ def test_what_is_past_is_dropped():
     np.testing.assert_allclose(curve.sample(0.4).position, [0.5, 0.0, 0.0])
 
 
-def test_a_point_too_soon_to_be_reached_is_dropped_from_a_late_trajectory():
-    waypoints = Waypoints(
-        np.array([0.0, 0.5, 1.0]), np.array([[0.0] * 3, [0.2, 0, 0], [0.5, 0, 0]], dtype=float)
-    )
-    present, late = state((0.199, 0.0, 0.0)), 0.5 - 7e-6
-    with pytest.raises(LimitExceededError, match="on the way from the present state"):
-        joined(waypoints, present, late)
-    curve = join(waypoints, present, joints(), TOLERANCE, late, cycle=0.01)
+@pytest.mark.parametrize("ahead", [7e-6, 0.05])
+def test_points_that_cannot_be_reached_in_time_are_passed_over_in_a_late_trajectory(ahead):
+    places = np.outer([0.0, 0.2, 0.23, 0.5], [1.0, 0.0, 0.0])
+    waypoints = Waypoints(np.array([0.0, 0.5, 0.51, 1.0]), places)
+    late = 0.5 - ahead
+    curve = joined(waypoints, state((0.2 - 10.0 * ahead, 0.0, 0.0)), late)
     np.testing.assert_allclose(curve.breaks, [0.0, 1.0 - late])
-    # The last point is never dropped, nor one of a trajectory that is not late.
-    early = join(waypoints, state(), joints(), TOLERANCE, cycle=0.6)
-    np.testing.assert_allclose(early.breaks, waypoints.times)
-    with pytest.raises(LimitExceededError):
-        join(waypoints, present, joints(), TOLERANCE, 1.0 - 7e-6, cycle=0.01)
+    np.testing.assert_allclose(curve.sample(1.0 - late).position, places[-1])
+    # In time the trajectory is refused, as it is where no point can be reached: the first is named.
+    for here, lateness in ((-3.0, 0.0), (-3.0, late), (0.199, 1.0 - 7e-6)):
+        with pytest.raises(LimitExceededError, match="on the way from the present state"):
+            joined(Waypoints(waypoints.times + 1e-3, places), state((here, 0.0, 0.0)), lateness)
 
 
 def test_what_has_ended_is_refused():

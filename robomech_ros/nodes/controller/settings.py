@@ -246,7 +246,6 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
         command_timeout=settings.cmd_timeout,
         interpolate=settings.interpolation_method == SPLINES,
         wait_for_stamp=settings.allow_trajectory_replacement,
-        cycle=1.0 / settings.publish_rate,
     )
 
 
