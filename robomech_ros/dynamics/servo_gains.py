@@ -14,10 +14,11 @@ __all__ = ["felt_inertias"]
 
 Array = NDArray[np.float64]
 
-# Postures from which the inertias come that fixed gains suit, fewer for arms of many joints, and of
-# these those in which the arm is not to chatter, some for each joint that feels least in them.
+# Postures from which the inertias come that fixed gains suit, fewer for arms of many joints, whose
+# mass matrices have no more entries than that together.
 _POSTURES = 4096
-_POSTURES_OF_ONE_JOINT = 200_000
+_MOST_ENTRIES = 200_000
+# Of these so many in which the arm is not to chatter: those in which each joint feels least.
 _WORST = 224
 _ROUNDS = 50
 # Postures of one round that are looked at one by one.
@@ -59,7 +60,7 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
     BadValueError
         There is a motion that nothing resists.
     """
-    count = min(_POSTURES, _POSTURES_OF_ONE_JOINT // chain.n**2)
+    count = min(_POSTURES, _MOST_ENTRIES // chain.n**2)
     inertia = mass_matrix(chain, spread_postures(chain, count))
     if np.linalg.matrix_rank(inertia, hermitian=True).min() < chain.n:
         expected = "bodies or rotors that resist every motion of it"

@@ -1,7 +1,6 @@
 """From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -26,17 +25,14 @@ NO_STEP = 1e-9
 # A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
-# So many points of a late trajectory that cannot be reached in time are passed over.
-_PASSED_OVER = 8
+# So many points of a late trajectory that cannot be reached in time are passed over, of those that
+# come within LATENCY: who is farther behind would leave the way that was planned.
+_PASSED_OVER = 64
 # Without interpolation the last point is told for this long (s) before the trajectory is over.
 _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
 _STRETCHES = (1.0, 2.0, 4.0, 0.5)
-
-
-class _TooSteepError(LimitExceededError):
-    """The way onto a trajectory exceeds a limit."""
 
 
 def join(
@@ -66,8 +62,8 @@ def join(
     start_tolerance : float
         Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
     late : float
-        How long ago the trajectory should have begun, s; points before that are dropped, and the
-        next one that can be reached in time, of eight, is reached from the present state.
+        How long ago the trajectory should have begun, s; points before that are dropped, and of
+        the next 0.1 s those that cannot be reached in time, if there is one after them that can.
 
     Returns
     -------
@@ -84,29 +80,7 @@ def join(
     LimitExceededError
         A position or velocity limit would be exceeded, on the points or between them.
     """
-    remaining = _remaining(_completed(waypoints, present), late)
-    return _reached(lambda left: _onto(left, present, joints, start_tolerance), remaining, late)
-
-
-def _reached(
-    onto: Callable[[Waypoints], PiecewisePolynomial], remaining: Waypoints, late: float
-) -> PiecewisePolynomial:
-    """Make the curve onto what is left of a trajectory, if it is late from where that gets."""
-    refusal: _TooSteepError | None = None
-    count = len(remaining.times)
-    for passed_over in range(min(_PASSED_OVER, count) if late > 0.0 else 1):
-        try:
-            return onto(_from(remaining, np.arange(count) >= passed_over))
-        except _TooSteepError as error:
-            refusal = refusal or error
-    assert refusal is not None
-    raise refusal
-
-
-def _onto(
-    remaining: Waypoints, present: State, joints: Joints, start_tolerance: float
-) -> PiecewisePolynomial:
-    """Make the curve that leads onto what is left of a trajectory and along it."""
+    remaining = _remaining(_completed(waypoints, present), present, joints, late)
     positions = _turned(remaining, present, joints, start_tolerance)
     if remaining.times[0] <= 0.0:
         curve = interpolant(
@@ -138,16 +112,8 @@ def join_in_steps(
     and accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """
-    remaining = _remaining(_completed(waypoints, present), late)
-    return _reached(
-        lambda left: _onto_in_steps(left, present, joints, start_tolerance), remaining, late
-    )
-
-
-def _onto_in_steps(
-    remaining: Waypoints, present: State, joints: Joints, start_tolerance: float
-) -> PiecewisePolynomial:
-    """Make the curve that tells each point at once of what is left of a trajectory."""
+    completed = _completed(Waypoints(waypoints.times, waypoints.positions), present)
+    remaining = _remaining(completed, present, joints, late)
     positions = _turned(remaining, present, joints, start_tolerance)
     times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
     if times[0] > 0.0:
@@ -188,24 +154,33 @@ def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatAr
     return np.where(missing & there, 0.0, rate)
 
 
-def _remaining(waypoints: Waypoints, late: float) -> Waypoints:
-    """Drop what should have happened before now."""
+def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float) -> Waypoints:
+    """Drop what should have happened before now, and what cannot be reached in time."""
     if late <= 0.0:
         return waypoints
-    left = waypoints.times > late
-    if not left.any():
+    over = int(np.searchsorted(waypoints.times, late, side="right"))
+    if over == len(waypoints.times):
         raise TrajectoryOverError(late, waypoints.times[-1])
-    return _from(waypoints, left, late)
+    left = _part(waypoints, slice(over, None), late)
+    near = int(np.searchsorted(left.times, LATENCY, side="right"))
+    for k in range(min(_PASSED_OVER, near)):
+        point = _part(left, slice(k, k + 1))
+        place = _turned(point, present, joints, 0.0)
+        if _violation(_approached(point, place, present), joints) is None:
+            return _part(left, slice(k, None))
+        if _violation(interpolant([0.0], place), joints) is not None:
+            break  # Nobody should be there at any time.
+    return left
 
 
-def _from(waypoints: Waypoints, left: npt.NDArray[np.bool_], late: float = 0.0) -> Waypoints:
-    """Keep some points, so much nearer in time (s)."""
+def _part(waypoints: Waypoints, part: slice, late: float = 0.0) -> Waypoints:
+    """Give some of the points, sooner by a time (s)."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return Waypoints(
-        waypoints.times[left] - late,
-        waypoints.positions[left],
-        None if velocities is None else velocities[left],
-        None if accelerations is None else accelerations[left],
+        waypoints.times[part] - late,
+        waypoints.positions[part],
+        None if velocities is None else velocities[part],
+        None if accelerations is None else accelerations[part],
     )
 
 
@@ -263,7 +238,6 @@ def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
 
 def _refusal(violation: Violation, joined: float) -> LimitExceededError:
     what = f"at t = {violation.time:.6g} s the {violation.what}"
-    given = violation.joint, violation.value, violation.limit
     if violation.time < joined:
-        return _TooSteepError(f"on the way from the present state, {what}", *given)
-    return LimitExceededError(what, *given)
+        what = f"on the way from the present state, {what}"
+    return LimitExceededError(what, violation.joint, violation.value, violation.limit)

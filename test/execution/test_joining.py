@@ -150,16 +150,32 @@ def test_what_is_past_is_dropped():
 
 @pytest.mark.parametrize("ahead", [7e-6, 0.05])
 def test_points_that_cannot_be_reached_in_time_are_passed_over_in_a_late_trajectory(ahead):
-    places = np.outer([0.0, 0.2, 0.23, 0.5], [1.0, 0.0, 0.0])
-    waypoints = Waypoints(np.array([0.0, 0.5, 0.51, 1.0]), places)
+    places = np.outer([0.0, 0.2, 0.23, 0.24, 0.5], [1.0, 0.0, 0.0])
+    waypoints = Waypoints(np.array([0.0, 0.5, 0.51, 0.54, 1.0]), places)
     late = 0.5 - ahead
-    curve = joined(waypoints, state((0.2 - 10.0 * ahead, 0.0, 0.0)), late)
-    np.testing.assert_allclose(curve.breaks, [0.0, 1.0 - late])
+    curve = joined(waypoints, state((0.2 - 2.4 * ahead, 0.0, 0.0)), late)
+    np.testing.assert_allclose(curve.breaks, [0.0, 0.54 - late, 1.0 - late])
     np.testing.assert_allclose(curve.sample(1.0 - late).position, places[-1])
     # In time the trajectory is refused, as it is where no point can be reached: the first is named.
     for here, lateness in ((-3.0, 0.0), (-3.0, late), (0.199, 1.0 - 7e-6)):
         with pytest.raises(LimitExceededError, match="on the way from the present state"):
             joined(Waypoints(waypoints.times + 1e-3, places), state((here, 0.0, 0.0)), lateness)
+
+
+def test_no_more_than_a_tenth_of_a_second_is_passed_over():
+    places = np.outer([0.0, 1.0, 1.2], [1.0, 0.0, 0.0])
+    waypoints = Waypoints(np.array([0.0, 0.5, 1.5]), places)
+    with pytest.raises(LimitExceededError, match="on the way from the present state"):
+        joined(waypoints, state(), late=0.45)
+
+
+def test_a_point_outside_the_limits_is_not_passed_over():
+    places = np.outer([0.0, 2.5, 0.3], [1.0, 0.0, 0.0])
+    waypoints = Waypoints(np.array([0.0, 0.5, 0.54]), places)
+    with pytest.raises(LimitExceededError):
+        joined(waypoints, state((0.25, 0.0, 0.0)), late=0.45)
+    fitting = Waypoints(waypoints.times, np.minimum(places, 1.0))
+    assert joined(fitting, state((0.25, 0.0, 0.0)), late=0.45).duration == pytest.approx(0.09)
 
 
 def test_what_has_ended_is_refused():
