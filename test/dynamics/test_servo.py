@@ -3,13 +3,16 @@
 import dataclasses
 
 import numpy as np
+import pinocchio
 import pytest
+from arms_with_bodies import pinocchio_of
 
 from robomech_ros.dynamics import (
     Servo,
     friction_torque,
     gravity_torque,
     kinetic_energy,
+    mass_matrix,
     potential_energy,
     with_payload,
 )
@@ -82,6 +85,29 @@ def test_fixed_gains_bring_arms_to_rest_wherever_they_are(robot):
         motion = servo.run(start, np.zeros(chain.n), wanted)
         assert motion.reason == "" and not motion.saturated[-500:].any()
         assert np.abs(motion.q[-1] - wanted[-1, 0]).max() < 1e-3
+
+
+@pytest.mark.parametrize("robot", ["ur10e", "vx300", "xarm6"])
+def test_pinocchio_moves_the_same_way_under_the_same_law(robot):
+    """Its articulated bodies, in steps whose rates at the end give the values."""
+    chain = load_robot(robot)
+    model = pinocchio_of(chain)
+    data, n = model.createData(), chain.n
+    goal = chain.midrange() + 0.1
+    felt = 1.0 / np.diag(np.linalg.inv(mass_matrix(chain, goal)))
+    kp, kd = 400.0 * felt, 20.0 * felt
+    q, qd = goal - np.linspace(0.05, 0.02, n), np.zeros(n)
+    wanted = np.zeros((300, 3, n))
+    wanted[:, 0] = goal
+    motion = Servo(chain, control="pd-gravity", kp=kp, kd=kd).run(q.copy(), qd.copy(), wanted)
+    for _ in wanted:
+        holding = pinocchio.computeGeneralizedGravity(model, data, q)
+        tau = np.clip(kp * (goal - q) - kd * qd + holding, -chain.effort, chain.effort)
+        qd = qd + 1e-3 * pinocchio.aba(model, data, q, qd, tau)
+        q = q + 1e-3 * qd
+    assert np.abs(qd).max() > 1e-3
+    np.testing.assert_allclose(motion.q[-1], q, atol=1e-12)
+    np.testing.assert_allclose(motion.qd[-1], qd, atol=1e-11)
 
 
 # Where they fold up and have the least inertia about one of their motions.
