@@ -6,6 +6,14 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 PACKAGE = "robomech_ros"
+EXECUTABLES = (
+    "kinematics_node",
+    "dynamics_node",
+    "trajectory_planner_node",
+    "trajectory_publisher_node",
+    "joint_state_simulator_node",
+    "servo_node",
+)
 HERE = Path(__file__).resolve().parent
 VERSION = re.search(
     r'__version__ = "(.+)"', (HERE / PACKAGE / "__init__.py").read_text(encoding="utf-8")
@@ -56,13 +64,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "kinematics_node = robomech_ros.nodes.start:kinematics_node",
-            "dynamics_node = robomech_ros.nodes.start:dynamics_node",
-            "trajectory_planner_node = robomech_ros.nodes.start:trajectory_planner_node",
-            "trajectory_publisher_node = robomech_ros.nodes.start:trajectory_publisher_node",
-            "joint_state_simulator_node = robomech_ros.nodes.start:joint_state_simulator_node",
-            "servo_node = robomech_ros.nodes.start:servo_node",
-            "robomech = robomech_ros.nodes.cli:main",
+            *(f"{name} = {PACKAGE}.nodes.process.start:{name}" for name in EXECUTABLES),
+            "robomech = robomech_ros.cli.main:main",
         ],
     },
 )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robomech_ros.nodes.free_domain import free_domain
+from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.robots import SerialChain, load_description, load_robot
 from robomech_ros.robots.chain_layout import pack_chain
 

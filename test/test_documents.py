@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robomech_ros.kinematics.families import family_of
+from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots import list_robots, load_robot
 
 DOC = Path(__file__).resolve().parent.parent / "doc"

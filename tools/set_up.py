@@ -190,7 +190,7 @@ class Environment:
     def compile_kernels(self) -> None:
         """Compile all kernels, with progress shown."""
         say("numba kernels: compiling (once, under a minute)")
-        self.run("-m", "robomech_ros.nodes.cli", "warmup", quiet=False)
+        self.run("-m", "robomech_ros.cli.main", "warmup", quiet=False)
 
 
 def sources(folder: Path, pattern: str = "*") -> list[Path]:

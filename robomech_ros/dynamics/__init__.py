@@ -8,10 +8,6 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.dynamics.complexity import (
-        Operations,
-        operation_counts,
-    )
     from robomech_ros.dynamics.derivatives import (
         ForwardDerivatives,
         InverseDerivatives,
@@ -26,6 +22,33 @@ if TYPE_CHECKING:
         potential_energy,
         power_balance,
     )
+    from robomech_ros.dynamics.formulations.complexity import (
+        Operations,
+        operation_counts,
+    )
+    from robomech_ros.dynamics.formulations.kane import (
+        PartialVelocities,
+        forward_dynamics_by_kane,
+        inverse_dynamics_by_kane,
+        partial_velocities,
+    )
+    from robomech_ros.dynamics.formulations.lagrange import (
+        christoffel_symbols,
+        forward_dynamics_by_lagrange,
+        inverse_dynamics_by_lagrange,
+        mass_matrix_gradient,
+    )
+    from robomech_ros.dynamics.formulations.orthogonal_complement import (
+        OrthogonalComplement,
+        forward_dynamics_by_cholesky,
+        forward_dynamics_by_reflections,
+        inverse_dynamics_by_orthogonal_complement,
+        natural_orthogonal_complement,
+    )
+    from robomech_ros.dynamics.formulations.planar import (
+        PlanarComplement,
+        planar_orthogonal_complement,
+    )
     from robomech_ros.dynamics.forward import (
         forward_dynamics,
     )
@@ -34,29 +57,22 @@ if TYPE_CHECKING:
         dissipation,
         friction_torque,
     )
-    from robomech_ros.dynamics.identification import (
+    from robomech_ros.dynamics.identification.fit import (
         ConsistentFit,
         Identification,
         consistent_fit,
         excitation,
         identify,
     )
+    from robomech_ros.dynamics.identification.regressor import (
+        BaseParameters,
+        base_parameters,
+        torque_regressor,
+    )
     from robomech_ros.dynamics.inverse import (
         bias_torque,
         gravity_torque,
         inverse_dynamics,
-    )
-    from robomech_ros.dynamics.kane import (
-        PartialVelocities,
-        forward_dynamics_by_kane,
-        inverse_dynamics_by_kane,
-        partial_velocities,
-    )
-    from robomech_ros.dynamics.lagrange import (
-        christoffel_symbols,
-        forward_dynamics_by_lagrange,
-        inverse_dynamics_by_lagrange,
-        mass_matrix_gradient,
     )
     from robomech_ros.dynamics.matrices import (
         coriolis_matrix,
@@ -66,30 +82,17 @@ if TYPE_CHECKING:
         body_parameters,
     )
     from robomech_ros.dynamics.motion_torques import TorqueSummary, torque_summary
-    from robomech_ros.dynamics.orthogonal_complement import (
-        OrthogonalComplement,
-        forward_dynamics_by_cholesky,
-        forward_dynamics_by_reflections,
-        inverse_dynamics_by_orthogonal_complement,
-        natural_orthogonal_complement,
-    )
     from robomech_ros.dynamics.payload import (
         with_payload,
     )
-    from robomech_ros.dynamics.planar import PlanarComplement, planar_orthogonal_complement
     from robomech_ros.dynamics.pseudo_inertias import (
         bodies_from_parameters,
         is_consistent,
         nearest_consistent,
         pseudo_inertia,
     )
-    from robomech_ros.dynamics.regressor import (
-        BaseParameters,
-        base_parameters,
-        torque_regressor,
-    )
-    from robomech_ros.dynamics.servo import Servo, ServoMotion
-    from robomech_ros.dynamics.simulation import Simulation, simulate
+    from robomech_ros.dynamics.simulation.controlled_arm import Servo, ServoMotion
+    from robomech_ros.dynamics.simulation.simulate import Simulation, simulate
 
 __all__ = [
     "BaseParameters",
@@ -151,60 +154,60 @@ __all__ = [
 ]
 
 _MODULES = {
-    "BaseParameters": "regressor",
-    "ConsistentFit": "identification",
+    "BaseParameters": "identification.regressor",
+    "ConsistentFit": "identification.fit",
     "ForwardDerivatives": "derivatives",
-    "Identification": "identification",
+    "Identification": "identification.fit",
     "InverseDerivatives": "derivatives",
-    "Operations": "complexity",
-    "OrthogonalComplement": "orthogonal_complement",
-    "PartialVelocities": "kane",
-    "PlanarComplement": "planar",
+    "Operations": "formulations.complexity",
+    "OrthogonalComplement": "formulations.orthogonal_complement",
+    "PartialVelocities": "formulations.kane",
+    "PlanarComplement": "formulations.planar",
     "PowerBalance": "energy",
-    "Servo": "servo",
-    "ServoMotion": "servo",
-    "Simulation": "simulation",
+    "Servo": "simulation.controlled_arm",
+    "ServoMotion": "simulation.controlled_arm",
+    "Simulation": "simulation.simulate",
     "TorqueSummary": "motion_torques",
-    "base_parameters": "regressor",
+    "base_parameters": "identification.regressor",
     "bias_torque": "inverse",
     "bodies_from_parameters": "pseudo_inertias",
     "body_parameters": "model",
     "center_of_mass": "energy",
-    "christoffel_symbols": "lagrange",
-    "consistent_fit": "identification",
+    "christoffel_symbols": "formulations.lagrange",
+    "consistent_fit": "identification.fit",
     "coriolis_matrix": "matrices",
     "dissipated_power": "friction",
     "dissipation": "friction",
-    "excitation": "identification",
+    "excitation": "identification.fit",
     "forward_dynamics": "forward",
-    "forward_dynamics_by_cholesky": "orthogonal_complement",
-    "forward_dynamics_by_kane": "kane",
-    "forward_dynamics_by_lagrange": "lagrange",
-    "forward_dynamics_by_reflections": "orthogonal_complement",
+    "forward_dynamics_by_cholesky": "formulations.orthogonal_complement",
+    "forward_dynamics_by_kane": "formulations.kane",
+    "forward_dynamics_by_lagrange": "formulations.lagrange",
+    "forward_dynamics_by_reflections": "formulations.orthogonal_complement",
     "forward_dynamics_derivatives": "derivatives",
     "friction_torque": "friction",
     "gravity_torque": "inverse",
-    "identify": "identification",
+    "identify": "identification.fit",
     "inverse_dynamics": "inverse",
-    "inverse_dynamics_by_kane": "kane",
-    "inverse_dynamics_by_lagrange": "lagrange",
-    "inverse_dynamics_by_orthogonal_complement": "orthogonal_complement",
+    "inverse_dynamics_by_kane": "formulations.kane",
+    "inverse_dynamics_by_lagrange": "formulations.lagrange",
+    "inverse_dynamics_by_orthogonal_complement": "formulations.orthogonal_complement",
     "inverse_dynamics_derivatives": "derivatives",
     "is_consistent": "pseudo_inertias",
     "kinetic_energy": "energy",
     "mass_matrix": "matrices",
-    "mass_matrix_gradient": "lagrange",
+    "mass_matrix_gradient": "formulations.lagrange",
     "momentum": "energy",
-    "natural_orthogonal_complement": "orthogonal_complement",
+    "natural_orthogonal_complement": "formulations.orthogonal_complement",
     "nearest_consistent": "pseudo_inertias",
-    "operation_counts": "complexity",
-    "partial_velocities": "kane",
-    "planar_orthogonal_complement": "planar",
+    "operation_counts": "formulations.complexity",
+    "partial_velocities": "formulations.kane",
+    "planar_orthogonal_complement": "formulations.planar",
     "potential_energy": "energy",
     "power_balance": "energy",
     "pseudo_inertia": "pseudo_inertias",
-    "simulate": "simulation",
-    "torque_regressor": "regressor",
+    "simulate": "simulation.simulate",
+    "torque_regressor": "identification.regressor",
     "torque_summary": "motion_torques",
     "with_payload": "payload",
 }

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import dynamics_derivatives as kernels
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics import derivatives as kernels
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.model import (
     GRAVITY,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import dynamics_mass as kernels
+from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.inverse import bias_torque, gravity_torque, inverse_dynamics

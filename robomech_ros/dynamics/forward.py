@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import dynamics_forward as kernels
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics import forward as kernels
 from robomech_ros.dynamics.model import (
     GRAVITY,
     dynamic_model,

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import dynamics_mass as kernels
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics import mass as kernels
 from robomech_ros.dynamics.model import dynamic_model, raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, as_states
 from robomech_ros.robots.chain import SerialChain

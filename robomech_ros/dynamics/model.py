@@ -6,7 +6,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.dynamics_layout import (
+from robomech_ros._kernels.chain.serial import NOT_FINITE
+from robomech_ros._kernels.dynamics.layout import (
     LINEAR_ACCELERATION,
     MASS,
     MODEL_WIDTH,
@@ -15,7 +16,6 @@ from robomech_ros._kernels.dynamics_layout import (
     SURROUNDINGS,
     TIP_WRENCH,
 )
-from robomech_ros._kernels.serial import NOT_FINITE
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
@@ -37,7 +37,7 @@ GRAVITY = (0.0, 0.0, -9.81)
 
 @lru_cache(maxsize=256)
 def dynamic_model(chain: SerialChain) -> Array:
-    """Lay out a chain with its bodies and rotors as ``_kernels.dynamics_layout`` says.
+    """Lay out a chain with its bodies and rotors as ``_kernels.dynamics.layout`` says.
 
     Parameters
     ----------

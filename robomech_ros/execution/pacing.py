@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.execution.stopping import pace_drop
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.waypoints import Waypoints
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
 
 __all__ = ["pace_drop", "slowed_down"]

@@ -10,13 +10,20 @@ from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.kinematics.forward import forward_kinematics, link_poses
-    from robomech_ros.kinematics.inverse import inverse_kinematics, inverse_kinematics_batch
-    from robomech_ros.kinematics.optimal import optimal_posture
-    from robomech_ros.kinematics.redundancy import SelfMotion, SelfMotionBranch, self_motion
-    from robomech_ros.kinematics.result import InverseKinematicsResult
-    from robomech_ros.kinematics.status import Status
-    from robomech_ros.kinematics.tracking import Jump, TrackResult, track
-    from robomech_ros.kinematics.uncompiled import tip_poses
+    from robomech_ros.kinematics.forward_uncompiled import tip_poses
+    from robomech_ros.kinematics.inverse.inverse_kinematics import (
+        inverse_kinematics,
+        inverse_kinematics_batch,
+    )
+    from robomech_ros.kinematics.inverse.optimal_posture import optimal_posture
+    from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+    from robomech_ros.kinematics.inverse.self_motion import (
+        SelfMotion,
+        SelfMotionBranch,
+        self_motion,
+    )
+    from robomech_ros.kinematics.inverse.status import Status
+    from robomech_ros.kinematics.pose_following import Jump, TrackResult, track
 
 __all__ = [
     "InverseKinematicsResult",
@@ -36,20 +43,20 @@ __all__ = [
 ]
 
 _MODULES = {
-    "InverseKinematicsResult": "result",
-    "Jump": "tracking",
-    "SelfMotion": "redundancy",
-    "SelfMotionBranch": "redundancy",
-    "Status": "status",
+    "InverseKinematicsResult": "inverse.result",
+    "Jump": "pose_following",
+    "SelfMotion": "inverse.self_motion",
+    "SelfMotionBranch": "inverse.self_motion",
+    "Status": "inverse.status",
     "forward_kinematics": "forward",
-    "inverse_kinematics": "inverse",
-    "inverse_kinematics_batch": "inverse",
+    "inverse_kinematics": "inverse.inverse_kinematics",
+    "inverse_kinematics_batch": "inverse.inverse_kinematics",
     "link_poses": "forward",
-    "optimal_posture": "optimal",
-    "self_motion": "redundancy",
-    "TrackResult": "tracking",
-    "tip_poses": "uncompiled",
-    "track": "tracking",
+    "optimal_posture": "inverse.optimal_posture",
+    "self_motion": "inverse.self_motion",
+    "TrackResult": "pose_following",
+    "tip_poses": "forward_uncompiled",
+    "track": "pose_following",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.serial import jacobian
+from robomech_ros._kernels.chain.serial import jacobian
 from robomech_ros._kernels.tolerances import ARM_MOBILITY
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
         conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
-    from robomech_ros.kinetostatics.free_intervals import SingularityFree, singularity_free
     from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
@@ -31,27 +30,34 @@ if TYPE_CHECKING:
         manipulability_gradient,
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
+    from robomech_ros.kinetostatics.maps.reachability import ReachMap, load_reach_map, reach_map
     from robomech_ros.kinetostatics.points import point_jacobian
     from robomech_ros.kinetostatics.rates import joint_rates
-    from robomech_ros.kinetostatics.reachability import ReachMap, load_reach_map, reach_map
     from robomech_ros.kinetostatics.reduced import planar_jacobian, planar_rows, task_jacobian
     from robomech_ros.kinetostatics.rotation_sets import even_rotations, even_turns
-    from robomech_ros.kinetostatics.singularities import SingularityReport, singularity_report
-    from robomech_ros.kinetostatics.singularity_distance import (
+    from robomech_ros.kinetostatics.singularities.distance import (
         NearestSingularity,
         nearest_singular_posture,
     )
+    from robomech_ros.kinetostatics.singularities.free_intervals import (
+        SingularityFree,
+        singularity_free,
+    )
+    from robomech_ros.kinetostatics.singularities.report import (
+        SingularityReport,
+        singularity_report,
+    )
     from robomech_ros.kinetostatics.statics import joint_torques, wrench_from_torques
-    from robomech_ros.kinetostatics.workspace import (
+    from robomech_ros.kinetostatics.workspace.boundary import (
         BoundaryCurve,
         Workspace,
         workspace_boundary,
     )
-    from robomech_ros.kinetostatics.workspace_orientation import (
+    from robomech_ros.kinetostatics.workspace.orientation import (
         OrientationWorkspace,
         orientation_workspace,
     )
-    from robomech_ros.kinetostatics.workspace_reach import extreme_reach
+    from robomech_ros.kinetostatics.workspace.reach import extreme_reach
 
 __all__ = [
     "BoundaryCurve",
@@ -99,24 +105,24 @@ __all__ = [
 ]
 
 _MODULES = {
-    "BoundaryCurve": "workspace",
+    "BoundaryCurve": "workspace.boundary",
     "CharacteristicLength": "conditioning",
     "GlobalIndex": "global_indices",
-    "NearestSingularity": "singularity_distance",
-    "OrientationWorkspace": "workspace_orientation",
-    "ReachMap": "reachability",
+    "NearestSingularity": "singularities.distance",
+    "OrientationWorkspace": "workspace.orientation",
+    "ReachMap": "maps.reachability",
     "ConditioningIndex": "conditioning",
     "DecoupledJacobian": "decoupled_blocks",
-    "SingularityFree": "free_intervals",
-    "SingularityReport": "singularities",
-    "Workspace": "workspace",
+    "SingularityFree": "singularities.free_intervals",
+    "SingularityReport": "singularities.report",
+    "Workspace": "workspace.boundary",
     "bias_acceleration": "accelerations",
     "characteristic_length": "conditioning",
     "condition_number": "indices",
     "condition_number_gradient": "indices",
     "even_rotations": "rotation_sets",
     "even_turns": "rotation_sets",
-    "extreme_reach": "workspace_reach",
+    "extreme_reach": "workspace.reach",
     "global_conditioning_index": "global_indices",
     "conditioning_index": "conditioning",
     "decoupled_jacobian": "decoupled_blocks",
@@ -127,18 +133,18 @@ _MODULES = {
     "joint_torques": "statics",
     "least_singular_value": "indices",
     "least_singular_value_gradient": "indices",
-    "load_reach_map": "reachability",
+    "load_reach_map": "maps.reachability",
     "manipulability": "indices",
     "manipulability_gradient": "indices",
-    "nearest_singular_posture": "singularity_distance",
-    "orientation_workspace": "workspace_orientation",
+    "nearest_singular_posture": "singularities.distance",
+    "orientation_workspace": "workspace.orientation",
     "point_jacobian": "points",
-    "reach_map": "reachability",
-    "singularity_report": "singularities",
-    "workspace_boundary": "workspace",
+    "reach_map": "maps.reachability",
+    "singularity_report": "singularities.report",
+    "workspace_boundary": "workspace.boundary",
     "planar_jacobian": "reduced",
     "planar_rows": "reduced",
-    "singularity_free": "free_intervals",
+    "singularity_free": "singularities.free_intervals",
     "task_jacobian": "reduced",
     "wrench_from_torques": "statics",
 }

@@ -5,8 +5,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import jacobian_rates
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.chain import jacobian_rates
+from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_rows, as_states, raise_not_finite

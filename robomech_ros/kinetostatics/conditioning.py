@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels import indices as kernels
+from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.spread import low_discrepancy_strides
+from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.kinetostatics.indices import NORMS, PARTS
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import decoupled_layout
+from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics import decoupled
+from robomech_ros.kinematics.inverse.families import decoupled
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.points import point_jacobian
 from robomech_ros.robots.chain import SerialChain

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels import indices as kernels
+from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError, MissingLimitsError
+from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import NORMS, PARTS, as_length, evaluate
 from robomech_ros.robots.chain import SerialChain

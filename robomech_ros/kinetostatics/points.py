@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import jacobian_points as kernels
+from robomech_ros._kernels.chain import jacobian_points as kernels
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels import rates
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.kinetostatics import rates
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.decoupled_blocks import wrist_of

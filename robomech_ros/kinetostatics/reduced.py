@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import ARM_RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.request import as_flag
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.points import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain

@@ -20,11 +20,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels._jit import direct
-from robomech_ros._kernels.jacobian_rates import jacobian_rate_one
-from robomech_ros._kernels.serial import jacobian_one
+from robomech_ros._kernels.chain.jacobian_rates import jacobian_rate_one
+from robomech_ros._kernels.chain.serial import jacobian_one
+from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.kinematics.joint_values import raise_not_finite
-from robomech_ros.kinetostatics.regularity import regular_rank, report_length
+from robomech_ros.kinetostatics.singularities.regularity import regular_rank, report_length
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["Resolution", "TwistResolver"]

@@ -9,19 +9,9 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from robomech_ros.trajectory.interpolation import interpolant
-    from robomech_ros.trajectory.jerk_limited import JerkLimited
+    from robomech_ros.trajectory.curves.interpolation import interpolant
+    from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
     from robomech_ros.trajectory.limits import JointLimits, Limits
-    from robomech_ros.trajectory.moving_ends import StateToState, state_to_state
-    from robomech_ros.trajectory.path_limits import SpeedLimit, TorqueLimits
-    from robomech_ros.trajectory.path_motions import (
-        PATH_PROFILES,
-        PathMotion,
-        TipSpeeds,
-        along_joint_path,
-        along_path,
-    )
-    from robomech_ros.trajectory.path_timing import TimeOptimal, time_optimal
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
@@ -54,30 +44,44 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.paths.posture import Arm
     from robomech_ros.trajectory.paths.serial_arm import SerialArm
     from robomech_ros.trajectory.paths.splines import spline_curve
-    from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-    from robomech_ros.trajectory.profile_splines import spline_like
-    from robomech_ros.trajectory.profiles import PROFILES, point_to_point
-    from robomech_ros.trajectory.rest_to_rest import Cycloidal, Polynomial345, Polynomial4567
-    from robomech_ros.trajectory.sample import Sample, Trajectory
-    from robomech_ros.trajectory.sampled_plan import (
+    from robomech_ros.trajectory.plans.path_motions import (
+        PATH_PROFILES,
+        PathMotion,
+        TipSpeeds,
+        along_joint_path,
+        along_path,
+    )
+    from robomech_ros.trajectory.plans.point_to_point import PROFILES, point_to_point
+    from robomech_ros.trajectory.plans.profile_splines import spline_like
+    from robomech_ros.trajectory.plans.sampled_plan import (
         SampledPlan,
         sampled_motion,
         sampled_point_to_point,
     )
-    from robomech_ros.trajectory.splines import Spline, spline_through
-    from robomech_ros.trajectory.time_optimal_motions import (
-        TimeOptimalMotion,
-        TimeOptimalThrough,
-    )
-    from robomech_ros.trajectory.torque_timing import torque_limited
-    from robomech_ros.trajectory.velocity_profiles import DoubleS, Trapezoidal
-    from robomech_ros.trajectory.verification import Verification, Violation, verify
-    from robomech_ros.trajectory.via_motions import (
+    from robomech_ros.trajectory.plans.splines import Spline, spline_through
+    from robomech_ros.trajectory.plans.verification import Verification, Violation, verify
+    from robomech_ros.trajectory.plans.via_motions import (
         VIA_PROFILES,
         sampled_through_points,
         through_points,
     )
-    from robomech_ros.trajectory.via_polynomials import ViaPolynomial, via_polynomial
+    from robomech_ros.trajectory.plans.via_polynomials import ViaPolynomial, via_polynomial
+    from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited
+    from robomech_ros.trajectory.profiles.moving_ends import StateToState, state_to_state
+    from robomech_ros.trajectory.profiles.rest_to_rest import (
+        Cycloidal,
+        Polynomial345,
+        Polynomial4567,
+    )
+    from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, Trapezoidal
+    from robomech_ros.trajectory.sample import Sample, Trajectory
+    from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+    from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+    from robomech_ros.trajectory.timing.time_optimal_motions import (
+        TimeOptimalMotion,
+        TimeOptimalThrough,
+    )
+    from robomech_ros.trajectory.timing.torque_timing import torque_limited
     from robomech_ros.trajectory.waypoints import Waypoints, discretise
 
 __all__ = [
@@ -165,29 +169,29 @@ __all__ = [
 ]
 
 _MODULES = {
-    "time_optimal": "path_timing",
-    "torque_limited": "torque_timing",
-    "TimeOptimal": "path_timing",
-    "TimeOptimalMotion": "time_optimal_motions",
-    "TimeOptimalThrough": "time_optimal_motions",
-    "TorqueLimits": "path_limits",
-    "SpeedLimit": "path_limits",
-    "along_path": "path_motions",
-    "along_joint_path": "path_motions",
-    "TipSpeeds": "path_motions",
-    "PathMotion": "path_motions",
-    "PATH_PROFILES": "path_motions",
-    "PROFILES": "profiles",
-    "VIA_PROFILES": "via_motions",
+    "time_optimal": "timing.path_timing",
+    "torque_limited": "timing.torque_timing",
+    "TimeOptimal": "timing.path_timing",
+    "TimeOptimalMotion": "timing.time_optimal_motions",
+    "TimeOptimalThrough": "timing.time_optimal_motions",
+    "TorqueLimits": "timing.path_limits",
+    "SpeedLimit": "timing.path_limits",
+    "along_path": "plans.path_motions",
+    "along_joint_path": "plans.path_motions",
+    "TipSpeeds": "plans.path_motions",
+    "PathMotion": "plans.path_motions",
+    "PATH_PROFILES": "plans.path_motions",
+    "PROFILES": "plans.point_to_point",
+    "VIA_PROFILES": "plans.via_motions",
     "ArcLength": "paths.arc_length",
     "Arm": "paths.posture",
     "ByArcLength": "paths.arc_length",
     "Curve": "paths.curve",
-    "Cycloidal": "rest_to_rest",
-    "DoubleS": "velocity_profiles",
+    "Cycloidal": "profiles.rest_to_rest",
+    "DoubleS": "profiles.velocity_profiles",
     "FrenetSerret": "paths.frenet",
     "FunctionCurve": "paths.curve",
-    "JerkLimited": "jerk_limited",
+    "JerkLimited": "profiles.jerk_limited",
     "JointLimits": "limits",
     "JointMotion": "paths.joint_path",
     "JointPath": "paths.joint_path",
@@ -195,22 +199,22 @@ _MODULES = {
     "Orientation": "paths.orientation",
     "PathTracking": "paths.path_tracking",
     "PathTrackingStatus": "paths.path_tracking",
-    "PiecewisePolynomial": "piecewise",
-    "Polynomial345": "rest_to_rest",
-    "Polynomial4567": "rest_to_rest",
+    "PiecewisePolynomial": "curves.piecewise",
+    "Polynomial345": "profiles.rest_to_rest",
+    "Polynomial4567": "profiles.rest_to_rest",
     "PosePath": "paths.pose_path",
     "PoseSample": "paths.pose_path",
     "Sample": "sample",
-    "SampledPlan": "sampled_plan",
+    "SampledPlan": "plans.sampled_plan",
     "SerialArm": "paths.serial_arm",
-    "Spline": "splines",
-    "StateToState": "moving_ends",
+    "Spline": "plans.splines",
+    "StateToState": "profiles.moving_ends",
     "Trajectory": "sample",
-    "Trapezoidal": "velocity_profiles",
+    "Trapezoidal": "profiles.velocity_profiles",
     "Turning": "paths.orientation",
-    "Verification": "verification",
-    "ViaPolynomial": "via_polynomials",
-    "Violation": "verification",
+    "Verification": "plans.verification",
+    "ViaPolynomial": "plans.via_polynomials",
+    "Violation": "plans.verification",
     "Waypoints": "waypoints",
     "arc_about": "paths.closed_form",
     "arc_length": "paths.arc_length",
@@ -224,27 +228,27 @@ _MODULES = {
     "frenet_serret": "paths.frenet",
     "geodesic_orientation": "paths.orientation",
     "helix": "paths.closed_form",
-    "interpolant": "interpolation",
+    "interpolant": "curves.interpolation",
     "join_curves": "paths.curve",
     "joint_spline": "paths.joint_synthesis",
     "line": "paths.closed_form",
     "orientation_spline": "paths.orientation_spline",
-    "point_to_point": "profiles",
+    "point_to_point": "plans.point_to_point",
     "pose_path": "paths.pose_path",
-    "sampled_motion": "sampled_plan",
-    "sampled_point_to_point": "sampled_plan",
-    "sampled_through_points": "via_motions",
+    "sampled_motion": "plans.sampled_plan",
+    "sampled_point_to_point": "plans.sampled_plan",
+    "sampled_through_points": "plans.via_motions",
     "spline_curve": "paths.splines",
-    "spline_like": "profile_splines",
+    "spline_like": "plans.profile_splines",
     "spline_path": "paths.pose_lists",
-    "spline_through": "splines",
-    "state_to_state": "moving_ends",
+    "spline_through": "plans.splines",
+    "state_to_state": "profiles.moving_ends",
     "straight_path": "paths.pose_lists",
-    "through_points": "via_motions",
+    "through_points": "plans.via_motions",
     "track_path": "paths.path_tracking",
     "tracking_error": "paths.joint_synthesis",
-    "verify": "verification",
-    "via_polynomial": "via_polynomials",
+    "verify": "plans.verification",
+    "via_polynomial": "plans.via_polynomials",
     "viviani": "paths.closed_form",
 }
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
-from robomech_ros.trajectory.interpolation import interpolant
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Trajectory
 
 __all__ = ["PiecewiseTrajectory", "Waypoints", "discretise", "position_rounding"]

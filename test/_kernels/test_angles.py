@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 
-from robomech_ros._kernels.angles import angle_of, wrapped
+from robomech_ros._kernels.algebra.angles import angle_of, wrapped
 
 
 @numba.njit

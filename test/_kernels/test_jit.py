@@ -10,7 +10,7 @@ CODE = """
 import numpy as np
 from robomech_ros._kernels import _cache
 {before}
-from robomech_ros._kernels._jit import IN1, f8, kernel
+from robomech_ros._kernels.compiling.jit import IN1, f8, kernel
 
 @kernel(f8(IN1))
 def largest(values):
@@ -70,7 +70,7 @@ def test_a_second_process_loads_what_the_first_compiled(filled, tmp_path):
 
 
 def test_a_change_of_any_kernel_source_leads_to_another_directory(tmp_path, monkeypatch):
-    from robomech_ros._kernels import _cache
+    from robomech_ros._kernels.compiling import cache as _cache
 
     (tmp_path / "a.py").write_text("x = 1")
     monkeypatch.setattr(_cache, "__file__", str(tmp_path / "_cache.py"))

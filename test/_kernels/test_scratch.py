@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from robomech_ros._kernels._jit import borrowed, scratch, scratch_integers
+from robomech_ros._kernels.compiling.jit import borrowed, scratch, scratch_integers
 
 ROWS = 3
 

@@ -15,13 +15,11 @@ from peers import Array, constant_transforms
 from table import Row
 from timing import Work, interleave
 
-from robomech_ros._kernels import (
-    dynamics_derivatives,
-    dynamics_forward,
-    dynamics_inverse,
-    dynamics_mass,
-)
-from robomech_ros._kernels._jit import direct
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics import derivatives as dynamics_derivatives
+from robomech_ros._kernels.dynamics import forward as dynamics_forward
+from robomech_ros._kernels.dynamics import inverse as dynamics_inverse
+from robomech_ros._kernels.dynamics import mass as dynamics_mass
 from robomech_ros.dynamics import (
     Servo,
     forward_dynamics,

@@ -15,7 +15,7 @@ from peers import Array, pinocchio_model
 from table import Row
 from timing import Work, interleave
 
-from robomech_ros._kernels import serial
+from robomech_ros._kernels.chain import serial
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import load_robot

@@ -15,7 +15,8 @@ from peers import Array, pinocchio_model
 from table import Row
 from timing import Timing, Work, interleave
 
-from robomech_ros._kernels import indices, jacobian_rates
+from robomech_ros._kernels.chain import jacobian_rates
+from robomech_ros._kernels.kinetostatics import indices
 from robomech_ros.kinetostatics import (
     characteristic_length,
     condition_number_gradient,

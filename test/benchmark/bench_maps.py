@@ -12,9 +12,9 @@ from table import Row
 from timing import Work, interleave
 
 from robomech_ros.kinetostatics import even_rotations, jacobian, reach_map
-from robomech_ros.kinetostatics.box_grid import as_grid
-from robomech_ros.kinetostatics.map_cells import map_cells
-from robomech_ros.kinetostatics.map_request import MapRequest, identity_of
+from robomech_ros.kinetostatics.maps.box_grid import as_grid
+from robomech_ros.kinetostatics.maps.cells import map_cells
+from robomech_ros.kinetostatics.maps.request import MapRequest, identity_of
 from robomech_ros.robots import SerialChain, load_robot
 
 LENGTH = 0.283

@@ -9,12 +9,15 @@ from arms_with_bodies import ROBOTS, golden_arm, pinocchio_of
 from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
 from robomech_ros.dynamics import forward_dynamics, friction_torque, inverse_dynamics
-from robomech_ros.dynamics.kane import forward_dynamics_by_kane, inverse_dynamics_by_kane
-from robomech_ros.dynamics.lagrange import (
+from robomech_ros.dynamics.formulations.kane import (
+    forward_dynamics_by_kane,
+    inverse_dynamics_by_kane,
+)
+from robomech_ros.dynamics.formulations.lagrange import (
     forward_dynamics_by_lagrange,
     inverse_dynamics_by_lagrange,
 )
-from robomech_ros.dynamics.orthogonal_complement import (
+from robomech_ros.dynamics.formulations.orthogonal_complement import (
     forward_dynamics_by_cholesky,
     forward_dynamics_by_reflections,
     inverse_dynamics_by_orthogonal_complement,

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from formulation_arms import furnished, relative
 
-from robomech_ros.dynamics.complexity import (
+from robomech_ros.dynamics.formulations.complexity import (
     ALGORITHMS,
     Counted,
     Operations,
     operation_counts,
     plain_links,
 )
-from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
-from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
-from robomech_ros.dynamics.plain_recursions import (
+from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
+from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.formulations.plain_recursions import (
     cholesky_solution,
     composite_inertia,
     newton_euler,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robomech_ros import dynamics
-from robomech_ros.dynamics.symbolic import symbolic_model
+from robomech_ros.dynamics.symbolic.closed_forms import symbolic_model
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots import load_robot
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from formulation_arms import furnished, relative, states
 
-from robomech_ros.dynamics.identification import consistent_fit, excitation, identify
-from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
+from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
+from robomech_ros.dynamics.identification.fit import consistent_fit, excitation, identify
 from robomech_ros.dynamics.model import body_parameters
 from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from formulation_arms import GRAVITY, furnished, relative, states
 
-from robomech_ros.dynamics.friction import friction_torque
-from robomech_ros.dynamics.kane import (
+from robomech_ros.dynamics.formulations.kane import (
     forward_dynamics_by_kane,
     inverse_dynamics_by_kane,
     partial_velocities,
 )
-from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.robots import Body, chain_from_dh
 

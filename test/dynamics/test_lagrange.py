@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
-from robomech_ros.dynamics.friction import dissipation, friction_torque
-from robomech_ros.dynamics.lagrange import (
+from robomech_ros.dynamics.formulations.lagrange import (
     christoffel_symbols,
     inverse_dynamics_by_lagrange,
     mass_matrix_gradient,
 )
-from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.friction import dissipation, friction_torque
 
 
 @pytest.fixture(params=("RRRRRR", "RPRPRR", "PRP"))

@@ -6,8 +6,8 @@ import pytest
 from arms_with_bodies import golden_arm, pinocchio_of
 from formulation_arms import GRAVITY, furnished, relative, states
 
-from robomech_ros.dynamics.lagrange import mass_matrix_gradient
-from robomech_ros.dynamics.orthogonal_complement import (
+from robomech_ros.dynamics.formulations.lagrange import mass_matrix_gradient
+from robomech_ros.dynamics.formulations.orthogonal_complement import (
     forward_dynamics_by_cholesky,
     forward_dynamics_by_reflections,
     inverse_dynamics_by_orthogonal_complement,

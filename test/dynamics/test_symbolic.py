@@ -9,10 +9,12 @@ import sympy
 from arms_with_bodies import golden_arm
 from formulation_arms import furnished, golden_planar, relative, states
 
-from robomech_ros.dynamics.lagrange import inverse_dynamics_by_lagrange
-from robomech_ros.dynamics.orthogonal_complement import natural_orthogonal_complement
-from robomech_ros.dynamics.symbolic import EXPRESSIONS, symbolic_model
-from robomech_ros.dynamics.symbolic_printing import (
+from robomech_ros.cli import main as cli
+from robomech_ros.cli import symbolic as command
+from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
+from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.symbolic.closed_forms import EXPRESSIONS, symbolic_model
+from robomech_ros.dynamics.symbolic.printing import (
     FORMS,
     abbreviated,
     expression_latex,
@@ -22,8 +24,6 @@ from robomech_ros.dynamics.symbolic_printing import (
 from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes import cli
-from robomech_ros.nodes.commands import symbolic as command
 from robomech_ros.robots import load_robot
 
 DOWN = (0.0, 0.0, -9.81)
@@ -198,7 +198,7 @@ def test_command_tells_where_sympy_is_missing(tmp_path):
         "u.find_spec = lambda name, *a: None if name == 'sympy' else old(name, *a)\n"
     )
     program = (
-        "import sitecustomize, sys\nfrom robomech_ros.nodes.cli import main\n"
+        "import sitecustomize, sys\nfrom robomech_ros.cli.main import main\n"
         "sys.exit(main(['symbolic', '--robot', 'planar3r']))"
     )
     done = subprocess.run(

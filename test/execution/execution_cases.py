@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.execution.follower import Follower, FollowerSettings
+from robomech_ros.execution.controller.follower import Follower, FollowerSettings
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.trajectory import Limits, Waypoints

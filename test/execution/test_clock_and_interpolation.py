@@ -7,8 +7,8 @@ import pytest
 from execution_cases import assert_continuous, follower, run, single_point, to_rest, tolerances
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.execution.follower import Phase
-from robomech_ros.execution.job import End
+from robomech_ros.execution.controller.follower import Phase
+from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.refusals import StartMismatchError
 from robomech_ros.trajectory import Waypoints
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from execution_cases import to_rest
 
-from robomech_ros.execution.comparison import apart
-from robomech_ros.execution.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.dispatcher import Dispatcher
-from robomech_ros.execution.dispatching import DispatcherSettings, QueueFullError
+from robomech_ros.execution.client.comparison import apart
+from robomech_ros.execution.client.delivery import Delivery, Stage, Transport
+from robomech_ros.execution.client.dispatch_settings import DispatcherSettings, QueueFullError
+from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
 

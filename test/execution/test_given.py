@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.execution.given import GivenTrajectory, read_waypoints
+from robomech_ros.execution.received_trajectory import GivenTrajectory, read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 
 NAMES = ("one", "two")

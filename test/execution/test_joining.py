@@ -5,7 +5,7 @@ import pytest
 from execution_cases import ACCELERATION, VELOCITY, joints, single_point, state, to_rest
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.execution.joining import join
+from robomech_ros.execution.controller.joining import join
 from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from execution_cases import follower, run, to_rest, tolerances
 
-from robomech_ros.execution.job import End
-from robomech_ros.execution.outlook import planned_state
+from robomech_ros.execution.controller.desired_state import planned_state
+from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 
 GOAL = np.array([0.5, 0.2, -0.1])

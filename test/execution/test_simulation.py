@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from execution_cases import PERIOD, follower, run, single_point, to_rest, tolerances
 
-from robomech_ros.execution.job import End
-from robomech_ros.execution.simulation import Faults, JointSimulation, at_rest
+from robomech_ros.execution.controller.simulated_joints import Faults, JointSimulation, at_rest
+from robomech_ros.execution.controller.trajectory_goal import End
 
 GOAL = np.array([0.5, 0.2, -0.1])
 

@@ -101,7 +101,7 @@ def network(domain_id: int) -> dict[str, str]:
 @pytest.fixture
 def domain_id() -> Iterator[int]:
     """Give a test a ROS domain that nobody else on this machine uses."""
-    from robomech_ros.nodes.free_domain import free_domain
+    from robomech_ros.nodes.process.free_domain import free_domain
 
     with free_domain() as number:
         yield number

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.run import Spinner
+from robomech_ros.nodes.process.run import Spinner
 
 PATIENCE = 60.0
 

@@ -9,7 +9,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.six_joints import chain_of, reversed_transforms
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of, reversed_transforms
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.chain_layout import unpack_chain
 

@@ -11,7 +11,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.six_joints import chain_of
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh
 

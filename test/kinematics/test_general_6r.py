@@ -10,14 +10,14 @@ from general_arms import (
     random_postures,
 )
 
-from robomech_ros._kernels.inverse_general import try_forms
+from robomech_ros._kernels.inverse.general.solutions import try_forms
 from robomech_ros.kinematics import (
     Status,
     forward_kinematics,
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.general import match
+from robomech_ros.kinematics.inverse.families.general import match
 from robomech_ros.robots import chain_from_dh
 
 ARMS = (*ROBOTS, *TABLES)

@@ -5,16 +5,16 @@ import time
 import numpy as np
 import pytest
 
-from robomech_ros._kernels import iterative_layout
+from robomech_ros._kernels.inverse.iterative import layout as iterative_layout
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.iterative import (
+from robomech_ros.kinematics.inverse.families.iterative import (
     FULL_TASK,
     iterative_data,
     iterative_search,
     least_orientation_error,
     task_data,
 )
-from robomech_ros.kinematics.reach import reach_gap
+from robomech_ros.kinematics.inverse.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
 
 REACHABLE = 1000

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.naming import distinct
-from robomech_ros.kinematics.six_joints import chain_of
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.naming import distinct
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.reach import reach_gap
+from robomech_ros.kinematics.inverse.reach import reach_gap
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
 

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from robomech_ros._kernels import decoupled_layout as wrist_at
-from robomech_ros._kernels import redundant_layout as at
-from robomech_ros._kernels.six_joints import DECOUPLED, DOUBT, GENERAL, six_joint_postures
+from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
+from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.six_joints import DECOUPLED, DOUBT, GENERAL, six_joint_postures
 from robomech_ros.kinematics import (
     Status,
     forward_kinematics,
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.families import family_of
-from robomech_ros.kinematics.redundancy import Tracer
-from robomech_ros.kinematics.six_joints import chain_of
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.self_motion import Tracer
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2

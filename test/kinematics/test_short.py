@@ -11,7 +11,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.families import family_of
+from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics.spread import spread_postures
+from robomech_ros.kinematics.posture_samples import spread_postures
 from robomech_ros.robots import chain_from_dh
 
 ENDS = [(-0.5, 0.8), (None, -10.0), (None, 3.0), (5.0, None), (None, None)]

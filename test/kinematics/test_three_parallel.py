@@ -8,7 +8,7 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.three_parallel import match
+from robomech_ros.kinematics.inverse.families.three_parallel import match
 from robomech_ros.robots import chain_from_dh
 
 POSES = 10_000

@@ -46,7 +46,7 @@ def test_a_map_by_dask_is_that_of_threads_byte_for_byte(cluster, tmp_path):
 
 
 def test_a_scheduler_that_is_none_is_refused(monkeypatch, tmp_path):
-    monkeypatch.setattr("robomech_ros.kinetostatics.map_engines._PATIENCE", 0.5)
+    monkeypatch.setattr("robomech_ros.kinetostatics.maps.engines._PATIENCE", 0.5)
     with socket.socket() as deaf:
         deaf.bind(("127.0.0.1", 0))
         deaf.listen()
@@ -66,6 +66,6 @@ def test_a_scheduler_without_workers_is_refused():
 
 
 def test_a_worker_with_another_version_is_refused(cluster, monkeypatch):
-    monkeypatch.setattr("robomech_ros.kinetostatics.map_engines.__version__", "0.0.0")
+    monkeypatch.setattr("robomech_ros.kinetostatics.maps.engines.__version__", "0.0.0")
     with pytest.raises(BadValueError, match="version of robomech_ros on the worker is '0.0.0'"):
         reach_map(PUMA, **BOX, scheduler=cluster.scheduler_address)

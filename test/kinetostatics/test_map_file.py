@@ -9,7 +9,7 @@ import pytest
 
 from robomech_ros.errors import MapFileError, NotEnoughMemoryError
 from robomech_ros.kinetostatics import load_reach_map, reach_map
-from robomech_ros.kinetostatics.map_cells import CELL
+from robomech_ros.kinetostatics.maps.cells import CELL
 from robomech_ros.robots import load_robot
 
 PUMA = load_robot("puma560")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robomech_ros._kernels import rates as kernel
+from robomech_ros._kernels.kinetostatics import rates as kernel
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownLinkError, WrongSizeError
 from robomech_ros.kinetostatics import jacobian, joint_rates, point_jacobian
 from robomech_ros.kinetostatics.decoupled_blocks import wrist_of

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robomech_ros._kernels.inverse import UNDECIDED
+from robomech_ros._kernels.inverse.solutions import UNDECIDED
 from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
@@ -14,7 +14,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse import solve_many
+from robomech_ros.kinematics.inverse.inverse_kinematics import solve_many
 from robomech_ros.kinetostatics import (
     condition_number,
     even_rotations,
@@ -82,7 +82,7 @@ def test_poses_that_a_family_cannot_decide_are_searched(monkeypatch):
         q[::2], counts[::2] = np.nan, UNDECIDED
         return q, counts, state
 
-    monkeypatch.setattr("robomech_ros.kinetostatics.map_cells.solve_many", undecided)
+    monkeypatch.setattr("robomech_ros.kinetostatics.maps.cells.solve_many", undecided)
     found = reach_map(PUMA, **box, length=0.3)
     assert found.share_reached > 0.0
     assert found.cells.tobytes() == wanted.cells.tobytes()

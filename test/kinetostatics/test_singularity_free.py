@@ -5,8 +5,8 @@ import pytest
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinetostatics import jacobian, singularity_free, singularity_report
-from robomech_ros.kinetostatics.minors import minors_of
-from robomech_ros.kinetostatics.regularity import regular_rank
+from robomech_ros.kinetostatics.singularities.minors import minors_of
+from robomech_ros.kinetostatics.singularities.regularity import regular_rank
 from robomech_ros.robots import chain_from_dh, list_robots, load_robot
 
 SAMPLES = 4000

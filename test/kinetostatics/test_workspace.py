@@ -10,9 +10,9 @@ import pytest
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.spread import low_discrepancy_strides
+from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.kinetostatics import workspace_boundary
-from robomech_ros.kinetostatics.positioning_part import positioning_part
+from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.robots.chain_layout import PRISMATIC, pack_chain, unpack_chain
 

@@ -13,8 +13,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from robomech_ros.nodes.free_domain import free_domain
-from robomech_ros.nodes.run import Spinner
+from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.run import Spinner
 
 sys.path.insert(0, str(Path(__file__).parent))
 

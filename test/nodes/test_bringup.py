@@ -9,8 +9,8 @@ import yaml
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands import bringup
-from robomech_ros.nodes.parameters import table_rows
-from robomech_ros.nodes.process_group import NODE_MODULES
+from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.process.process_group import NODE_MODULES
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 

@@ -15,11 +15,11 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.srv import Execute
 from robomech_ros import __version__
-from robomech_ros.nodes import cli
-from robomech_ros.nodes.commands.warmup import kernel_modules
-from robomech_ros.nodes.kinematics_node import KinematicsNode
-from robomech_ros.nodes.process_group import NODE_MODULES, STOP_SIGNALS
-from robomech_ros.nodes.robot_description import LATCHED
+from robomech_ros.cli import main as cli
+from robomech_ros.cli.warmup import kernel_modules
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.process.process_group import NODE_MODULES, STOP_SIGNALS
 from robomech_ros.robots import list_robots
 
 
@@ -220,7 +220,7 @@ def test_payloads_that_the_demo_refuses(capfd, options, said):
     assert said in err
 
 
-@pytest.mark.parametrize("module", ["robomech_ros", "robomech_ros.nodes.cli"])
+@pytest.mark.parametrize("module", ["robomech_ros", "robomech_ros.cli.main"])
 def test_import_pulls_in_neither_ros_nor_numba(module):
     code = (
         f"import sys, {module}; "

@@ -16,7 +16,7 @@ from robomech_ros.errors import (
     UnknownJointError,
     WrongSizeError,
 )
-from robomech_ros.nodes import conversions
+from robomech_ros.nodes.common import conversions
 from robomech_ros.spatial import quaternion_from_matrix
 
 NAMES = ("a", "b", "c")

@@ -19,7 +19,7 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
-from robomech_ros.nodes.dynamics_node import DynamicsNode
+from robomech_ros.nodes.dynamics.node import DynamicsNode
 
 G, MASS, LENGTH, MOMENT = 9.81, 2.0, 0.6, 0.1
 INERTIA = MOMENT + MASS * (LENGTH / 2.0) ** 2

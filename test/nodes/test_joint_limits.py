@@ -5,8 +5,8 @@ import math
 import pytest
 
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.nodes.joint_limits import read_joint_limits
-from robomech_ros.nodes.parameters import ParameterError
+from robomech_ros.nodes.common.joint_limits import read_joint_limits
+from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.robots import load_description
 
 URDF = """<robot name="bare">

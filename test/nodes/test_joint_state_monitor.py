@@ -7,8 +7,8 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.error_codes import NoStateError
-from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.error_codes import NoStateError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 
 NAMES = ("a", "b")
 PATIENCE = 30.0

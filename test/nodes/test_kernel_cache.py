@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
-from robomech_ros._kernels.serial import forward_one
-from robomech_ros.nodes.kernel_cache import KEPT, prune
+from robomech_ros._kernels.chain.serial import forward_one
+from robomech_ros.cli.kernel_cache import KEPT, prune
 
 STATES = [f"{i:016x}" for i in range(8)]
 

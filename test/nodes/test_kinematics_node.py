@@ -19,8 +19,8 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import characteristic_length, jacobian, singularity_report
-from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
-from robomech_ros.nodes.kinematics_node import KinematicsNode
+from robomech_ros.nodes.common.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description, load_robot
 
 PUMA = load_robot("puma560")

@@ -10,12 +10,12 @@ import sys
 import numpy as np
 import pytest
 
+from robomech_ros.cli import main as cli
 from robomech_ros.kinetostatics import even_turns, load_reach_map, reach_map
-from robomech_ros.nodes import cli
 from robomech_ros.robots import load_robot
 from robomech_ros.spatial import matrix_from_quaternion
 
-ROBOMECH = (sys.executable, "-m", "robomech_ros.nodes.cli")
+ROBOMECH = (sys.executable, "-m", "robomech_ros.cli.main")
 PUMA = ("map", "--robot", "puma560", "--length", "0.3")
 
 

@@ -6,7 +6,12 @@ from std_srvs.srv import SetBool
 
 from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.message_yaml import fill_message, interface_class, parse_yaml, to_yaml
+from robomech_ros.nodes.common.message_yaml import (
+    fill_message,
+    interface_class,
+    parse_yaml,
+    to_yaml,
+)
 
 
 def filled(kind, text):

@@ -26,8 +26,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.conversions import joint_state, matrix_from_pose, stamped_pose
-from robomech_ros.nodes.trajectory_planner_node import TrajectoryPlannerNode
+from robomech_ros.nodes.common.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose
 from robomech_ros.trajectory import Limits, verify

@@ -10,7 +10,12 @@ from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from robomech_ros.nodes.parameters import NodeParameters, ParameterError, parameter, table_rows
+from robomech_ros.nodes.common.parameters import (
+    NodeParameters,
+    ParameterError,
+    parameter,
+    table_rows,
+)
 
 
 @dataclass(frozen=True)

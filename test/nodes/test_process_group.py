@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
+from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup, node_command
 
 WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]
 FAILS = [sys.executable, "-c", "raise SystemExit(7)"]
@@ -78,7 +78,7 @@ def test_a_signal_during_the_imports_ends_with_0(module, function, library, numb
 
 
 def test_what_does_not_listen_is_killed(monkeypatch):
-    monkeypatch.setattr("robomech_ros.nodes.process_group._STOP_SECONDS", 0.2)
+    monkeypatch.setattr("robomech_ros.nodes.process.process_group._STOP_SECONDS", 0.2)
     group = ProcessGroup({"deaf": DEAF}, log=subprocess.PIPE)
     # It says a word once it is deaf.
     group.processes["deaf"].stdout.read(1)
@@ -115,7 +115,7 @@ def test_a_node_that_its_middleware_does_not_let_go_is_ended_and_that_is_told(ca
 
 def test_children_die_with_a_parent_that_is_killed():
     program = (
-        "import sys, time; from robomech_ros.nodes.process_group import ProcessGroup;"
+        "import sys, time; from robomech_ros.nodes.process.process_group import ProcessGroup;"
         f" g = ProcessGroup({{'child': {DEAF!r}}}); print(g.processes['child'].pid, flush=True);"
         " time.sleep(60)"
     )
@@ -138,7 +138,7 @@ def _is_alive(pid):
         return False
 
 
-START = [sys.executable, "-m", "robomech_ros.nodes.start"]
+START = [sys.executable, "-m", "robomech_ros.nodes.process.start"]
 
 
 @pytest.mark.parametrize("streams", ["2>&1 >&-", "2>&-", ">&- 2>&-"])

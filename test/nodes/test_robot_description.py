@@ -5,8 +5,8 @@ import pytest
 
 from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.error_codes import FrameUnavailableError
-from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import load_description
 
 BRANCHED = """

@@ -5,8 +5,8 @@ import threading
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes import run
-from robomech_ros.nodes.run import Spinner, run_nodes
+from robomech_ros.nodes.process import run
+from robomech_ros.nodes.process.run import Spinner, run_nodes
 
 
 class Nervous(Node):

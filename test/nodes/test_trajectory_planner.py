@@ -17,13 +17,13 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.conversions import (
+from robomech_ros.nodes.common.conversions import (
     duration_from_seconds,
     joint_state,
     matrix_from_pose,
     seconds_from_duration,
 )
-from robomech_ros.nodes.trajectory_planner_node import TrajectoryPlannerNode
+from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.trajectory import point_to_point, verify
 

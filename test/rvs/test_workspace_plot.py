@@ -5,11 +5,11 @@ import sys
 
 import pytest
 
+from robomech_ros.cli.main import main
 from robomech_ros.kinetostatics import workspace_boundary
-from robomech_ros.nodes.cli import main
+from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_robot
-from robomech_ros.rvs.plots import PlottingUnavailableError
-from robomech_ros.rvs.workspace_plot import plot_workspace
 
 
 def test_the_command_draws_and_writes_numbers(tmp_path, capsys):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.trajectory import PiecewisePolynomial, interpolant
-from robomech_ros.trajectory.bounds import (
+from robomech_ros.trajectory.curves.bounds import (
     extremes,
     extremes_and_steps,
     first_above,

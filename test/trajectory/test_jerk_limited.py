@@ -15,7 +15,7 @@ from robomech_ros.errors import (
     MissingLimitsError,
 )
 from robomech_ros.trajectory import Limits, point_to_point, verify
-from robomech_ros.trajectory.bounds import extremes
+from robomech_ros.trajectory.curves.bounds import extremes
 
 JOINTS = ("base", "shoulder", "elbow")
 

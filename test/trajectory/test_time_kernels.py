@@ -5,11 +5,12 @@ from math import comb
 import numpy as np
 import pytest
 
-from robomech_ros._kernels import time_peaks, time_rows
+from robomech_ros._kernels.timing import peaks as time_peaks
+from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.trajectory import PiecewisePolynomial
-from robomech_ros.trajectory.bounds import extremes
-from robomech_ros.trajectory.many_samples import sample_many
+from robomech_ros.trajectory.curves.bounds import extremes
+from robomech_ros.trajectory.curves.many_samples import sample_many
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])

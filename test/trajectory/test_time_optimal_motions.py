@@ -13,9 +13,9 @@ from robomech_ros.trajectory import (
     time_optimal,
     verify,
 )
-from robomech_ros.trajectory.cubic_spline import cubic_spline
-from robomech_ros.trajectory.knots import spaced_knots
-from robomech_ros.trajectory.thinning import thinned
+from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.knots import spaced_knots
+from robomech_ros.trajectory.curves.thinning import thinned
 
 JOINTS = ("base", "shoulder", "elbow")
 LIMITS = Limits(JOINTS, velocity=[1.0, 2.0, 3.0], acceleration=[2.0, 6.0, 9.0], jerk=60.0)

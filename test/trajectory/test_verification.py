@@ -18,7 +18,7 @@ from robomech_ros.trajectory import (
     point_to_point,
     verify,
 )
-from robomech_ros.trajectory.verification import first_violation
+from robomech_ros.trajectory.plans.verification import first_violation
 
 JOINTS = ("base", "elbow")
 LIMITS = Limits(JOINTS, velocity=1.0, acceleration=2.0, jerk=30.0, lower=-3.0, upper=3.0)
@@ -173,8 +173,8 @@ def test_the_first_violation_alone_is_that_of_the_report_and_takes_no_compiled_c
     code = (
         "import sys\n"
         "from robomech_ros.trajectory.limits import Limits\n"
-        "from robomech_ros.trajectory.interpolation import interpolant\n"
-        "from robomech_ros.trajectory.verification import first_violation\n"
+        "from robomech_ros.trajectory.curves.interpolation import interpolant\n"
+        "from robomech_ros.trajectory.plans.verification import first_violation\n"
         "curve = interpolant([0, 1], [[0], [1]], [[0], [0]], [[0], [0]])\n"
         "print(first_violation(curve, Limits(['joint'], velocity=1.0)), 'numba' in sys.modules)"
     )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.uncompiled import tip_poses
+from robomech_ros.kinematics.forward_uncompiled import tip_poses
 from robomech_ros.numerics import newton_gauss
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain

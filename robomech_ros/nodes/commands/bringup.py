@@ -13,8 +13,8 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.joint_limits import read_joint_limits
-from robomech_ros.nodes.process_group import NODE_MODULES, ProcessGroup, node_command
+from robomech_ros.nodes.common.joint_limits import read_joint_limits
+from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup, node_command
 from robomech_ros.robots import load_description, robot_folders
 
 __all__ = ["add_arguments", "node_commands", "run"]
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
             description = read_joint_limits(args.joint_limits).on(description)
         description.chain(args.base_link, args.tip_link)
     if args.in_one_process:
-        from robomech_ros.nodes.run import run_nodes
+        from robomech_ros.nodes.process.run import run_nodes
 
         nodes = _nodes(args)
         everything = [argument for node in nodes for argument in _config_file(node)]

@@ -12,7 +12,12 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.message_yaml import fill_message, interface_class, parse_yaml, to_yaml
+from robomech_ros.nodes.common.message_yaml import (
+    fill_message,
+    interface_class,
+    parse_yaml,
+    to_yaml,
+)
 
 __all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 
@@ -125,7 +130,7 @@ def _verdict(response: Any) -> int:
     if hasattr(code, "val"):
         return _moveit_verdict(code)
     if code:
-        from robomech_ros.nodes.error_codes import name_of
+        from robomech_ros.nodes.common.error_codes import name_of
 
         print(f"error {code} {name_of(code)}: {response.error_msg}", file=sys.stderr)
         return EXIT_REFUSED

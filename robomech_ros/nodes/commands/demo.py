@@ -5,8 +5,8 @@ import signal
 import sys
 from pathlib import Path
 
+from robomech_ros.cli.warmup import warm
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.commands.warmup import warm
 
 __all__ = ["add_arguments", "run"]
 

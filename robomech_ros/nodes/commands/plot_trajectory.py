@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError, UnknownJointError
-from robomech_ros.execution.given import GivenTrajectory, read_waypoints
+from robomech_ros.execution.received_trajectory import GivenTrajectory, read_waypoints
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
-from robomech_ros.nodes.conversions import seconds_from_duration
-from robomech_ros.nodes.joint_limits import read_joint_limits
-from robomech_ros.nodes.message_yaml import fill_message, parse_yaml
+from robomech_ros.nodes.common.conversions import seconds_from_duration
+from robomech_ros.nodes.common.joint_limits import read_joint_limits
+from robomech_ros.nodes.common.message_yaml import fill_message, parse_yaml
+from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import load_description
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.rvs.plots import plot_motion
 from robomech_ros.trajectory import Waypoints
 
 __all__ = ["add_arguments", "run"]
@@ -92,7 +92,7 @@ def _from_topic(topic: str, timeout: float) -> JointTrajectory | None:
     import rclpy
     from rclpy.node import Node
 
-    from robomech_ros.nodes.robot_description import LATCHED
+    from robomech_ros.nodes.common.robot_description import LATCHED
 
     received: list[JointTrajectory] = []
     rclpy.init(args=[])

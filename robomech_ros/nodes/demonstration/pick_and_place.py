@@ -6,7 +6,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.conversions import (
+from robomech_ros.nodes.common.conversions import (
     joint_state,
     matrix_from_pose,
     seconds_from_duration,

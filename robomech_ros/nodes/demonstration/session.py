@@ -16,8 +16,8 @@ from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
+from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import PRISMATIC, SerialChain
-from robomech_ros.rvs.plots import plot_motion
 
 __all__ = ["demonstrate"]
 

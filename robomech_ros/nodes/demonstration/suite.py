@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
-from robomech_ros.nodes.free_domain import free_domain
-from robomech_ros.nodes.process_group import ProcessGroup
+from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.process_group import ProcessGroup
 
 __all__ = ["Suite", "running_suite"]
 

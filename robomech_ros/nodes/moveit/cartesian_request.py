@@ -10,12 +10,12 @@ from moveit_msgs.msg import MoveItErrorCodes
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.nodes.conversions import matrix_from_pose
+from robomech_ros.nodes.common.conversions import matrix_from_pose
+from robomech_ros.nodes.common.plan_sampling import check_waypoints
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import chain_to, check_group, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
-from robomech_ros.nodes.planning import check_waypoints
 from robomech_ros.robots import SerialChain
 
 __all__ = ["CartesianQuestion", "read_question"]

@@ -17,21 +17,21 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics, tip_poses
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.cartesian_planning import (
+from robomech_ros.nodes.common.cartesian_planning import (
     FollowedPath,
     PathBounds,
     follow,
     last_before,
     plan_along,
 )
-from robomech_ros.nodes.conversions import joint_trajectory
-from robomech_ros.nodes.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.conversions import joint_trajectory
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.waypoint_paths import path_through
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
-from robomech_ros.nodes.path_laying import path_through
-from robomech_ros.nodes.pauses import Worker
+from robomech_ros.nodes.process.pauses import Worker
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory import (

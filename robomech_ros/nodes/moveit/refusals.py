@@ -7,8 +7,12 @@ from typing import Any
 from moveit_msgs.msg import MoveItErrorCodes
 
 from robomech_ros.errors import RobomechError, UnknownLinkError
-from robomech_ros.kinematics.status import Status
-from robomech_ros.nodes.error_codes import FrameUnavailableError, NoStateError, RobotMovesError
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.nodes.common.error_codes import (
+    FrameUnavailableError,
+    NoStateError,
+    RobotMovesError,
+)
 
 __all__ = ["RefusedError", "code_of_outcome", "fill_code", "refused_as"]
 

@@ -12,7 +12,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.nodes.conversions import matrix_from_pose, seconds_from_duration, stamped_pose
+from robomech_ros.nodes.common.conversions import (
+    matrix_from_pose,
+    seconds_from_duration,
+    stamped_pose,
+)
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import (
@@ -22,7 +26,7 @@ from robomech_ros.nodes.moveit.serving import (
     refuse_collision_checks,
 )
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
-from robomech_ros.nodes.pauses import Turns
+from robomech_ros.nodes.process.pauses import Turns
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 

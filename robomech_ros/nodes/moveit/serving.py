@@ -8,8 +8,8 @@ from moveit_msgs.msg import MoveItErrorCodes
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
-from robomech_ros.nodes.robot_description import RobotModel
 from robomech_ros.robots import SerialChain
 
 __all__ = ["GROUP", "answering", "chain_to", "check_group", "refuse_collision_checks"]

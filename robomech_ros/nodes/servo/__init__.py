@@ -1,1 +1,1 @@
-"""Parts of the servo."""
+"""The node servo."""

@@ -16,9 +16,9 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.controller.motion_clock import MotionClock
-from robomech_ros.nodes.reference_axes import reference_axes
-from robomech_ros.nodes.robot_description import RobotModel
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.reference_axes import reference_axes
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.servo import JointCommand, TwistCommand
 

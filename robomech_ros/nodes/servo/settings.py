@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.parameters import ParameterError, parameter
-from robomech_ros.nodes.robot_description import RobotSettings
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.servo.servo import ServoSettings
 
 __all__ = ["SPEED_UNITS", "UNITLESS", "ServoNodeSettings", "check_settings", "core_settings"]

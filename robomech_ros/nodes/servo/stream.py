@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robomech_ros.nodes.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
 from robomech_ros.servo.motion import Samples
 
 __all__ = ["stream_message"]

@@ -9,13 +9,13 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import (
     PolynomialCurve,
     as_points,
     as_positive,
     evaluated,
 )
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["Blend", "BlendedPolyline", "blended_polyline"]

@@ -12,8 +12,8 @@ from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH, PARAMET
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import listed, real_array, real_number
 from robomech_ros.spatial.poses import as_pose
-from robomech_ros.trajectory.many_samples import sample_many
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [

@@ -9,14 +9,14 @@ from robomech_ros._kernels.tolerances import CLOSED
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.spatial.poses import pose_error
-from robomech_ros.trajectory.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.quintic_spline import Ends
 from robomech_ros.trajectory.paths.curve import as_parameters
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
 from robomech_ros.trajectory.paths.splines import as_ends
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.quintic_spline import Ends
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["joint_spline", "tracking_error"]

@@ -7,6 +7,8 @@ from robomech_ros._kernels.tolerances import COINCIDENT, SPLINE_STEPS
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.quintic_spline import Ends, Side, matched
 from robomech_ros.trajectory.paths.orientation import (
     PiecewiseRotation,
     as_rotations,
@@ -18,8 +20,6 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
     turning_acceleration,
 )
 from robomech_ros.trajectory.paths.splines import as_ends
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.quintic_spline import Ends, Side, matched
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["orientation_spline"]

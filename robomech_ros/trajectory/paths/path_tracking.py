@@ -16,7 +16,8 @@ from robomech_ros._kernels.tolerances import (
     TRACK_JUMP,
 )
 from robomech_ros.errors import BadValueError
-from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
@@ -31,7 +32,6 @@ from robomech_ros.trajectory.paths.posture import (
     pose_deviation,
     posture,
 )
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["PathTracking", "PathTrackingStatus", "track_path"]

@@ -10,8 +10,9 @@ from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import as_pose
-from robomech_ros.trajectory.cubic_spline import cubic_spline
-from robomech_ros.trajectory.interpolation import interpolant
+from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.closed_form import arc_through
 from robomech_ros.trajectory.paths.curve import (
     FunctionCurve,
@@ -26,7 +27,6 @@ from robomech_ros.trajectory.paths.orientation import (
 )
 from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
 from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
-from robomech_ros.trajectory.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["TURN_RADIUS", "arc_path", "spline_path", "straight_path"]

@@ -12,7 +12,7 @@ from drivers import Driver, Suite
 from servo_operator import START, Operator
 from simulated_time import SimulatedTime
 
-from robomech_ros.nodes import status_report
+from robomech_ros.nodes.common import status_report
 
 
 @pytest.fixture(autouse=True)

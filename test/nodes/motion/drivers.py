@@ -12,8 +12,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import Execute
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_robot
 
 TIMEOUT = 30.0

@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.servo_node import ServoNode
+from robomech_ros.nodes.servo.node import ServoNode
 
 TIMEOUT = 30.0
 QOS = QoSProfile(depth=1000)

@@ -10,8 +10,8 @@ from drivers import NAME, ROBOT, TIMEOUT, Driver, Suite, ended
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_robot
 
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])

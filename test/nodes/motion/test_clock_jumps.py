@@ -8,7 +8,7 @@ from action_msgs.msg import GoalStatus
 from drivers import ROBOT, Suite, ended
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
 
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
 SAID = "the clock jumped {} s on the way, and the robot went on from where it was"

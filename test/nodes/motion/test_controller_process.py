@@ -13,7 +13,7 @@ from rcl_interfaces.srv import SetParameters
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.dynamics import gravity_torque
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
 from robomech_ros.robots import load_robot
 
 MOVE = np.full(6, 0.4)

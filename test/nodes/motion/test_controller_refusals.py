@@ -8,8 +8,8 @@ from action_msgs.msg import GoalStatus
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.controller import robot
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller import robot
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
 
 MOVE = np.full(6, 0.05)
 

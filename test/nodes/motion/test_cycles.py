@@ -10,8 +10,8 @@ from drivers import ended
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.controller.cycles import Cycles
-from robomech_ros.nodes.controller.motion_clock import MotionClock
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
 
 RATE = 50.0
 MOVE = np.array([0.2, -0.1, 0.15, 0.0, 0.1, -0.1])

@@ -14,18 +14,21 @@ from std_srvs.srv import Trigger
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.dynamics import gravity_torque, mass_matrix, with_payload
-from robomech_ros.dynamics.servo import CONTROLS
+from robomech_ros.dynamics.simulation.controlled_arm import CONTROLS
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.follower import Follower, Phase
-from robomech_ros.execution.job import Code, End
+from robomech_ros.execution.controller.follower import Follower, Phase
+from robomech_ros.execution.controller.simulated_joints import Faults, at_rest
+from robomech_ros.execution.controller.trajectory_goal import Code, End
 from robomech_ros.execution.joints import Joints
-from robomech_ros.execution.simulation import Faults, at_rest
 from robomech_ros.execution.tolerance import Tolerances
-from robomech_ros.nodes.controller.dynamic_plant import DynamicPlant, MotionRanAwayError
-from robomech_ros.nodes.controller.settings import ControllerSettings
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.nodes.parameters import table_rows
-from robomech_ros.nodes.robot_description import LATCHED
+from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import (
+    DynamicPlant,
+    MotionRanAwayError,
+)
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.robots import Body, load_robot
 from robomech_ros.trajectory.waypoints import Waypoints
 

@@ -16,8 +16,8 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.controller.frame_publisher import JointPoses, joint_pose
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import JointPoses, joint_pose
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
 from robomech_ros.robots import Joint, load_robot
 from robomech_ros.spatial import (
     matrix_from_axis_angle,

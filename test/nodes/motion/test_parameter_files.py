@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from robomech_ros.nodes.controller.settings import ControllerSettings
-from robomech_ros.nodes.publisher.settings import PublisherSettings
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 
 CONFIG = Path(__file__).parents[3] / "config"
 TABLES = {

@@ -6,7 +6,7 @@ from drivers import ROBOT
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.nodes.publisher.program import read_program
+from robomech_ros.nodes.trajectory_publisher.program import read_program
 from robomech_ros.robots import load_robot
 
 CHAIN = load_robot(ROBOT)

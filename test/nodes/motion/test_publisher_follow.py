@@ -14,10 +14,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.joint_state_simulator_node import JointStateSimulatorNode
-from robomech_ros.nodes.publisher.action_link import AskedTolerances
-from robomech_ros.nodes.publisher.follow_goals import FollowGoals
-from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
 FOLLOW = "follow_joint_trajectory"
 NAME = f"/joint_trajectory_controller/{FOLLOW}"

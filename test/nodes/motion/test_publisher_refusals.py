@@ -9,7 +9,7 @@ from std_srvs.srv import Trigger
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.trajectory_publisher_node import TrajectoryPublisherNode
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
 MOVE = np.array([0.05, -0.05, 0.05, 0.0, 0.05, -0.05])
 TIMEOUT = 30.0

@@ -10,8 +10,8 @@ from builtin_interfaces.msg import Time
 from servo_operator import START, Operator
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.parameters import ParameterError
-from robomech_ros.nodes.servo_node import ServoNode
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.servo.node import ServoNode
 
 
 def test_drives_the_tip_straight_and_stops_when_nobody_commands(operator):

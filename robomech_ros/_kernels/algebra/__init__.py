@@ -1,0 +1,1 @@
+"""Angles, polynomials, small linear systems and singular values."""

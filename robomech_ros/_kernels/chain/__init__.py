@@ -1,0 +1,1 @@
+"""Serial chains: poses, Jacobians and their rates, reach."""

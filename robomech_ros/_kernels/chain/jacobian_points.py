@@ -1,0 +1,33 @@
+"""The Jacobian of a point of the tip link."""
+
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT3, i8, kernel, lean
+
+__all__ = ["move_jacobian", "point_jacobian"]
+
+
+@lean
+def move_jacobian(J, pose, point):
+    """Change J (6, n) at the tip's origin to that at a point (3,) in the frame of the tip link.
+
+    ``v_P = v + omega x r`` with r the point seen from the tip's origin, in the axes of the base.
+    """
+    x, y, z = point[0], point[1], point[2]
+    rx = pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z
+    ry = pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z
+    rz = pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z
+    for i in range(J.shape[1]):
+        ax, ay, az = J[0, i], J[1, i], J[2, i]
+        J[3, i] += ay * rz - az * ry
+        J[4, i] += az * rx - ax * rz
+        J[5, i] += ax * ry - ay * rx
+
+
+@kernel(i8(IN2, IN2, IN1, OUT3, OUT3))
+def point_jacobian(packed, q, point, out, poses):
+    """Jacobians at a point (3,) for q (m, n) into out (m, 6, n), the tip's poses into poses."""
+    status = 0
+    for k in range(q.shape[0]):
+        status |= jacobian_body(packed, q[k], out[k], poses[k])
+        move_jacobian(out[k], poses[k], point)
+    return status

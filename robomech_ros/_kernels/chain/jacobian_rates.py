@@ -1,0 +1,99 @@
+"""How the Jacobian changes with the joints.
+
+With columns [a; m], angular part first (a = 0 for a prismatic joint), joint k turns those from its
+own on with its link, and carries the tip for those before it:
+
+``dJ_i / dq_k = [a_k x a_i; a_k x m_i]`` for k <= i, ``[0; a_i x m_k]`` for k > i.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.chain.serial import NOT_FINITE, OK, jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean
+
+__all__ = ["gradient_body", "jacobian_rate", "jacobian_rate_one", "rate_body"]
+
+
+@lean
+def rate_body(J, qd, out):
+    """Write the time derivative of J (6, n) at joint rates qd (n,) to out (6, n)."""
+    n = J.shape[1]
+    vx, vy, vz = 0.0, 0.0, 0.0
+    for i in range(n):
+        vx += J[3, i] * qd[i]
+        vy += J[4, i] * qd[i]
+        vz += J[5, i] * qd[i]
+    wx, wy, wz = 0.0, 0.0, 0.0
+    for i in range(n):
+        ax, ay, az = J[0, i], J[1, i], J[2, i]
+        mx, my, mz = J[3, i], J[4, i], J[5, i]
+        wx += ax * qd[i]
+        wy += ay * qd[i]
+        wz += az * qd[i]
+        vx -= mx * qd[i]
+        vy -= my * qd[i]
+        vz -= mz * qd[i]
+        out[0, i] = wy * az - wz * ay
+        out[1, i] = wz * ax - wx * az
+        out[2, i] = wx * ay - wy * ax
+        out[3, i] = wy * mz - wz * my + ay * vz - az * vy
+        out[4, i] = wz * mx - wx * mz + az * vx - ax * vz
+        out[5, i] = wx * my - wy * mx + ax * vy - ay * vx
+
+
+@lean
+def gradient_body(J, G, out):
+    """Write the gradient (n,) of a function of J whose derivative by J is G (6, n) to out.
+
+    Entry k is the sum of G * dJ / dq_k: ``a_k . sum_(i >= k) (a_i x g_i + m_i x h_i) + m_k .
+    sum_(i < k) h_i x a_i`` with columns [g; h] of G.
+    """
+    n = J.shape[1]
+    sx, sy, sz = 0.0, 0.0, 0.0
+    for k in range(n - 1, -1, -1):
+        ax, ay, az = J[0, k], J[1, k], J[2, k]
+        mx, my, mz = J[3, k], J[4, k], J[5, k]
+        gx, gy, gz = G[0, k], G[1, k], G[2, k]
+        hx, hy, hz = G[3, k], G[4, k], G[5, k]
+        sx += ay * gz - az * gy + my * hz - mz * hy
+        sy += az * gx - ax * gz + mz * hx - mx * hz
+        sz += ax * gy - ay * gx + mx * hy - my * hx
+        out[k] = ax * sx + ay * sy + az * sz
+    sx, sy, sz = 0.0, 0.0, 0.0
+    for k in range(n):
+        ax, ay, az = J[0, k], J[1, k], J[2, k]
+        hx, hy, hz = G[3, k], G[4, k], G[5, k]
+        out[k] += J[3, k] * sx + J[4, k] * sy + J[5, k] * sz
+        sx += hy * az - hz * ay
+        sy += hz * ax - hx * az
+        sz += hx * ay - hy * ax
+
+
+@lean
+def _rate(packed, q, qd, J, pose, out):
+    """Write the derivative for one q, qd (n,) to out (6, n); return the status."""
+    for value in qd:
+        if not math.isfinite(value):
+            return NOT_FINITE
+    if jacobian_body(packed, q, J, pose) != OK:
+        return NOT_FINITE
+    rate_body(J, qd, out)
+    return OK
+
+
+@kernel(i8(IN2, IN1, IN1, OUT2))
+def jacobian_rate_one(packed, q, qd, out):
+    """Time derivative of the Jacobian for one q, qd (n,) into out (6, n)."""
+    return _rate(packed, q, qd, np.empty((6, q.size)), np.empty((4, 4)), out)
+
+
+@kernel(i8(IN2, IN2, IN2, OUT3))
+def jacobian_rate(packed, q, qd, out):
+    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n)."""
+    J, pose = np.empty((6, q.shape[1])), np.empty((4, 4))
+    status = 0
+    for k in range(q.shape[0]):
+        status |= _rate(packed, q[k], qd[k], J, pose, out[k])
+    return status

@@ -1,0 +1,124 @@
+"""Least distance of a chain's tip from a point, over all joint values."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels.tolerances import REACHED
+
+
+@inline
+def _offset(current, point, weights, r):
+    """Write the vector from the point to the tip, as far as it counts; return half its square."""
+    square = 0.0
+    for k in range(3):
+        r[k] = weights[k] * (current[k, 3] - point[k])
+        square += r[k] * r[k]
+    return 0.5 * square
+
+
+@inline
+def _gradient_and_hessian(packed, weights, J, r, g, H):
+    """Write the exact first and second derivatives of half the squared distance.
+
+    The second derivative of the tip's position by q_i and q_j, i <= j, is e_i x J_j for a
+    revolute joint i and zero for a prismatic one.
+    """
+    n = g.shape[0]
+    for j in range(n):
+        u, v, w = J[3, j], J[4, j], J[5, j]
+        g[j] = u * r[0] + v * r[1] + w * r[2]
+        for i in range(j + 1):
+            value = weights[0] * u * J[3, i] + weights[1] * v * J[4, i] + weights[2] * w * J[5, i]
+            if packed[i, 0] == 0.0:
+                x, y, z = J[0, i], J[1, i], J[2, i]
+                value += r[0] * (y * w - z * v) + r[1] * (z * u - x * w) + r[2] * (x * v - y * u)
+            H[j, i] = value
+
+
+@inline
+def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
+    """Go down to a local minimum by damped Newton steps; return half the squared distance."""
+    n = q.shape[0]
+    damping = 1.0
+    jacobian_body(packed, q, J, current)
+    value = _offset(current, point, weights, r)
+    _gradient_and_hessian(packed, weights, J, r, g, H)
+    scale = 1e-300
+    for _ in range(iterations):
+        if value < 0.5 * REACHED * REACHED:
+            break
+        scale = 1e-300
+        slope = 0.0
+        for i in range(n):
+            scale = max(scale, abs(H[i, i]))
+            slope = max(slope, abs(g[i]))
+        if slope < 1e-13 * scale:
+            break
+        for i in range(n):
+            b[i] = -g[i]
+            for j in range(i + 1):
+                A[i, j] = H[i, j]
+            A[i, i] += damping * scale
+        if not cholesky_solve(A, b, n):
+            damping = max(4.0 * damping, 1e-3)
+            continue
+        # A radian at most; the way of a slide is linear, however long.
+        longest = 0.0
+        for i in range(n):
+            if packed[i, 0] == 0.0:
+                longest = max(longest, abs(b[i]))
+        shrink = 1.0 if longest < 1.0 else 1.0 / longest
+        for i in range(n):
+            b[i] = q[i] + shrink * b[i]
+        jacobian_body(packed, b, J, current)
+        found = _offset(current, point, weights, r)
+        if found < value:
+            value = found
+            for i in range(n):
+                q[i] = b[i]
+            _gradient_and_hessian(packed, weights, J, r, g, H)
+            damping = 0.2 * damping if damping > 1e-14 else 0.0
+        else:
+            if damping > 1e12:
+                break
+            damping = max(8.0 * damping, 1e-3)
+    return value
+
+
+@kernel(f8(IN2, IN1, IN1, IN1, i8, i8, i8, f8, OUT1))
+def least_distance(packed, point, weights, strides, first, starts, iterations, least, best):
+    """Search the least distance (m) of the tip from ``point`` (3,), limits ignored.
+
+    ``weights`` (3,) is 1 for the components, along the axes of the base, that count, else 0.
+    ``strides`` (n,) advance the starts, in turns or in metres; ``starts`` of them are tried, from
+    number ``first`` on.  ``best`` (n,) receives the joint values where they are nearer than
+    ``least`` (m), which an earlier search has found, or infinite.  The search ends at once where
+    the point is reached.
+    """
+    n = packed.shape[0] - 1
+    q = np.empty(n)
+    b = np.empty(n)
+    g = np.empty(n)
+    r = np.empty(3)
+    J = np.empty((6, n))
+    H = np.empty((n, n))
+    A = np.empty((n, n))
+    current = np.empty((4, 4))
+    least = 0.5 * least * least
+    for number in range(first, first + starts):
+        if least < 0.5 * REACHED * REACHED:
+            break
+        for i in range(n):
+            part = (number + 1) * strides[i]
+            part -= math.floor(part) + 0.5
+            q[i] = 2.0 * math.pi * part if packed[i, 0] == 0.0 else part
+        value = _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations)
+        if value < least:
+            least = value
+            for i in range(n):
+                best[i] = q[i]
+    return math.sqrt(2.0 * least)

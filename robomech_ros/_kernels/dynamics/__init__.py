@@ -1,0 +1,1 @@
+"""Recursions of Newton and Euler, composite bodies and their derivatives."""

@@ -1,0 +1,297 @@
+"""A chain under a torque controller, in fixed steps of time.
+
+Each step gives the joints the rates v at its end that minimise ``v . A v / 2 - b . v`` and ``h c
+|v|`` of each joint between the stops, with the mass matrix and viscous friction in A and the
+momentum and impulses in b: then dry friction c lets a joint stick and break away, and a stop hold
+it, however long the step h.  Values follow from the new rates, so that the motion neither gains
+energy nor chatters.  Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid
+body dynamics with inelastic collisions and Coulomb friction, Int. J. Numerical Methods in
+Engineering 39, 1996.
+
+The controller may observe disturbances: torques that its model, with its friction, does not explain
+by what the joints did in a period, and that it adds to its own from then on.  Sources: Ohnishi,
+Shibata, Murakami, Motion control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1),
+1996; with the share 1 it is the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems,
+Measurement, and Control 112(1), 1990.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.chain.serial import OK
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IN3,
+    OUT2,
+    OUT3,
+    f8,
+    i8,
+    kernel,
+    lean,
+    scratch,
+)
+from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
+from robomech_ros._kernels.dynamics.mass import mass_body
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+
+__all__ = ["COMPUTED_TORQUE", "MOST_SERVO_JOINTS", "PD_WITH_GRAVITY", "RUNS_AWAY", "servo_steps"]
+
+COMPUTED_TORQUE = 0
+PD_WITH_GRAVITY = 1
+
+RUNS_AWAY = 4
+
+# Matrices of their numbers stand on the stack.
+MOST_SERVO_JOINTS = 32
+
+# Rounds of which each looks which joints stick.  One or two are the rule.
+_ROUNDS = 40
+
+# How near to a stop a joint is at it, rad or m.
+_AT_STOP = 1e-9
+
+
+@lean
+def _dry_friction(friction, i, rate):
+    """Give the Coulomb friction of joint i with what is left of its static friction."""
+    x = abs(rate) * friction[3, i]
+    return friction[1, i] + friction[2, i] * math.exp(-min(x * x, 700.0))
+
+
+@lean
+def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
+    """Write the controller's torques (n,); wanted is [q, qd, qdd] (3, n)."""
+    asked = scratch(MOST_SERVO_JOINTS)
+    count = model.shape[0] - 1
+    for i in range(count):
+        asked[i] = gains[0, i] * (wanted[0, i] - q[i]) + gains[1, i] * (wanted[1, i] - qd[i])
+        if mode == COMPUTED_TORQUE:
+            asked[i] += wanted[2, i]
+    if mode == COMPUTED_TORQUE:
+        status = inverse_body(model, q, qd, asked[:count], around, tau)
+    else:
+        status = gravity_body(model, q, around, tau)
+    for i in range(count):
+        if mode == PD_WITH_GRAVITY:
+            tau[i] += asked[i]
+        rate = wanted[1, i]
+        tau[i] += friction[0, i] * rate
+        if rate != 0.0:
+            tau[i] += math.copysign(_dry_friction(friction, i, rate), rate)
+    return status
+
+
+@lean
+def _observe(model, friction, stops, around, tau, limit, share, period, before, state, seen):
+    """Learn a share of the torques (n,) that the model does not explain.
+
+    before and state are values and rates (2, n) at both ends of the period in which tau acted.
+    What friction takes at rest is not known, and what a stop takes says nothing of the chain.
+    """
+    rates = scratch(MOST_SERVO_JOINTS)
+    explained = scratch(MOST_SERVO_JOINTS)
+    count = model.shape[0] - 1
+    for i in range(count):
+        rates[i] = (state[1, i] - before[1, i]) / period
+    status = inverse_body(model, before[0], before[1], rates[:count], around, explained)
+    for i in range(count):
+        rate = state[1, i]
+        if state[0, i] - stops[0, i] <= _AT_STOP or stops[1, i] - state[0, i] <= _AT_STOP:
+            seen[i] = 0.0
+        elif rate != 0.0 or friction[1, i] + friction[2, i] == 0.0:
+            rest = tau[i] - explained[i] - friction[0, i] * rate
+            if rate != 0.0:
+                rest -= math.copysign(_dry_friction(friction, i, before[1, i]), rate)
+            value = seen[i] + share * (rest - seen[i])
+            seen[i] = min(max(value, -limit[i]), limit[i])
+    return status
+
+
+@lean
+def _sweep(A, b, dry, low, high, v, count):
+    """Improve the rates one after the other, each the best with the others as they are."""
+    for i in range(count):
+        value = b[i]
+        for j in range(count):
+            if j != i:
+                value -= A[i, j] * v[j]
+        if value > dry[i]:
+            value -= dry[i]
+        elif value < -dry[i]:
+            value += dry[i]
+        else:
+            value = 0.0
+        v[i] = min(max(value / A[i, i], low[i]), high[i])
+
+
+@lean
+def _is_held(dry, low, high, v, i):
+    """Tell whether joint i sticks, or stands at a bound of its rate."""
+    return (v[i] == 0.0 and dry[i] > 0.0) or v[i] <= low[i] or v[i] >= high[i]
+
+
+@lean
+def _settle(A, b, dry, low, high, v, count):
+    """Solve for the rates with those held that are; tell whether these are the ones to hold."""
+    F = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
+    x = scratch(MOST_SERVO_JOINTS)
+    for i in range(count):
+        for j in range(count):
+            F[i, j] = 0.0
+        if _is_held(dry, low, high, v, i):
+            x[i] = v[i]
+            F[i, i] = 1.0
+            continue
+        x[i] = b[i] - math.copysign(dry[i], v[i])
+        for j in range(count):
+            if _is_held(dry, low, high, v, j):
+                x[i] -= A[i, j] * v[j]
+            else:
+                F[i, j] = A[i, j]
+    if not cholesky_solve(F, x, count):
+        return False
+    for i in range(count):
+        if not _is_held(dry, low, high, v, i):
+            # Through rest, or beyond a stop: another joint is held than was thought.
+            if (dry[i] > 0.0 and x[i] * v[i] < 0.0) or x[i] < low[i] or x[i] > high[i]:
+                return False
+            continue
+        pull = b[i]
+        for j in range(count):
+            pull -= A[i, j] * x[j]
+        slack = 1e-9 * (dry[i] + abs(b[i]))
+        # At a bound the joint must be pulled against it, by more than the friction where it moves.
+        least, most = -dry[i], dry[i]
+        if v[i] >= high[i]:
+            least, most = (dry[i] if v[i] > 0.0 else least), math.inf
+        if v[i] <= low[i]:
+            least, most = -math.inf, (-dry[i] if v[i] < 0.0 else most)
+        if pull < least - slack or pull > most + slack:
+            return False
+    for i in range(count):
+        v[i] = x[i]
+    return True
+
+
+@lean
+def _plant_step(model, friction, stops, around, tau, step, q, qd):
+    """Move the chain by one step of time; its state stays as it is where it would run away."""
+    A = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
+    bias = scratch(MOST_SERVO_JOINTS)
+    none = scratch(MOST_SERVO_JOINTS)
+    b = scratch(MOST_SERVO_JOINTS)
+    dry = scratch(MOST_SERVO_JOINTS)
+    low = scratch(MOST_SERVO_JOINTS)
+    high = scratch(MOST_SERVO_JOINTS)
+    v = scratch(MOST_SERVO_JOINTS)
+    count = model.shape[0] - 1
+    for i in range(count):
+        none[i] = 0.0
+        v[i] = qd[i]
+    status = mass_body(model, q, A)
+    status |= inverse_body(model, q, qd, none[:count], around, bias)
+    if status != OK:
+        return status
+    for i in range(count):
+        value = step * (tau[i] - bias[i])
+        for j in range(count):
+            value += A[i, j] * qd[j]
+        b[i] = value
+        dry[i] = step * _dry_friction(friction, i, qd[i])
+        low[i] = (stops[0, i] - q[i]) / step
+        high[i] = (stops[1, i] - q[i]) / step
+    for i in range(count):
+        A[i, i] += step * friction[0, i]
+    for _ in range(_ROUNDS):
+        _sweep(A, b, dry, low, high, v, count)
+        if _settle(A, b, dry, low, high, v, count):
+            break
+    for i in range(count):
+        if not abs(v[i]) <= LARGEST_SERVO_RATE:
+            return RUNS_AWAY
+    for i in range(count):
+        qd[i] = v[i]
+        q[i] += step * v[i]
+    return OK
+
+
+@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, i8, f8, IN1, IN1, IN3, f8, i8, OUT2, OUT3))
+def servo_steps(
+    plant,
+    plant_friction,
+    stops,
+    model,
+    model_friction,
+    gains,
+    mode,
+    share,
+    effort,
+    around,
+    wanted,
+    period,
+    substeps,
+    state,
+    out,
+):
+    """Let a controller drive a chain along what is wanted; return how many periods it could.
+
+    Parameters
+    ----------
+    plant, model : (n + 1, 24)
+        The chain that moves, and the one that the controller knows.
+    plant_friction, model_friction : (4, n)
+        Viscous and Coulomb friction, the excess of the static one, and one over the rate at which
+        it decays.
+    stops : (2, n)
+        Least and largest joint values, infinite where there are none.
+    gains : (2, n)
+        Of errors and of their rates: accelerations or, with PD_WITH_GRAVITY, torques.
+    mode : int
+        COMPUTED_TORQUE or PD_WITH_GRAVITY.
+    share : float
+        Of what the model does not explain of a period, that is learned in it, 0 to 1.
+    effort : (n,)
+        Largest torques, infinite where there is no limit.
+    around : (15,)
+        As ``dynamics_layout`` says.
+    wanted : (m, 3, n)
+        Joint values, rates and accelerations at the beginning of each period.
+    period : float
+        Of the controller, in s; the plant moves in ``substeps`` of it.
+    state : (3, n)
+        Joint values, rates and observed torques, brought to the end.
+    out : (m, 3, n)
+        Joint values and rates at the end of each period, and the torques in it.
+    """
+    tau = scratch(MOST_SERVO_JOINTS)
+    before = scratch(2, MOST_SERVO_JOINTS)
+    count = plant.shape[0] - 1
+    q, qd, seen = state[0], state[1], state[2]
+    for k in range(wanted.shape[0]):
+        if _command(model, model_friction, gains, mode, around, q, qd, wanted[k], tau) != OK:
+            return k
+        for i in range(count):
+            before[0, i], before[1, i] = q[i], qd[i]
+            tau[i] = min(max(tau[i] + seen[i], -effort[i]), effort[i])
+        for _ in range(substeps):
+            step = period / substeps
+            if _plant_step(plant, plant_friction, stops, around, tau, step, q, qd) != OK:
+                return k
+        if share > 0.0 and OK != _observe(
+            model,
+            model_friction,
+            stops,
+            around,
+            tau,
+            effort,
+            share,
+            period,
+            before,
+            state,
+            seen,
+        ):
+            return k
+        for i in range(count):
+            out[k, 0, i], out[k, 1, i], out[k, 2, i] = q[i], qd[i], tau[i]
+    return wanted.shape[0]

@@ -1,0 +1,1 @@
+"""Inverse kinematics: every family of arms, and what they share."""

@@ -1,0 +1,1 @@
+"""Arms with a spherical wrist, in closed form."""

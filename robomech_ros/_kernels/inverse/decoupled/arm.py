@@ -1,0 +1,327 @@
+"""The first three joints of a decoupled arm: all postures that put the wrist centre at c.
+
+The closed forms give candidates; a candidate that idealised geometry or a double root has made
+inaccurate is improved by Newton's method, and the residual decides.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.compiling.jit import (
+    F3,
+    IN1,
+    IOUT1,
+    OUT2,
+    ZERO,
+    f8,
+    i8,
+    lean,
+    lean_part,
+    scratch,
+)
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.decoupled import layout as at
+from robomech_ros._kernels.inverse.decoupled.arm_prismatic import prismatic_arm
+from robomech_ros._kernels.inverse.decoupled.arm_revolute import revolute_arm
+from robomech_ros._kernels.inverse.decoupled.arm_rows import (
+    DETERMINANT,
+    FREE,
+    FREE_1,
+    FREE_2,
+    FREE_3,
+    WIDTH,
+    aim,
+    copy_row,
+    cosine_of,
+    enter_turn,
+    measure,
+    sine_of,
+)
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    FOLD_APART,
+    NEAR_DOUBLE,
+    NEAR_SINGULAR,
+    POLISH_ABOVE,
+    SAME_POSTURE,
+    SHARP,
+)
+
+__all__ = ["ARM_ROWS", "MOST_ARMS", "arm_error", "arm_postures", "is_among", "step_aside"]
+
+# Postures of the arm that are kept: twice as many as there can be apart from a continuum.
+MOST_ARMS = 8
+# Rows for them, and one more to work in.
+ARM_ROWS = MOST_ARMS + 1
+# Starts from each candidate that had to be improved.
+_STARTS = 8
+# Typed, since numba compiles a function anew for each literal that it is called with.
+_THREE = np.int64(3)
+
+
+@lean
+def _reverse(arm):
+    """Turn a posture solved from the tip into one of the arm itself."""
+    arm[0], arm[1], arm[2] = -arm[2], -arm[1], -arm[0]
+    cos1, sin1, cos3, sin3 = cosine_of(arm, 0), sine_of(arm, 0), cosine_of(arm, 2), sine_of(arm, 2)
+    enter_turn(arm, 0, cos3, -sin3)
+    enter_turn(arm, 1, cosine_of(arm, 1), -sine_of(arm, 1))
+    enter_turn(arm, 2, cos1, -sin1)
+    flags = int(arm[FREE])
+    arm[FREE] = (flags & FREE_1) << 2 | (flags & FREE_2) | flags >> 2
+
+
+@lean
+def _candidates(data, c, seed, shift, arms):
+    """Write the arm's candidates to ``arms`` (16, WIDTH), joints 1 to 3 in order, and how many.
+
+    Free joints take their value from ``seed`` plus ``shift``.
+    """
+    unit = 1.0 / data[at.SIZE]
+    q1 = seed[0] + shift if data[at.TYPES] == 0.0 else seed[0] * unit
+    q2 = seed[1] + shift if data[at.TYPES + 1] == 0.0 else seed[1] * unit
+    q3 = seed[2] + shift if data[at.TYPES + 2] == 0.0 else seed[2] * unit
+    w = (data[at.WRIST], data[at.WRIST + 1], data[at.WRIST + 2])
+    backwards = data[at.FROM_TIP] == 1.0
+    values = free = (q1, q2, q3)
+    if backwards:
+        c, w = w, c
+        free = (-q3, -q2, -q1)
+    if data[at.KIND] <= at.REVOLUTE_QUARTIC:
+        count = revolute_arm(data, c, w, free, arms)
+    else:
+        count = prismatic_arm(data, c, w, free, arms)
+    if backwards:
+        for i in range(count):
+            _reverse(arms[i])
+    for i in range(count):
+        measure(data, arms[i], values)
+    return count
+
+
+@lean
+def arm_error(data, arm, c, J, e):
+    """Write what is missing to c, and its derivatives J, in the frame that turned with joint 1.
+
+    Returns the determinant of J and two numbers whose signs tell shoulder and elbow apart.
+    """
+    x, y, z = data[at.WRIST], data[at.WRIST + 1], data[at.WRIST + 2]
+    if data[at.TYPES + 2] == 0.0:
+        a, b = cosine_of(arm, 2), sine_of(arm, 2)
+        x, y = a * x - b * y, b * x + a * y
+        d3x, d3y, d3z = -y, x, 0.0
+    else:
+        z += arm[2]
+        d3x, d3y, d3z = 0.0, 0.0, 1.0
+    k = at.C2
+    x, y, z = (
+        data[k] * x + data[k + 1] * y + data[k + 2] * z + data[k + 3],
+        data[k + 4] * x + data[k + 5] * y + data[k + 6] * z + data[k + 7],
+        data[k + 8] * x + data[k + 9] * y + data[k + 10] * z + data[k + 11],
+    )
+    d3x, d3y, d3z = (
+        data[k] * d3x + data[k + 1] * d3y + data[k + 2] * d3z,
+        data[k + 4] * d3x + data[k + 5] * d3y + data[k + 6] * d3z,
+        data[k + 8] * d3x + data[k + 9] * d3y + data[k + 10] * d3z,
+    )
+    elbow = data[k + 3] * y - data[k + 7] * x
+    if data[at.TYPES + 1] == 0.0:
+        a, b = cosine_of(arm, 1), sine_of(arm, 1)
+        x, y = a * x - b * y, b * x + a * y
+        d3x, d3y = a * d3x - b * d3y, b * d3x + a * d3y
+        d2x, d2y, d2z = -y, x, 0.0
+    else:
+        z += arm[1]
+        d2x, d2y, d2z = 0.0, 0.0, 1.0
+    k = at.C1
+    x, y, z = (
+        data[k] * x + data[k + 1] * y + data[k + 2] * z + data[k + 3],
+        data[k + 4] * x + data[k + 5] * y + data[k + 6] * z + data[k + 7],
+        data[k + 8] * x + data[k + 9] * y + data[k + 10] * z + data[k + 11],
+    )
+    for i in range(3):
+        J[i, 1] = data[k + 4 * i] * d2x + data[k + 4 * i + 1] * d2y + data[k + 4 * i + 2] * d2z
+        J[i, 2] = data[k + 4 * i] * d3x + data[k + 4 * i + 1] * d3y + data[k + 4 * i + 2] * d3z
+    shoulder = data[k + 2] * y - data[k + 6] * x
+    if data[at.TYPES] == 0.0:
+        a, b = cosine_of(arm, 0), sine_of(arm, 0)
+        J[0, 0], J[1, 0], J[2, 0] = -y, x, 0.0
+        e[0], e[1], e[2] = a * c[0] + b * c[1] - x, a * c[1] - b * c[0] - y, c[2] - z
+    else:
+        J[0, 0], J[1, 0], J[2, 0] = 0.0, 0.0, 1.0
+        e[0], e[1], e[2] = c[0] - x, c[1] - y, c[2] - z - arm[0]
+    determinant = J[0, 0] * (J[1, 1] * J[2, 2] - J[2, 1] * J[1, 2])
+    determinant += J[1, 0] * (J[2, 1] * J[0, 2] - J[0, 1] * J[2, 2])
+    determinant += J[2, 0] * (J[0, 1] * J[1, 2] - J[1, 1] * J[0, 2])
+    return determinant, shoulder, elbow
+
+
+@lean
+def _improve_arm(data, arm, c, J, e, error):
+    """Take damped Newton steps on the wrist centre; return the error left (units of SIZE)."""
+    A = scratch(3, 3)
+    step = scratch(3)
+    trial = scratch(WIDTH)
+    damping = 1e-16
+    for _ in range(40):
+        for i in range(3):
+            step[i] = J[0, i] * e[0] + J[1, i] * e[1] + J[2, i] * e[2]
+            for j in range(3):
+                A[i, j] = J[0, i] * J[0, j] + J[1, i] * J[1, j] + J[2, i] * J[2, j]
+            A[i, i] += damping + error * error
+        if not cholesky_solve(A, step, _THREE):
+            break
+        for i in range(3):
+            trial[i] = arm[i] + step[i]
+        aim(data, trial)
+        arm_error(data, trial, c, J, e)
+        found = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+        better = found < error
+        if better:
+            slow = found > 0.9 * error
+            for i in range(3):
+                arm[i] = trial[i]
+            aim(data, arm)
+            error = found
+            if slow or error <= POLISH_ABOVE:
+                break
+        else:
+            if damping > 1e-4:
+                break
+            damping *= 1e4
+            arm_error(data, arm, c, J, e)
+    return error
+
+
+@lean
+def is_among(data, posture, others, apart):
+    """Tell whether the joints of a posture, all or the first three, begin a row of ``others``."""
+    for i in range(others.shape[0]):
+        same = True
+        for j in range(posture.shape[0]):
+            d = posture[j] - others[i, j]
+            if j > 2 or data[at.TYPES + j] == 0.0:
+                d = wrapped(d)
+            same = same and abs(d) <= apart
+        if same:
+            return True
+    return False
+
+
+@lean
+def _arm_bits(data, k, arm, shoulder, elbow):
+    """Name the arm's branch and its singularity."""
+    free = int(arm[FREE])
+    branch = 0
+    if data[at.NAMED] != 0.0:
+        if shoulder * data[at.NAMED] > 0.0:
+            branch |= bit.SHOULDER_RIGHT
+        if elbow * shoulder > 0.0:
+            branch |= bit.ELBOW_DOWN
+    else:
+        branch |= (k << bit.ARM_SHIFT) | bit.ARM_NUMBERED
+    if free & FREE_1:
+        branch |= bit.SHOULDER_SINGULAR
+    if free & (FREE_2 | FREE_3):
+        branch |= bit.ELBOW_SINGULAR
+    if not free and arm[DETERMINANT] <= NEAR_DOUBLE:
+        branch |= bit.BOUNDARY
+    return branch
+
+
+@lean
+def step_aside(data, arm, J, amount):
+    """Move the arm by ``amount`` where that changes the wrist centre least.
+
+    At a double root the error is not felt in the first order; two starts, one on either side,
+    then lead to the two solutions.
+    """
+    best = -1.0
+    x = y = z = 0.0
+    for i in range(3):
+        j = (i + 1) % 3
+        u = J[i, 1] * J[j, 2] - J[i, 2] * J[j, 1]
+        v = J[i, 2] * J[j, 0] - J[i, 0] * J[j, 2]
+        w = J[i, 0] * J[j, 1] - J[i, 1] * J[j, 0]
+        norm = math.sqrt(u * u + v * v + w * w)
+        if norm > best:
+            best, x, y, z = norm, u, v, w
+    if best > 0.0:
+        arm[0] += amount * x / best
+        arm[1] += amount * y / best
+        arm[2] += amount * z / best
+        aim(data, arm)
+
+
+@lean
+def _aside(start, error):
+    """Give the distance of start 1 and following from a fold with an error of the first order.
+
+    From outside of its two solutions Newton's steps lead to the nearer one, so first that far;
+    near a continuum a joint may have to turn all the way.
+    """
+    if start < 5:
+        away = (10.0 if start < 3 else 100.0) * math.sqrt(error)
+        return min(away, 0.3) * (1.0 - 2.0 * (start & 1))
+    return math.pi if start == 5 else math.pi * (start - 6.5)
+
+
+@lean
+def _length(e):
+    return math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+
+
+@lean
+def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
+    """Enter the postures that candidate k leads to: one, or both beside a fold."""
+    limit = data[at.SLACK]
+    if data[at.EXACT] == 1.0:
+        limit = ACCEPTED / max(1.0, data[at.SIZE])
+    first_error = 0.0
+    for start in range(_STARTS):
+        arm = arms[count]
+        copy_row(candidate, arm)
+        determinant, shoulder, elbow = arm_error(data, arm, c, J, e)
+        if start == 0:
+            first_error = _length(e)
+        else:
+            step_aside(data, arm, J, _aside(start, first_error))
+            arm_error(data, arm, c, J, e)
+        error = _length(e)
+        if not error <= POLISH_ABOVE:
+            error = _improve_arm(data, arm, c, J, e, error)
+            determinant, shoulder, elbow = arm_error(data, arm, c, J, e)
+        arm[DETERMINANT] = abs(determinant) / data[at.REGULAR]
+        good = error <= (limit if start == 0 else SHARP)
+        regular = arm[DETERMINANT] > NEAR_SINGULAR and error <= limit
+        apart = SAME_POSTURE if first_error <= POLISH_ABOVE else FOLD_APART
+        if good and not is_among(data, arm[:3], arms[:count], apart):
+            bits[count] = _arm_bits(data, k, arm, shoulder, elbow)
+            count += 1
+        # Beside a good posture of a continuum the next start would find the continuum again.
+        settled = good and candidate[FREE] > 0.0
+        if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
+            break
+        if data[at.BACKED] == 1.0:
+            break
+    return count
+
+
+@lean_part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
+def arm_postures(data, c, seed, shift, arms, bits):
+    """Write the arm's solutions to ``arms`` and their branches to ``bits``; return how many.
+
+    Rows of ``arms`` (ARM_ROWS, WIDTH) are those of :mod:`arm_rows`.
+    """
+    J = scratch(3, 3)
+    e = scratch(3)
+    candidates = scratch(16, WIDTH)
+    found = _candidates(data, c, seed, shift, candidates)
+    count = ZERO
+    for k in range(found):
+        if count < MOST_ARMS:
+            count = _add_postures(data, c, k, candidates[k], J, e, arms, bits, count)
+    return count

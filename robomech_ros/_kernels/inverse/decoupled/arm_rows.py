@@ -1,0 +1,91 @@
+"""Postures of the first three joints of a decoupled arm, one a row.
+
+A row holds the values of the joints (angles in rad, displacements in units of SIZE), which of them
+are free, the determinant of the Jacobian over the largest, and cosine and sine of every turn, so
+that what is turned by a joint needs no trigonometric function; of a slide they are 1 and 0.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.angles import angle_of
+from robomech_ros._kernels.compiling.jit import lean
+from robomech_ros._kernels.inverse.decoupled import layout as at
+
+__all__ = [
+    "DETERMINANT",
+    "FREE",
+    "FREE_1",
+    "FREE_2",
+    "FREE_3",
+    "WIDTH",
+    "aim",
+    "copy_row",
+    "cosine_of",
+    "enter_slide",
+    "enter_turn",
+    "measure",
+    "sine_of",
+]
+
+FREE = 3
+DETERMINANT = 4
+_TURNS = 5  # cosine and sine of joint 1, of joint 2, of joint 3
+WIDTH = 11
+
+# Joints, in the direction of solution, that a candidate leaves free.
+FREE_1 = 1
+FREE_2 = 2
+FREE_3 = 4
+
+
+@lean
+def cosine_of(row, j):
+    """Cosine of joint j."""
+    return row[_TURNS + 2 * j]
+
+
+@lean
+def sine_of(row, j):
+    """Sine of joint j."""
+    return row[_TURNS + 2 * j + 1]
+
+
+@lean
+def enter_turn(row, j, cosine, sine):
+    """Enter a turn of joint j; its angle is missing until :func:`measure` adds it."""
+    row[_TURNS + 2 * j] = cosine
+    row[_TURNS + 2 * j + 1] = sine
+
+
+@lean
+def enter_slide(row, j, value):
+    """Enter a displacement of joint j."""
+    row[j] = value
+    row[_TURNS + 2 * j] = 1.0
+    row[_TURNS + 2 * j + 1] = 0.0
+
+
+@lean
+def measure(data, row, free):
+    """Add the angles of turns; of free joints they are those of ``free``."""
+    flags = int(row[FREE])
+    for j in range(3):
+        if data[at.TYPES + j] == 0.0:
+            angle = angle_of(row[_TURNS + 2 * j + 1], row[_TURNS + 2 * j])
+            row[j] = free[j] if flags >> j & 1 else angle
+
+
+@lean
+def aim(data, row):
+    """Make cosines and sines agree with the angles."""
+    for j in range(3):
+        if data[at.TYPES + j] == 0.0:
+            row[_TURNS + 2 * j] = math.cos(row[j])
+            row[_TURNS + 2 * j + 1] = math.sin(row[j])
+
+
+@lean
+def copy_row(source, row):
+    """Copy a posture."""
+    for i in range(WIDTH):
+        row[i] = source[i]

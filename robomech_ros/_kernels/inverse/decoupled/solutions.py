@@ -1,0 +1,352 @@
+"""All solutions of an arm whose last three revolute axes meet in one point.
+
+The wrist centre gives the first three joints, the rotation left over the last three.
+
+Axes that only nearly meet are solved as if they did, and every solution is taken to the true chain.
+Near a singular posture two of the true solutions may belong to one, or none, of the idealised arm:
+then the list is in doubt.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.angles import angle_of, wrapped
+from robomech_ros._kernels.algebra.polynomials import order_one_roots
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    i8,
+    lean,
+    lean_part,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.decoupled import layout as at
+from robomech_ros._kernels.inverse.decoupled.arm import (
+    ARM_ROWS,
+    MOST_ARMS,
+    arm_error,
+    arm_postures,
+    is_among,
+    step_aside,
+)
+from robomech_ros._kernels.inverse.decoupled.arm_rows import (
+    DETERMINANT,
+    FREE,
+    WIDTH,
+    aim,
+    copy_row,
+    cosine_of,
+    sine_of,
+)
+from robomech_ros._kernels.inverse.decoupled.wrist import (
+    WRIST_BOUNDARY,
+    WRIST_FREE,
+    WRIST_OPPOSED,
+    spherical_wrist,
+)
+from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    ARM_ROUNDING,
+    FOLD_APART,
+    IDEALISED_SLACK,
+    NEAR_SINGULAR,
+    PARALLEL_AT_FOLD,
+    PARALLEL_AXES,
+    SHARP,
+)
+
+__all__ = ["solve_decoupled"]
+
+# Values of a free joint that are tried where its own leads to no reachable orientation.
+_TRIES = 24
+# Distance (rad) of the starts from a fold for the whole chain, where no error tells it.
+_FOLD = 5e-3
+# Typed, since numba compiles a function anew for each literal that it is called with.
+_STEPS = np.int64(30)
+_DOUBT = np.int64(bit.DOUBT)
+
+
+@lean
+def _turn_back(arm, j, Q):
+    """Turn Q back by joint j."""
+    c, s = cosine_of(arm, j), sine_of(arm, j)
+    return (
+        c * Q[0] + s * Q[3],
+        c * Q[1] + s * Q[4],
+        c * Q[2] + s * Q[5],
+        c * Q[3] - s * Q[0],
+        c * Q[4] - s * Q[1],
+        c * Q[5] - s * Q[2],
+        Q[6],
+        Q[7],
+        Q[8],
+    )
+
+
+@lean
+def _unturn(data, k, Q):
+    """R^T Q with R the rotation of the 3x4 transform at k."""
+    j = k + 4
+    i = k + 8
+    return (
+        data[k] * Q[0] + data[j] * Q[3] + data[i] * Q[6],
+        data[k] * Q[1] + data[j] * Q[4] + data[i] * Q[7],
+        data[k] * Q[2] + data[j] * Q[5] + data[i] * Q[8],
+        data[k + 1] * Q[0] + data[j + 1] * Q[3] + data[i + 1] * Q[6],
+        data[k + 1] * Q[1] + data[j + 1] * Q[4] + data[i + 1] * Q[7],
+        data[k + 1] * Q[2] + data[j + 1] * Q[5] + data[i + 1] * Q[8],
+        data[k + 2] * Q[0] + data[j + 2] * Q[3] + data[i + 2] * Q[6],
+        data[k + 2] * Q[1] + data[j + 2] * Q[4] + data[i + 2] * Q[7],
+        data[k + 2] * Q[2] + data[j + 2] * Q[5] + data[i + 2] * Q[8],
+    )
+
+
+@lean
+def _reduced_target(data, T):
+    """Give the wrist centre in frame 1 (units of SIZE) and the rotation between joints 1 and 6."""
+    hx, hy, hz = data[at.CENTRE], data[at.CENTRE + 1], data[at.CENTRE + 2]
+    k = at.BASE
+    px = T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - data[k + 3]
+    py = T[1, 0] * hx + T[1, 1] * hy + T[1, 2] * hz + T[1, 3] - data[k + 7]
+    pz = T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - data[k + 11]
+    unit = 1.0 / data[at.SIZE]
+    c = (
+        unit * (data[k] * px + data[k + 4] * py + data[k + 8] * pz),
+        unit * (data[k + 1] * px + data[k + 5] * py + data[k + 9] * pz),
+        unit * (data[k + 2] * px + data[k + 6] * py + data[k + 10] * pz),
+    )
+    j = at.TIP
+    Q = (
+        T[0, 0] * data[j] + T[0, 1] * data[j + 3] + T[0, 2] * data[j + 6],
+        T[0, 0] * data[j + 1] + T[0, 1] * data[j + 4] + T[0, 2] * data[j + 7],
+        T[0, 0] * data[j + 2] + T[0, 1] * data[j + 5] + T[0, 2] * data[j + 8],
+        T[1, 0] * data[j] + T[1, 1] * data[j + 3] + T[1, 2] * data[j + 6],
+        T[1, 0] * data[j + 1] + T[1, 1] * data[j + 4] + T[1, 2] * data[j + 7],
+        T[1, 0] * data[j + 2] + T[1, 1] * data[j + 5] + T[1, 2] * data[j + 8],
+        T[2, 0] * data[j] + T[2, 1] * data[j + 3] + T[2, 2] * data[j + 6],
+        T[2, 0] * data[j + 1] + T[2, 1] * data[j + 4] + T[2, 2] * data[j + 7],
+        T[2, 0] * data[j + 2] + T[2, 1] * data[j + 5] + T[2, 2] * data[j + 8],
+    )
+    return c, _unturn(data, k, Q)
+
+
+@lean
+def _left_over(data, arm, Q):
+    """Turn Q back through the first three joints and their links."""
+    Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
+    Q = _unturn(data, at.C2, _turn_back(arm, 1, Q))
+    return _unturn(data, at.C3, _turn_back(arm, 2, Q))
+
+
+@lean
+def _reachable_angle(data, arm, Q, j):
+    """Turn free joint j to the value nearest its present one that the wrist can make up for.
+
+    The cosine of the angle between axes 4 and 6 is of first order in the joint; it must not
+    leave the wrist's range.  Returns False where it never comes into it.
+    """
+    before = Q
+    if j > 0:
+        before = _unturn(data, at.C1, _turn_back(arm, 0, before))
+    if j > 1:
+        before = _unturn(data, at.C2, _turn_back(arm, 1, before))
+    x, y, z = before[2], before[5], before[8]
+    ax, ay, az = data[at.C3 + 2], data[at.C3 + 6], data[at.C3 + 10]
+    for i in range(2, j, -1):
+        c, s = cosine_of(arm, i), sine_of(arm, i)
+        ax, ay = c * ax - s * ay, s * ax + c * ay
+        k = at.C2 if i == 2 else at.C1
+        ax, ay, az = (
+            data[k] * ax + data[k + 1] * ay + data[k + 2] * az,
+            data[k + 4] * ax + data[k + 5] * ay + data[k + 6] * az,
+            data[k + 8] * ax + data[k + 9] * ay + data[k + 10] * az,
+        )
+    constant, c, s = z * az, x * ax + y * ay, y * ax - x * ay
+    best = math.inf
+    value = arm[j]
+    for side in range(2):
+        bound = math.cos(data[at.NEAREST + side])
+        found, c1, s1, c2, s2 = order_one_roots(constant - bound, c, s, 0.0)
+        for i in range(found):
+            angle = angle_of(s1 if i == 0 else s2, c1 if i == 0 else c2)
+            turn = wrapped(angle - arm[j])
+            if abs(turn) < best:
+                best = abs(turn)
+                value = arm[j] + turn
+    arm[j] = value
+    aim(data, arm)
+    return best < math.inf
+
+
+@lean
+def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
+    """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
+    left = _left_over(data, arm, Q)
+    count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
+    free = int(arm[FREE])
+    if count > 0 or free == 0:
+        return count, flags
+    for j in range(3):
+        if free & (1 << j) and data[at.TYPES + j] == 0.0:
+            before = arm[j]
+            if _reachable_angle(data, arm, Q, j):
+                left = _left_over(data, arm, Q)
+                count, flags = spherical_wrist(data, left, free_angle, ACCEPTED, parallel, angles)
+            if count > 0:
+                break
+            arm[j] = before
+            aim(data, arm)
+    return count, flags
+
+
+@lean
+def _enter(data, arm, angles, q):
+    """Write a solution in joint values, revolute ones in (-pi, pi]."""
+    for j in range(3):
+        q[j] = wrapped(arm[j]) if data[at.TYPES + j] == 0.0 else arm[j] * data[at.SIZE]
+        q[3 + j] = wrapped(angles[j] - data[at.ANGLES + j])
+
+
+@lean
+def _polished(data, T, posture, others, limit):
+    """Take an idealised solution to the true chain; False where that fails or repeats one."""
+    packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
+    if not call_polish(packed, T, posture, _STEPS) <= limit:
+        return False
+    for j in range(6):
+        if j > 2 or data[at.TYPES + j] == 0.0:
+            posture[j] = wrapped(posture[j])
+    return not is_among(data, posture, others, FOLD_APART)
+
+
+@lean
+def _add_singular(data, T, arm, angles, q, count):
+    """Enter the solution with a singular wrist, if there is one, beside a fold of the arm.
+
+    There the arm is known to half its digits only, and the wrist is singular to as many.
+    """
+    if count < q.shape[0]:
+        _enter(data, arm, angles[0], q[count])
+        if _polished(data, T, q[count], q[:count], ACCEPTED):
+            count += 1
+    return count
+
+
+@lean
+def _name(data, bits, flags, angle5):
+    """Complete the name of an arm's branch by that of the wrist."""
+    if wrapped(angle5) * data[at.UNFLIPPED] < 0.0:
+        bits |= bit.WRIST_FLIP
+    if flags & WRIST_FREE:
+        bits |= bit.WRIST_SINGULAR
+    if flags & WRIST_OPPOSED:
+        bits |= bit.WRIST_OPPOSED
+    if flags & WRIST_BOUNDARY:
+        bits |= bit.BOUNDARY
+    return bits
+
+
+@lean
+def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, count):
+    """Enter the solutions for an arm's posture that is not accurate enough for the wrist.
+
+    Either the wrist axes only nearly meet, so that the true chain has its folds elsewhere, or the
+    arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
+    are sought from both its sides.  Returns how many solutions there are, and whether all of the
+    idealised ones lead to one of their own, far from folds.
+    """
+    sure = not near_fold
+    J = scratch(3, 3)
+    e = scratch(3)
+    trial = scratch(WIDTH)
+    starts = 1
+    start = 0
+    while start < starts:
+        copy_row(arm, trial)
+        side = 0.0 if start == 0 else _FOLD * (1.0 - 2.0 * (start & 1))
+        if start == 1 or start == 2:
+            arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
+            step_aside(data, trial, J, side)
+        n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
+        for k in range(n):
+            if count == q.shape[0]:
+                return count, False
+            if start > 2:
+                angles[k, 1] += side
+            _enter(data, trial, angles[k], q[count])
+            if _polished(data, T, q[count], q[:count], ACCEPTED if start == 0 else SHARP):
+                count += 1
+            elif start == 0:
+                sure = False
+            if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < max(_FOLD, slack):
+                starts = 5
+                sure = False
+            if not sure and data[at.BACKED] == 1.0:
+                return count, False
+        start += 1
+    return count, sure
+
+
+@lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+def solve_decoupled(data, T, seed, q, branch):
+    """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
+
+    Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
+    ``seed`` (6,), or the nearest that leads to a solution.  Returns how many, plus DOUBT where the
+    wrist axes only nearly meet and the list may lack one; of a BACKED arm it then lacks some.
+    """
+    c, Q = _reduced_target(data, T)
+    arms = scratch(ARM_ROWS, WIDTH)
+    bits = scratch_integers(MOST_ARMS)
+    angles = scratch(2, 3)
+    exact = data[at.EXACT] == 1.0
+    slack = 0.5 * ACCEPTED if exact else data[at.SLACK]
+    bound = NEAR_SINGULAR if exact else max(NEAR_SINGULAR, math.sqrt(slack))
+    backed = data[at.BACKED] == 1.0
+    doubt = ZERO
+    free_angle = seed[3] + data[at.ANGLES]
+    count = ZERO
+    for attempt in range(_TRIES):
+        shift = 2.0 * math.pi / _TRIES * ((attempt + 1) // 2) * (1 - 2 * (attempt % 2))
+        found = arm_postures(data, c, seed, shift, arms, bits)
+        any_free = False
+        for i in range(found):
+            if backed and (doubt > 0 or arms[i, DETERMINANT] <= bound):
+                return _DOUBT
+            any_free = any_free or arms[i, FREE] > 0.0
+            before = count
+            rounding = ARM_ROUNDING / arms[i, DETERMINANT]
+            parallel = min(max(PARALLEL_AXES, rounding), PARALLEL_AT_FOLD)
+            n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, parallel, angles)
+            if parallel > PARALLEL_AXES and flags & WRIST_FREE:
+                count = _add_singular(data, T, arms[i], angles, q, count)
+                if count > before:
+                    doubt = ZERO if exact else _DOUBT
+                    angle5 = q[before, 4] + data[at.ANGLES + 1]
+                    branch[before] = _name(data, bits[i], flags, angle5)
+                    continue
+                n, flags = _wrist_of(data, arms[i], Q, free_angle, slack, PARALLEL_AXES, angles)
+            fold = arms[i, DETERMINANT] <= bound
+            if exact and (n > 0 or not fold):
+                for k in range(n):
+                    _enter(data, arms[i], angles[k], q[count])
+                    count += 1
+            else:
+                beyond = max(slack, IDEALISED_SLACK)
+                count, sure = _add_near_fold(
+                    data, T, arms[i], Q, free_angle, beyond, angles, fold, q, count
+                )
+                if not (exact or sure):
+                    doubt = _DOUBT
+            for k in range(before, count):
+                branch[k] = _name(data, bits[i], flags, q[k, 4] + data[at.ANGLES + 1])
+        if count > 0 or not any_free:
+            break
+    return count | doubt

@@ -1,0 +1,1 @@
+"""Any other arm of six joints, through its problem of degree sixteen."""

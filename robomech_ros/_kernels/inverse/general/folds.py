@@ -1,0 +1,84 @@
+"""Which solutions of a six-joint arm are simple, or two that have become one at a fold.
+
+At a posture q where the Jacobian J has lost one rank, with J v = 0 and u J = 0, the pose goes on
+along v as ``u . J(q + t v) v``, which is zero for t = 0.  If its slope there is not zero, two
+solutions have become one and no more, and none is beside it.  Along a continuum the slope is zero,
+as it is where three solutions or more have become one.
+"""
+
+import numpy as np
+
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IIN1, IN2, b1, f8, i8, inline, part
+from robomech_ros._kernels.inverse.general.determinant import null_space
+from robomech_ros._kernels.tolerances import FOLD_RANK, FOLD_STEP, GENERAL_CORANK
+
+__all__ = ["all_simple"]
+
+
+@inline
+def _jacobian(packed, size, q, J, pose):
+    """Write the Jacobian with lengths over the size, those that slides move too."""
+    jacobian_body(packed, q, J, pose)
+    for j in range(6):
+        for i in range(3, 6):
+            if packed[j, 0] == 0.0:
+                J[i, j] /= size
+
+
+@inline
+def _normalised(x):
+    square = 0.0
+    for j in range(6):
+        square += x[j] * x[j]
+    inverse = 1.0 / np.sqrt(square)
+    for j in range(6):
+        x[j] *= inverse
+
+
+@inline
+def _slope(packed, size, q, u, v, J, pose):
+    """Give the slope of u . J v along v by central difference."""
+    trial = np.empty(6)
+    slope = 0.0
+    for sign in (-1.0, 1.0):
+        for j in range(6):
+            unit = 1.0 if packed[j, 0] == 0.0 else size
+            trial[j] = q[j] + sign * FOLD_STEP * v[j] * unit
+        _jacobian(packed, size, trial, J, pose)
+        for i in range(6):
+            for j in range(6):
+                slope += sign * u[i] * J[i, j] * v[j]
+    return 0.5 * slope / FOLD_STEP
+
+
+@part(b1(IN2, f8, IN2, IIN1, i8, i8, f8, f8))
+def all_simple(packed, size, q, marks, asked, count, least, sharp):
+    """Tell whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
+
+    Regular are those whose Jacobian's last pivot is above ``least`` (of the first), with lengths
+    over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit of
+    ``asked`` in ``marks`` (16,) are looked at; all where that is 0.
+    """
+    J, K = np.empty((6, 6)), np.empty((6, 6))
+    pose = np.empty((4, 4))
+    order = np.empty(6, np.int64)
+    u, v, w, x = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
+    for k in range(count):
+        if asked != 0 and marks[k] & asked == 0:
+            continue
+        _jacobian(packed, size, q[k], J, pose)
+        for i in range(6):
+            for j in range(6):
+                K[j, i] = J[i, j]
+        _, fifth, last = null_space(J, v, w, x, order)
+        if last > least:
+            continue
+        if not fifth > max(GENERAL_CORANK, FOLD_RANK * least):
+            return False
+        null_space(K, u, w, x, order)
+        _normalised(u)
+        _normalised(v)
+        if not abs(_slope(packed, size, q[k], u, v, J, pose)) > sharp:
+            return False
+    return True

@@ -1,0 +1,110 @@
+"""Null vectors of a general arm's determinant where two postures share the hidden angle.
+
+There the matrix loses two ranks, and its null vectors are a pencil ``a u + b v``.  Those of
+postures are products, ``s c (s, c)`` of one half angle times ``(s s, sqrt(2) s c, c c)`` of
+another.  That a vector is such a product takes six quadratic equations, which on a pencil are
+quadratic equations in a : b.  A common zero is a zero of the largest of them; two at most are left.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import inline
+from robomech_ros._kernels.tolerances import PENCIL_IS_PRODUCT, PENCIL_VOID
+
+__all__ = ["MOST_VECTORS", "pencil_vectors"]
+
+MOST_VECTORS = 4
+# x_a x_b + w x_c x_d = 0: a, b, c, d, w.
+_EQUATIONS = np.array(
+    [
+        [0, 4, 1, 3, -1],
+        [0, 5, 2, 3, -1],
+        [1, 5, 2, 4, -1],
+        [1, 1, 0, 2, -2],
+        [4, 4, 3, 5, -2],
+        [1, 4, 0, 5, -2],
+    ]
+)
+
+
+@inline
+def _orthonormal(u, v):
+    """Make u (6,) and v (6,) orthonormal without leaving their span."""
+    square = 0.0
+    for i in range(6):
+        square += u[i] * u[i]
+    inverse = 1.0 / math.sqrt(square)
+    along = 0.0
+    for i in range(6):
+        u[i] *= inverse
+        along += u[i] * v[i]
+    square = 0.0
+    for i in range(6):
+        v[i] -= along * u[i]
+        square += v[i] * v[i]
+    inverse = 1.0 / math.sqrt(square)
+    for i in range(6):
+        v[i] *= inverse
+
+
+@inline
+def _restricted(equation, u, v):
+    """Give p, h and r of ``p a a + 2 h a b + r b b``, the equation on the pencil."""
+    i, j, k, m, w = equation[0], equation[1], equation[2], equation[3], equation[4]
+    p = u[i] * u[j] + w * u[k] * u[m]
+    h = 0.5 * (u[i] * v[j] + v[i] * u[j] + w * (u[k] * v[m] + v[k] * u[m]))
+    r = v[i] * v[j] + w * v[k] * v[m]
+    return p, h, r
+
+
+@inline
+def _violation(u, v, a, b):
+    """How far a u + b v (a unit vector) is from a product."""
+    worst = 0.0
+    for k in range(6):
+        p, h, r = _restricted(_EQUATIONS[k], u, v)
+        worst = max(worst, abs(p * a * a + 2.0 * h * a * b + r * b * b))
+    return worst
+
+
+@inline
+def pencil_vectors(u, v, slack, vectors):
+    """Write the vectors of the pencil that postures may have to ``vectors`` (MOST_VECTORS, 6).
+
+    ``slack`` is the uncertainty of the equations, with which a discriminant below zero may yet
+    mean a double zero; u (6,) and v (6,) are made orthonormal.  Returns how many there are, and
+    whether there can be no others; there can where every vector of the pencil is a product.
+    """
+    _orthonormal(u, v)
+    p, h, r, norm = 0.0, 0.0, 0.0, 0.0
+    for k in range(6):
+        a, b, c = _restricted(_EQUATIONS[k], u, v)
+        square = a * a + 2.0 * b * b + c * c
+        if square > norm:
+            p, h, r, norm = a, b, c, square
+    if norm < PENCIL_VOID * PENCIL_VOID:
+        for i in range(6):
+            vectors[0, i], vectors[1, i] = u[i], v[i]
+            vectors[2, i], vectors[3, i] = u[i] + v[i], u[i] - v[i]
+        return 4, False
+    discriminant = h * h - p * r
+    if discriminant < -slack * math.sqrt(norm):
+        return 0, True
+    root = math.sqrt(max(discriminant, 0.0))
+    t = -h - root if h >= 0.0 else root - h
+    count = 0
+    for k in range(2):
+        a, b = (t, p) if k == 0 else (r, t)
+        length = math.hypot(a, b)
+        if length == 0.0:
+            continue
+        a /= length
+        b /= length
+        if _violation(u, v, a, b) > PENCIL_IS_PRODUCT + math.sqrt(slack):
+            continue
+        for i in range(6):
+            vectors[count, i] = a * u[i] + b * v[i]
+        count += 1
+    return count, True

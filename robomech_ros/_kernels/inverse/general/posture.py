@@ -1,0 +1,171 @@
+"""The six joints of a general arm, once the hidden one and two of its neighbours are known."""
+
+import math
+
+from numba import types
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, f8, inline, part
+from robomech_ros._kernels.inverse.general import layout as at
+
+__all__ = ["half_angles", "remaining_joints"]
+
+_ROOT_2 = math.sqrt(2.0)
+
+
+@inline
+def half_angles(x, slide):
+    """Values of joints THIRD and FOURTH from a null vector x (6,).
+
+    It holds ``s c (s, c)`` of the first half angle times ``(s s, sqrt(2) s c, c c)`` of the other.
+    Of the joint that is a ``slide`` the value takes the place of the tangent s / c.
+    """
+    first, second, product = 0.0, 0.0, 0.0
+    for j in range(3):
+        first += x[j] * x[j]
+        second += x[3 + j] * x[3 + j]
+        product += x[j] * x[3 + j]
+    if first >= second:
+        third = _joint_value(first, product, slide == at.THIRD)
+        k = 0
+    else:
+        third = _joint_value(product, second, slide == at.THIRD)
+        k = 3
+    product = x[k + 1] / _ROOT_2
+    if abs(x[k]) >= abs(x[k + 2]):
+        return third, _joint_value(x[k], product, slide == at.FOURTH)
+    return third, _joint_value(product, x[k + 2], slide == at.FOURTH)
+
+
+@inline
+def _joint_value(sine, cosine, slides):
+    """Angle from multiples of sine and cosine of its half, or the value of a slide, their ratio."""
+    if slides:
+        return sine / cosine
+    return 2.0 * math.atan2(sine, cosine)
+
+
+@inline
+def _turned(data, k, angle, x, y, z):
+    """Take a vector through the rotation of the link at k of the data, then about z."""
+    u = data[k] * x + data[k + 1] * y + data[k + 2] * z
+    v = data[k + 4] * x + data[k + 5] * y + data[k + 6] * z
+    w = data[k + 8] * x + data[k + 9] * y + data[k + 10] * z
+    c = math.cos(angle)
+    s = math.sin(angle)
+    return c * u - s * v, s * u + c * v, w
+
+
+@inline
+def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
+    """Angle of joint LAST: where x of the frame behind it, brought round the loop, points."""
+    x, y, z = data[links + 36], data[links + 40], data[links + 44]
+    c, s = math.cos(q5), math.sin(q5)
+    x, y = c * x - s * y, s * x + c * y
+    x, y, z = _turned(data, links + 24, q4, x, y, z)
+    x, y, z = _turned(data, links + 12, q3, x, y, z)
+    u = data[links] * x + data[links + 1] * y + data[links + 2] * z
+    v = data[links + 4] * x + data[links + 5] * y + data[links + 6] * z
+    w = data[links + 8] * x + data[links + 9] * y + data[links + 10] * z
+    c, s = math.cos(q2), math.sin(q2)
+    u, v = c * u - s * v, s * u + c * v
+    x = behind[0] * u + behind[4] * v + behind[8] * w
+    y = behind[1] * u + behind[5] * v + behind[9] * w
+    z = behind[2] * u + behind[6] * v + behind[10] * w
+    c, s = math.cos(q1), math.sin(q1)
+    x, y = c * x - s * y, s * x + c * y
+    u = before[0] * x + before[4] * y + before[8] * z
+    v = before[1] * x + before[5] * y + before[9] * z
+    return -math.atan2(v, u)
+
+
+@inline
+def _half_sine_cosine(value, slides):
+    """Sine and cosine of half an angle; a slide and 1."""
+    if slides:
+        return value, 1.0
+    return math.sin(0.5 * value), math.cos(0.5 * value)
+
+
+@inline
+def _left_side(form, hidden, third, fourth, left):
+    """Write the fourteen quantities of three joints to left (14,)."""
+    c3, s3 = math.cos(hidden), math.sin(hidden)
+    s, c = _half_sine_cosine(third, form[at.SLIDE] == at.THIRD)
+    u, v = _half_sine_cosine(fourth, form[at.SLIDE] == at.FOURTH)
+    fourths = (u * u, _ROOT_2 * u * v, v * v)
+    thirds = (s * s, s * c, c * c)
+    k = at.EQUATIONS
+    for r in range(at.N_EQUATIONS):
+        total = 0.0
+        for i in range(3):
+            part = 0.0
+            for j in range(3):
+                m = k + 3 * i + j
+                part += fourths[j] * (c3 * form[m] + s3 * form[m + 9] + form[m + 18])
+            total += thirds[i] * part
+        left[r] = total
+        k += at.N_COLUMNS
+
+
+@inline
+def _first_value(X, left, slides):
+    """Value of joint FIRST from six linear equations by least squares."""
+    aa, ab, bb, ay, by = 0.0, 0.0, 0.0, 0.0, 0.0
+    for r in range(8, 14):
+        y = left[r] - X[r, 2]
+        aa += X[r, 0] * X[r, 0]
+        ab += X[r, 0] * X[r, 1]
+        bb += X[r, 1] * X[r, 1]
+        ay += X[r, 0] * y
+        by += X[r, 1] * y
+    if slides:
+        return (aa * by - ab * ay) / (aa * bb - ab * ab)
+    return math.atan2(aa * by - ab * ay, bb * ay - ab * by)
+
+
+@inline
+def _second_angle(X, left, first, slides):
+    """Angle of joint SECOND from four complex equations by least squares."""
+    c, s = math.cos(first), math.sin(first)
+    if slides:
+        c, s = first * first, first
+    real, imaginary = 0.0, 0.0
+    for r in range(4):
+        x = X[r, 0] * c + X[r, 1] * s + X[r, 2]
+        y = X[4 + r, 0] * c + X[4 + r, 1] * s + X[4 + r, 2]
+        real += left[r] * x + left[4 + r] * y
+        imaginary += left[r] * y - left[4 + r] * x
+    return math.atan2(imaginary, real)
+
+
+@part(types.void(IN1, f8, IN2, f8, f8, f8, OUT1, OUT1))
+def remaining_joints(form, size, X, hidden, third, fourth, left, q):
+    """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
+
+    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear
+    equations, joint LAST from the rotation left over.
+    """
+    _left_side(form, hidden, third, fourth, left)
+    slide = form[at.SLIDE]
+    first = _first_value(X, left, slide == at.FIRST)
+    second = _second_angle(X, left, first, slide == at.FIRST)
+    last = _last_angle(
+        form,
+        at.LINKS,
+        form[at.BEFORE : at.BEFORE + 12],
+        form[at.BEHIND : at.BEHIND + 12],
+        0.0 if slide == at.FIRST else first,
+        second,
+        hidden,
+        0.0 if slide == at.THIRD else third,
+        0.0 if slide == at.FOURTH else fourth,
+    )
+    third += form[at.OFFSETS]
+    fourth += form[at.OFFSETS + 1]
+    values = (first, second, hidden, third, fourth, last)
+    sense = form[at.SENSE]
+    for k in range(6):
+        value = sense * values[k]
+        joint = int(form[at.JOINTS + k])
+        q[joint] = value * size if k == slide else wrapped(value)

@@ -1,0 +1,312 @@
+"""Postures of six-joint arms with two or three slides, without special geometry.
+
+Slides leave directions alone.  Round the loop of arm and target the rotations of four revolute
+joints a, b, c, d obey ``R_a A R_b B R_c C R_d D = 1`` with constant rotations between them, one of
+which holds the target.  Given a, they are
+
+    R_b (B R_c C) R_d = M,  M = (D R_a A)^-1,
+
+of which ``z . B R_c C z = z . M z`` is an equation of order one for c; b and d follow from the
+third column and the third row.  An arm with three slides has no joint a, and the slides, wherever
+they are, obey linear equations.
+
+With two slides the loop closes where their directions u, v and the way w round it lie in a plane.
+With f the triple product of these three, for both values of c, the function
+
+    g(a) = f_1 f_2 (1 - (z . M z)^2)
+
+is a trigonometric polynomial of order four, whichever joint is a: the last factor takes away the
+poles where axes b and d line up.  Where c stands at the same angle to both, both f have a pole, and
+it takes the square of this factor, order six.  Where c is not real, f_1 and f_2 are conjugate.  The
+zeros of g, eight but for those of the factor, are the values of a in all postures.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.compiling.jit import IN1, OUT2, b1, i8, inline, part
+from robomech_ros._kernels.inverse.general import layout as at
+from robomech_ros._kernels.inverse.general.circle_tables import (
+    SAMPLES,
+    TO_COSINES,
+    TO_SINES,
+)
+from robomech_ros._kernels.inverse.general.roots import MAX_ROOTS, isolate
+from robomech_ros._kernels.inverse.general.slide_loop import (
+    demanded_turn,
+    middle,
+    read,
+    root,
+    round_loop,
+    triple,
+    turns_of,
+)
+from robomech_ros._kernels.tolerances import (
+    DETERMINANT_NOISE,
+    GENERAL_FREE_VALUES,
+    GENERAL_VOID,
+    SLIDES_BRANCH,
+    SLIDES_DAMPING,
+    SLIDES_DOUBLE,
+    SLIDES_FARTHEST,
+    SLIDES_REGULAR,
+    SLIDES_WIDTH,
+)
+
+__all__ = ["MAX_TRIALS", "slide_postures"]
+
+MAX_TRIALS = 16
+_ORDER = 4
+_ORDER_SQUARED = 6
+# Added to equally spaced samples, so that none is a multiple of 45 degrees, where axes line up.
+_OFFSET = math.pi / (8 * SAMPLES)
+_COSINES = np.cos(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
+_SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
+
+
+@inline
+def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
+    """Evaluate g at a value of joint a; return it, what rounding may have done, its last factor."""
+    demanded_turn(between, cosine, sine, M)
+    k, c, s = middle(between, M)
+    square = c * c + s * s
+    room = square - k * k
+    p, q = root(k, c, s, 1.0)
+    turns_of(between, M, p, q, turns)
+    round_loop(data, form, loop, turns, way, slides)
+    first = triple(way, slides[0], slides[1])
+    length = abs(way[0]) + abs(way[1]) + abs(way[2])
+    other = complex(first.real, -first.imag)
+    if room >= 0.0:
+        p, q = root(k, c, s, -1.0)
+        turns_of(between, M, p, q, turns)
+        round_loop(data, form, loop, turns, way, slides)
+        other = triple(way, slides[0], slides[1])
+        length = max(length, abs(way[0]) + abs(way[1]) + abs(way[2]))
+    apart = (1.0 - M[8]) * (1.0 + M[8])
+    # Where axis c nearly lines up with the one before or behind it, its angle is less certain.
+    others = length * (abs(first) + abs(other)) / math.sqrt(square)
+    return (first * other).real * apart, others, apart
+
+
+@inline
+def _shortest(slides, way, used, values):
+    """Write how far to move the slides (3,) to close the loop, as little as does it.
+
+    Least squares with a little damping: slides that can move against each other share the way.
+    """
+    N = np.zeros((3, 4))
+    for i in range(3):
+        N[i, i] = SLIDES_DAMPING
+    for i in range(used):
+        for m in range(3):
+            for j in range(used):
+                N[i, j] += slides[i, m].real * slides[j, m].real
+            N[i, 3] -= slides[i, m].real * way[m].real
+    for k in range(3):
+        for i in range(k + 1, 3):
+            factor = N[i, k] / N[k, k]
+            for j in range(k + 1, 4):
+                N[i, j] -= factor * N[k, j]
+    for i in range(2, -1, -1):
+        value = N[i, 3]
+        for j in range(i + 1, 3):
+            value -= N[i, j] * values[j]
+        values[i] = value / N[i, i]
+
+
+@inline
+def _enter(data, form, cosine, sine, turns, way, slides, trial):
+    """Write the joint values of a posture to trial (6,), real parts of what there is."""
+    two = data[at.SLIDES] == 2.0
+    values = np.empty(3)
+    _shortest(slides, way, 2 if two else 3, values)
+    slide = 0
+    r = -1 if two else 0
+    for k in range(6):
+        joint = int(data[form + at.JOINTS + k])
+        if data[form + at.KINDS + k] != 0.0:
+            trial[joint] = values[slide] * data[at.SIZE]
+            slide += 1
+        else:
+            if r < 0:
+                trial[joint] = math.atan2(sine, cosine)
+            else:
+                trial[joint] = wrapped(math.atan2(turns[r, 1].real, turns[r, 0].real))
+            r += 1
+
+
+@inline
+def _transformed(values, order, shape):
+    """Write parts of cos kx and sin kx up to an order to shape (2, 9); return the largest other."""
+    rounding = 0.0
+    for k in range(9):
+        a, b = 0.0, 0.0
+        for j in range(SAMPLES):
+            a += TO_COSINES[k, j] * values[j]
+            b += TO_SINES[k, j] * values[j]
+        if k > order:
+            rounding = max(rounding, abs(a), abs(b))
+            a, b = 0.0, 0.0
+        shape[0, k], shape[1, k] = a, b
+    return rounding
+
+
+@inline
+def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides):
+    """Write the values of joint a in all postures; return how many, if these are all, and if void.
+
+    Where g vanishes all round, joint a may be free; then the seed's value and others are given.
+    """
+    values = np.empty(SAMPLES)
+    factors = np.empty(SAMPLES)
+    noise = 0.0
+    for j in range(SAMPLES):
+        values[j], others, factors[j] = _evaluate(
+            data, form, loop, between, _COSINES[j], _SINES[j], M, turns, way, slides
+        )
+        noise = max(noise, DETERMINANT_NOISE * others)
+    shape = np.empty((2, 9))
+    rounding = _transformed(values, _ORDER, shape)
+    if rounding > GENERAL_VOID * noise:
+        for j in range(SAMPLES):
+            values[j] *= factors[j]
+        rounding = _transformed(values, _ORDER_SQUARED, shape)
+    noise = max(noise, rounding)
+    largest = 0.0
+    for j in range(SAMPLES):
+        largest = max(largest, abs(values[j]))
+    if not largest > GENERAL_VOID * noise:
+        start = seed[int(data[form + at.JOINTS])]
+        for k in range(GENERAL_FREE_VALUES):
+            away = 2.0 * math.pi * ((k + 1) // 2) / GENERAL_FREE_VALUES
+            roots[k, 0] = start + (away if k % 2 == 1 else -away)
+            roots[k, 1] = roots[k, 0]
+        return GENERAL_FREE_VALUES, False, True
+    unused = np.empty((0, 0))
+    count, whole, _ = isolate(unused, shape, noise, 0, unused, unused, unused, roots)
+    for k in range(count):
+        roots[k, 0] += _OFFSET
+        roots[k, 1] += _OFFSET
+    return count, whole, False
+
+
+@inline
+def _is_complex(between, hidden, M):
+    """Tell whether joint c has no real value for a value of joint a."""
+    demanded_turn(between, math.cos(hidden), math.sin(hidden), M)
+    k, c, s = middle(between, M)
+    return c * c + s * s - k * k < -SLIDES_REGULAR
+
+
+@inline
+def _nearness(way, slides):
+    """Tell where two slides close the loop: 1 near the arm, 0 nowhere, -1 anywhere, if parallel."""
+    across, along = 0.0, 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        u, v, w = slides[0], slides[1], way
+        across += abs(u[j].real * v[k].real - u[k].real * v[j].real)
+        along += abs(u[j].real * w[k].real - u[k].real * w[j].real)
+        along += abs(v[j].real * w[k].real - v[k].real * w[j].real)
+    if across * SLIDES_FARTHEST < along:
+        return 0
+    return 1 if across > SLIDES_REGULAR else -1
+
+
+@inline
+def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
+    """Write the better of the two postures with a value of joint a, a simple zero or in a cluster.
+
+    Returns how many there are near the arm, and whether that is clear.  At a simple zero c is real;
+    where its two values meet, the rounding of the zero makes it complex by the root of it.
+    """
+    demanded_turn(between, cosine, sine, M)
+    k, c, s = middle(between, M)
+    square = c * c + s * s
+    if not square - k * k > -SLIDES_BRANCH:
+        return 0, False
+    sign, least = 1.0, math.inf
+    for number in range(3):
+        # The better one is the last that is looked at.
+        p, q = root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
+        turns_of(between, M, p, q, turns)
+        round_loop(data, form, loop, turns, way, slides)
+        off = abs(triple(way, slides[0], slides[1]))
+        if off < least and number < 2:
+            least, sign = off, 1.0 - 2.0 * number
+    if not least < math.inf:
+        return 0, False
+    near = _nearness(way, slides)
+    if near == 0:
+        # Unless axes line up, the directions of the slides are known.
+        return 0, min(square, (1.0 - M[8]) * (1.0 + M[8])) > SLIDES_REGULAR
+    _enter(data, form, cosine, sine, turns, way, slides, trial)
+    return 1, near > 0
+
+
+@inline
+def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
+    """Write the two postures of an arm with three slides; return how many, and if these are all."""
+    demanded_turn(between, 1.0, 0.0, M)
+    k, c, s = middle(between, M)
+    square = c * c + s * s
+    room = square - k * k
+    if not (square > SLIDES_REGULAR and (1.0 - M[8]) * (1.0 + M[8]) > SLIDES_REGULAR):
+        return 0, False
+    if room < -SLIDES_REGULAR * square:
+        return 0, True
+    simple = room > SLIDES_DOUBLE * square
+    room = max(room, 0.0)
+    for number in range(2):
+        sign = 1.0 - 2.0 * number
+        p, q = root(k, c, s, sign)
+        turns_of(between, M, p, q, turns)
+        round_loop(data, form, loop, turns, way, slides)
+        # In one plane they may move while the tip stays.
+        simple = simple and abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR
+        _enter(data, form, 1.0, 0.0, turns, way, slides, trials[number])
+    return 2, simple
+
+
+@part(types.Tuple((i8, b1, b1))(IN1, i8, IN1, IN1, OUT2))
+def slide_postures(data, form, back, seed, trials):
+    """Write the postures that a form gives to trials (MAX_TRIALS, 6).
+
+    ``back`` (12,) is the inverse of the pose demanded.  Returns how many they are, whether all
+    postures are among them and each stands for one alone, and whether the hidden joint may be free;
+    then they are a choice.
+    """
+    loop = np.empty((6, 12))
+    between = np.empty((4, 9))
+    M = np.empty(9)
+    turns = np.empty((3, 2), np.complex128)
+    way = np.empty(3, np.complex128)
+    slides = np.empty((3, 3), np.complex128)
+    read(data, form, back, loop, between)
+    if data[at.SLIDES] == 3.0:
+        count, clean = _without_hidden(data, form, loop, between, M, turns, way, slides, trials)
+        return count, clean, False
+    roots = np.empty((MAX_ROOTS, 2))
+    zeros, clean, void = _hidden_values(
+        data, form, loop, between, seed, roots, M, turns, way, slides
+    )
+    count = 0
+    for k in range(zeros):
+        low, high = roots[k, 0], roots[k, 1]
+        if 0.0 < high - low < SLIDES_WIDTH:
+            # Where c is not real, g is a square but for a positive factor: no zero is simple.
+            if _is_complex(between, low, M) and _is_complex(between, high, M):
+                continue
+        clean = clean and low == high and count < MAX_TRIALS
+        if count >= MAX_TRIALS:
+            break
+        hidden = 0.5 * (low + high)
+        c, s = math.cos(hidden), math.sin(hidden)
+        near, clear = _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count])
+        clean = clean and clear
+        count += near
+    return count, clean, void

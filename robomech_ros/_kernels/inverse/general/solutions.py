@@ -1,0 +1,265 @@
+"""All solutions of any six-joint arm.
+
+The forms of the arm are tried, the best first, until one is clean: its elimination is regular,
+its determinant is well above rounding, and each zero, or crowd of zeros, has led to all postures
+that belong to it.  Then the list is complete.
+
+Where links line up or stand square, that may fail for every form.  Then the pose is nudged, back
+and forth, to neighbours that are solved cleanly, and their solutions settle back.  Where the
+Jacobian is regular a solution has one beside it for every pose nearby, so that none of these can
+be lost; a fold keeps its two on one side; and where more has merged, the determinant of the
+neighbour at least comes near zero, so that postures are sought there, too.  The list counts as
+complete where a nudge and its opposite were clean, none of their solutions was lost on the way,
+and both led to all solutions that are far from singular; but not where the determinant of every
+form vanishes all round, as it does where a joint is free.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    b1,
+    i8,
+    inline,
+    kernel,
+    linked,
+    part,
+)
+from robomech_ros._kernels.inverse.branch_bits import (
+    ARM_SHIFT,
+    BOUNDARY,
+    DOUBT,
+    POSTURE_NUMBERED,
+    SELF_MOTION,
+)
+from robomech_ros._kernels.inverse.general import layout as at
+from robomech_ros._kernels.inverse.general.equations import demanded
+from robomech_ros._kernels.inverse.general.folds import all_simple
+from robomech_ros._kernels.inverse.general.forms import (
+    COUNT,
+    CROWDED,
+    EFFORT,
+    LOOSE,
+    MAX_SOLUTIONS,
+    MOST_LOOSE,
+    STATE,
+    admit,
+    solve_form,
+    solve_slides,
+)
+from robomech_ros._kernels.inverse.general.nudges import N_NUDGED, nudged
+from robomech_ros._kernels.inverse.general.settling import distance, is_in_continuum, regularity
+from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    FOLD_LEAST,
+    FOLD_SHARP,
+    GENERAL_LOST,
+    GENERAL_REGULAR,
+    GENERAL_SINGULAR,
+    GENERAL_STARTS,
+    GENERAL_STEPS,
+    NUDGE_PARTS,
+    NUDGED_AWAY,
+)
+
+__all__ = ["MAX_SOLUTIONS", "solve_general", "try_forms"]
+
+# Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
+# x^7 = x + 1.
+_SPREAD = tuple(1.1127756842787055 ** -(j + 1) for j in range(6))
+# Beside the rows reached, as bits.
+_IS_CLEAN = 1 << 16
+
+
+@inline
+def _follow_back(data, T, number, start, trial, q, marks, state):
+    """Follow a solution of a nudged pose, ``start``, to the pose T; return its row, -1 for none.
+
+    A regular one is a few Newton steps away, and not far; any other one settles.
+    """
+    packed = data[at.PACKED : at.HEAD].reshape(7, 13)
+    for j in range(6):
+        trial[j] = start[j]
+    if call_polish(packed, T, trial, GENERAL_STEPS) <= ACCEPTED:
+        if distance(data, trial, start) < NUDGED_AWAY:
+            _, ratio = regularity(data, packed, trial, np.empty(6), np.empty(6))
+            if ratio > GENERAL_REGULAR:
+                return admit(data, T, trial, False, q, marks, state)
+    for j in range(6):
+        trial[j] = start[j]
+    row = admit(data, T, trial, True, q, marks, state)
+    if row >= 0:
+        return row
+    near = np.empty((4, 4))
+    for j in range(6):
+        trial[j] = start[j]
+    for fraction in NUDGE_PARTS:
+        nudged(data, T, number, fraction, near)
+        call_polish(packed, near, trial, GENERAL_STEPS)
+    return admit(data, T, trial, True, q, marks, state)
+
+
+@part(i8(IN1, IN2, OUT2, IOUT1, IOUT1))
+def _classify(data, T, q, marks, state):
+    """Mark continua and folds; return which solutions are far from singular, as bits."""
+    packed = data[at.PACKED : at.HEAD].reshape(7, 13)
+    u, v = np.empty(6), np.empty(6)
+    regular = 0
+    for k in range(state[COUNT]):
+        fifth, ratio = regularity(data, packed, q[k], u, v)
+        if ratio > GENERAL_REGULAR:
+            regular |= 1 << k
+        if ratio < GENERAL_SINGULAR and marks[k] == 0:
+            free = is_in_continuum(data, T, q[k], u, v, fifth)
+            marks[k] = SELF_MOTION if free else BOUNDARY
+    return regular
+
+
+@part(types.UniTuple(b1, 2)(IN1, IN2, IN1, OUT2, IOUT1, IOUT1, OUT2))
+def _solve_at(data, T, seed, q, marks, state, loose):
+    """Enter the solutions of the first clean form, or of all, in q.
+
+    Returns whether one is clean, and whether all are void.
+    """
+    pose = np.empty(12)
+    back = np.empty(12)
+    demanded(data, T, pose, back)
+    square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
+    if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
+        # Farther away than the stretched arm reaches.
+        return True, False
+    all_void = True
+    for k in range(int(data[at.FORMS])):
+        form = at.HEAD + k * at.FORM
+        if data[at.SLIDES] <= 1.0:
+            clean, void = solve_form(data, form, T, pose, back, seed, q, marks, state, loose)
+        else:
+            clean, void = solve_slides(data, form, T, back, seed, q, marks, state)
+        all_void = all_void and void
+        if clean:
+            return True, False
+    return False, all_void
+
+
+@part(b1(IN1, IN2, IN1, b1, OUT2, IOUT1, IOUT1))
+def _solve_nudged(data, T, seed, void, q, marks, state):
+    """Enter the solutions that are reached from neighbouring poses; return whether they are all.
+
+    Nothing is claimed where every form is ``void`` at T itself: then more neighbours are asked.
+    """
+    near = np.empty((4, 4))
+    trial = np.empty(6)
+    others = np.empty((MAX_SOLUTIONS, 6))
+    other_marks = np.empty(MAX_SOLUTIONS, np.int64)
+    loose = np.empty((MOST_LOOSE, 6))
+    there = np.zeros(STATE, np.int64)
+    reached = np.zeros(N_NUDGED, np.int64)
+    for number in range(1, N_NUDGED):
+        nudged(data, T, number, 1.0, near)
+        for k in range(STATE):
+            there[k] = 0
+        if number > 4:
+            # So far away the determinant tells little about this pose.
+            there[LOOSE] = -1
+        clean, _ = _solve_at(data, near, seed, others, other_marks, there, loose)
+        rows = 0
+        for k in range(there[COUNT]):
+            row = _follow_back(data, T, number, others[k], trial, q, marks, state)
+            if row >= 0:
+                rows |= 1 << row
+            else:
+                # There is more at this pose than folds.
+                clean = False
+        for k in range(there[LOOSE]):
+            admit(data, T, loose[k], True, q, marks, state)
+        reached[number] = _IS_CLEAN | rows if clean else 0
+        if number % 2 == 1 or not clean:
+            continue
+        wanted = _IS_CLEAN | _classify(data, T, q, marks, state)
+        if reached[number] & reached[number - 1] & wanted == wanted:
+            # Both ways led to all regular solutions that are known.
+            if not void:
+                return True
+            if number > 2:
+                return False
+    return False
+
+
+@part(types.void(IN1, IN2, IN1, OUT2, IOUT1, IOUT1))
+def _search(data, T, seed, q, marks, state):
+    """Settle from the seed and from evenly spread starts, until there is a posture."""
+    trial = np.empty(6)
+    for k in range(GENERAL_STARTS):
+        for j in range(6):
+            turn = wrapped(2.0 * math.pi * k * _SPREAD[j])
+            if data[at.PACKED + 13 * j] == 0.0:
+                trial[j] = wrapped(seed[j] + turn)
+            else:
+                trial[j] = seed[j] + turn / math.pi * data[at.SIZE]
+        if admit(data, T, trial, True, q, marks, state) >= 0:
+            break
+
+
+@inline
+def _cleared(state):
+    """Make ``state`` that of a pose to begin with, without loose postures; return it."""
+    for k in range(STATE):
+        state[k] = 0
+    state[LOOSE] = -1
+    return state
+
+
+@kernel(types.Tuple((b1, i8))(IN1, IN2, IN1))
+def try_forms(data, T, seed):
+    """Solve for the pose T (4, 4) without neighbours; is a form clean, and what was the effort.
+
+    The effort is counted as ``general_forms.EFFORT`` is, so that it is the same on every machine.
+    """
+    state = _cleared(np.empty(STATE, np.int64))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    q = np.empty((MAX_SOLUTIONS, 6))
+    clean, _ = _solve_at(data, T, seed, q, marks, state, q)
+    return clean, state[EFFORT]
+
+
+@kernel(i8(IN1, IN2, IN1, OUT2, IOUT1))
+def solve_general(data, T, seed, q, branch):
+    """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
+
+    Returns how many, plus DOUBT where the list may lack one.
+    """
+    state = _cleared(np.empty(STATE, np.int64))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    packed = data[at.PACKED : at.HEAD].reshape(7, 13)
+    size = data[at.SIZE]
+    slides = data[at.SLIDES] > 0.0
+    clean, void = _solve_at(data, T, seed, q, marks, state, q)
+    if slides and clean:
+        # A zero that is simple has a posture that is.
+        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_LOST, FOLD_LEAST)
+    if not clean:
+        clean = _solve_nudged(data, T, seed, void, q, marks, state)
+        if slides and clean:
+            # Slides may have moved far along a continuum, where it is not told as one.
+            clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP)
+        if state[COUNT] == 0:
+            clean = False
+            _search(data, T, seed, q, marks, state)
+        _classify(data, T, q, marks, state)
+    elif state[CROWDED]:
+        _classify(data, T, q, marks, state)
+    count = state[COUNT]
+    for k in range(count):
+        branch[k] = POSTURE_NUMBERED | (k << ARM_SHIFT) | marks[k]
+    return count if clean else count | DOUBT
+
+
+call_general = linked(solve_general)

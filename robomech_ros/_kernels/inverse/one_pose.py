@@ -1,0 +1,89 @@
+"""One pose in one call from Python: checked, solved and ranked.
+
+For Python to make a few arrays takes as long as to solve an arm, so that here is one for all, and
+:func:`clean_poses` is not called by itself.
+"""
+
+from numba import types
+
+from robomech_ros._kernels.compiling.jit import (
+    OUT1,
+    OUT2,
+    b1,
+    borrowed,
+    direct,
+    f8,
+    i8,
+    kernel,
+    linked,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.inverse.poses import clean_pose
+from robomech_ros._kernels.inverse.solutions import BRANCH, MARKS, MAX_SOLUTIONS, NAMES, solve
+from robomech_ros._kernels.tolerances import ROTATION_ERROR
+
+__all__ = ["DISTANCES", "MARKED", "TARGET", "TOTAL", "solve_one", "solve_one_pose"]
+
+# Where, behind the rows for the solutions, the numbers stand that are written besides.
+TARGET = 0  # the pose, row by row
+DISTANCES = 16  # of each solution from the seed
+MARKED = DISTANCES + MAX_SOLUTIONS  # its branch
+TOTAL = MARKED + MAX_SOLUTIONS
+
+# Of the families whose solutions are listed.
+_MOST_JOINTS = 6
+_ROOM = MAX_SOLUTIONS * _MOST_JOINTS
+_ENTRIES = 6
+_ANY2 = types.Array(f8, 2, "A")
+
+_call_solve = linked(solve)
+
+
+@kernel(types.UniTuple(i8, _ENTRIES)(OUT1, _ANY2, OUT1, i8, b1, OUT2))
+def solve_one(arm, T, seed, metric, bounded, space):
+    """Solve the pose T (4, 4) of any memory layout, as it comes from a caller.
+
+    The other arguments are those of ``solve``, and so are the numbers returned, but for the first
+    one: that is what is wrong with T, as :func:`clean_poses` tells, or 0.
+
+    ``space`` has n numbers a row.  Its first 16 rows receive the solutions inside the limits,
+    nearest to the seed first, or where there are none the bare ones.  Behind them follow, one after
+    another, TOTAL numbers: T with its rotation made orthogonal to rounding, distances and branches.
+    """
+    n = seed.shape[0]
+    T, space = borrowed(T), borrowed(space)
+    flat = space.reshape(space.size)
+    rest = flat[MAX_SOLUTIONS * n :]
+    target = rest[TARGET:DISTANCES].reshape((1, 4, 4))
+    for i in range(4):
+        for j in range(4):
+            target[0, i, j] = T[i, j]
+    fault = clean_pose(target[0], scratch(3, 3), ROTATION_ERROR)
+    if fault != 0:
+        return fault, 0, 0, 0, 0, 0
+    bare = scratch(_ROOM)[: MAX_SOLUTIONS * n].reshape((MAX_SOLUTIONS, n))
+    marks, counts = scratch_integers(MARKS, MAX_SOLUTIONS), scratch_integers(1)
+    found, missing, count, singular, unproven = _call_solve(
+        borrowed(arm),
+        target,
+        borrowed(seed),
+        metric,
+        bounded,
+        bare,
+        flat[: MAX_SOLUTIONS * n].reshape((1, MAX_SOLUTIONS, n)),
+        rest[DISTANCES:MARKED],
+        marks,
+        counts,
+    )
+    names = marks[NAMES] if count > 0 else marks[BRANCH]
+    for k in range(count if count > 0 else found):
+        rest[MARKED + k] = names[k]
+        if count == 0:
+            for i in range(n):
+                space[k, i] = bare[k, i]
+    return 0, found, missing, count, singular, unproven
+
+
+# The same for callers that make all arguments but T themselves, and T to be a float64 array.
+solve_one_pose = direct(solve_one)

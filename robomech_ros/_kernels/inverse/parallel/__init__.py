@@ -1,0 +1,1 @@
+"""Arms with three parallel axes next to each other, in closed form."""

@@ -1,0 +1,449 @@
+"""The angles of axes a and 5 of an arm with three parallel axes.
+
+The three parallel axes keep their common direction z and the height along it.  Written for the
+motion that they have to make, with the other axes out of the way, that is two equations
+
+    sin(alpha) v_1 = d_1(q_a),    a_5 v_2 = d_2(q_a),    v_1^2 + v_2^2 = 1 - gamma(q_a)^2
+
+where (gamma, v_1, v_2) is z seen from axis 5 after its turn, and gamma, d_1, d_2 are linear in
+the cosine and sine of q_a.  Axes 5 and 6 that meet (a_5 = 0) or are parallel (alpha = 0) separate
+them; otherwise q_a is a root of a trigonometric polynomial of order two.
+
+A pair is a row [cos q_a, sin q_a, gamma, v_1, v_2, g_1, g_2, bits, slide], with (g_1, g_2) the
+same components of z before the turn of axis 5, and the displacement (m) of a prismatic axis.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.angles import angle_of, wrapped
+from robomech_ros._kernels.algebra.polynomials import order_one_roots, order_two_roots
+from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, ZERO, i8, lean, lean_part, scratch
+from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
+from robomech_ros._kernels.inverse.parallel import layout as at
+from robomech_ros._kernels.tolerances import (
+    FOLD_LEAST_START,
+    FOLD_START,
+    FOURFOLD_APART,
+    FOURFOLD_ERROR,
+    NEAR_DOUBLE,
+    NEARLY_SEPARATE,
+    PAIR_ERROR,
+    PARALLEL_TOUCHING,
+    SAME_POSTURE,
+    VANISHING,
+)
+
+MAX_PAIRS = 16
+PAIR_WIDTH = 9
+FREE = -1  # every q_a satisfies the equation that is to determine it
+
+
+@lean
+def equations(data, G):
+    """Give (k, C, S) of d_1 and d_2 = k + C cos q_a + S sin q_a, lengths in units of the size."""
+    cos56 = data[at.COS_56]
+    unit = 1.0 / data[at.SIZE]
+    if data[at.ORDER] == at.AXIS_BEFORE:
+        sin_a = data[at.SIN_A]
+        cos_a = data[at.COS_A]
+        k1 = cos_a * G[8] - cos56 * data[at.GAMMA]
+        c1 = sin_a * G[2]
+        s1 = sin_a * G[5]
+        k2 = (cos_a * G[11] + data[at.HEIGHT]) * unit
+        c2 = sin_a * G[9] * unit
+        s2 = sin_a * G[10] * unit
+    else:
+        k1 = G[8] - cos56 * data[at.GAMMA]
+        c1 = -cos56 * data[at.GAMMA + 1]
+        s1 = -cos56 * data[at.GAMMA + 2]
+        k2 = (G[11] + data[at.HEIGHT]) * unit
+        c2 = data[at.HEIGHT + 1] * unit
+        s2 = data[at.HEIGHT + 2] * unit
+    return k1, c1, s1, k2, c2, s2
+
+
+@lean
+def seen_from_axis_5(data, c, s):
+    """Give (gamma, g_1, g_2), the components of z along frame 5 before its turn."""
+    return (
+        data[at.GAMMA] + data[at.GAMMA + 1] * c + data[at.GAMMA + 2] * s,
+        data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s,
+        data[at.SECOND] + data[at.SECOND + 1] * c + data[at.SECOND + 2] * s,
+    )
+
+
+@lean
+def z_in_frame_6(data, G, c, s):
+    """Give z in frame 6 as the target demands it, for this q_a."""
+    if data[at.ORDER] == at.AXIS_BEFORE:
+        x = data[at.SIN_A] * c
+        y = data[at.SIN_A] * s
+        z = data[at.COS_A]
+        return (
+            G[0] * x + G[3] * y + G[6] * z,
+            G[1] * x + G[4] * y + G[7] * z,
+            G[2] * x + G[5] * y + G[8] * z,
+        )
+    return G[6], G[7], G[8]
+
+
+@lean
+def _other_component(data, G, c, s, known, radius):
+    """Give the square of the component of z that the equations leave open up to its sign."""
+    square = (radius - known) * (radius + known)
+    if data[at.KIND] == at.INTERSECTING and data[at.ORDER] == at.AXIS_BEFORE:
+        # Where axis 6 comes near z the difference above has lost its digits; 1 -+ cosine of
+        # their angle from its sine has not.
+        x, y, cosine = z_in_frame_6(data, G, c, s)
+        sine2 = x * x + y * y
+        cos56 = data[at.COS_56]
+        sin56 = data[at.SIN_56]
+        turn = cos56 * data[at.GAMMA]
+        if cosine > 0.5:
+            first = sine2 / (1.0 + cosine) - data[at.DEFECT_SAME]
+            square = first * (cosine - turn + sin56 * radius) / (sin56 * sin56)
+        elif cosine < -0.5:
+            second = sine2 / (1.0 - cosine) - data[at.DEFECT_MIRROR]
+            square = second * (turn + sin56 * radius - cosine) / (sin56 * sin56)
+    return square
+
+
+@lean
+def separated(data, G):
+    """Give both equations where they separate.
+
+    First the factor and (k, C, S) of the one with q_5, then those of the one that determines q_a.
+    """
+    k1, c1, s1, k2, c2, s2 = equations(data, G)
+    if data[at.KIND] == at.INTERSECTING:
+        return data[at.SIN_56], k1, c1, s1, k2, c2, s2
+    return data[at.NORMAL_56] / data[at.SIZE], k2, c2, s2, k1, c1, s1
+
+
+@lean
+def write_pair(data, c, s, known, other, bits, pair):
+    """Enter a pair by the component of z that its equation gives and the one left open."""
+    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    meeting = data[at.KIND] == at.INTERSECTING
+    pair[0] = c
+    pair[1] = s
+    pair[2] = gamma
+    pair[3] = known if meeting else other
+    pair[4] = other if meeting else known
+    pair[5] = g1
+    pair[6] = g2
+    pair[7] = bits
+
+
+@lean
+def open_component(data, G, c, s, known):
+    """Give both components of z across axis 5 (the open one not negative) and their lack.
+
+    The lack is how far the known component exceeds what is left of the unit vector z.
+    """
+    _, g1, g2 = seen_from_axis_5(data, c, s)
+    radius = math.sqrt(g1 * g1 + g2 * g2)
+    square = _other_component(data, G, c, s, known, radius)
+    if square > 0.0:
+        return known, math.sqrt(square), 0.0
+    return max(-radius, min(radius, known)), 0.0, max(abs(known) - radius, 0.0)
+
+
+@lean
+def moved_apart(x1, y1, x2, y2, least):
+    """Turn two angles, given by cosine and sine, from each other to at least twice ``least``."""
+    half = 0.5 * math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)
+    if abs(half) >= least:
+        return x1, y1, x2, y2
+    c = math.cos(least - abs(half))
+    s = math.copysign(math.sin(least - abs(half)), half)
+    return c * x1 + s * y1, c * y1 - s * x1, c * x2 - s * y2, c * y2 + s * x2
+
+
+@lean_part(i8(IN1, F12, OUT2))
+def separate_pairs(data, G, pairs):
+    """Find all pairs where axes 5 and 6 meet or are parallel; return their number or FREE."""
+    factor, k1, c1, s1, k2, c2, s2 = separated(data, G)
+    slack = data[at.SLACK]
+    spread = data[at.SPREAD]
+    found, x1, y1, x2, y2 = order_one_roots(k2, c2, s2, slack)
+    if found < 0:
+        return FREE
+    near = 0
+    if found == 1 or abs(x1 - x2) + abs(y1 - y2) < 2.0 * NEAR_DOUBLE:
+        near = BOUNDARY
+    if found > 0 and spread > 0.0:
+        if found == 1:
+            x2, y2 = x1, y1
+        found = 2
+        x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, spread)
+    count = 0
+    for shoulder in range(found):
+        c, s = (x1, y1) if shoulder == 0 else (x2, y2)
+        known = (k1 + c1 * c + s1 * s) / factor
+        known, other, lack = open_component(data, G, c, s, known)
+        if lack > slack:
+            continue
+        bits = near | (SHOULDER_RIGHT if shoulder == 1 else 0)
+        if other < NEAR_DOUBLE:
+            bits |= BOUNDARY
+        other = max(other, spread)
+        for wrist in range(2 if other > 0.0 else 1):
+            value = -other if wrist == 0 else other
+            write_pair(data, c, s, known, value, bits | wrist * WRIST_FLIP, pairs[count])
+            count += 1
+    return count
+
+
+@lean
+def _misfit(data, d, x, y):
+    """Give cosines and sines of (q_a, q_5), v_1, v_2, and by how much the two equations are off."""
+    k1, c1, s1, k2, c2, s2 = d
+    c = math.cos(x)
+    s = math.sin(x)
+    cy = math.cos(y)
+    sy = math.sin(y)
+    g1 = data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s
+    g2 = data[at.SECOND] + data[at.SECOND + 1] * c + data[at.SECOND + 2] * s
+    v1 = g1 * cy + g2 * sy
+    v2 = g2 * cy - g1 * sy
+    f1 = k1 + c1 * c + s1 * s - data[at.SIN_56] * v1
+    f2 = k2 + c2 * c + s2 * s - data[at.NORMAL_56] / data[at.SIZE] * v2
+    return c, s, cy, sy, v1, v2, f1, f2
+
+
+@lean
+def _error(data, d, x, y):
+    """Give the error of the two equations."""
+    _, _, _, _, _, _, f1, f2 = _misfit(data, d, x, y)
+    return abs(f1) + abs(f2)
+
+
+@lean
+def _are_merged(data, d, x, y, pair):
+    """Tell whether a pair is the same double root as another: halfway between them is one, too."""
+    other_x = angle_of(pair[1], pair[0])
+    v1, v2, g1, g2 = pair[3], pair[4], pair[5], pair[6]
+    other_y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+    halfway_x = x + 0.5 * wrapped(other_x - x)
+    halfway_y = y + 0.5 * wrapped(other_y - y)
+    ends = _error(data, d, x, y) + _error(data, d, other_x, other_y)
+    return _error(data, d, halfway_x, halfway_y) < FOURFOLD_ERROR + ends
+
+
+@lean
+def _polish_pair(data, d, x, y):
+    """Improve (q_a, q_5) by Newton steps, shortened where they do not help.
+
+    A step helps that lowers either the error of the equations or that of (v_1, v_2): where a
+    factor is small, the first hides its equation, and the second is full of rounding.  Returns
+    the angles, the error of the equations and the determinant of their derivatives.
+    """
+    _, c1, s1, _, c2, s2 = d
+    factor1 = data[at.SIN_56]
+    factor2 = data[at.NORMAL_56] / data[at.SIZE]
+    least = math.inf
+    error = math.inf
+    best = math.inf
+    determinant = 0.0
+    best_determinant = 0.0
+    best_x = kept_x = x
+    best_y = kept_y = y
+    dx = dy = 0.0
+    for _ in range(60):
+        c, s, cy, sy, v1, v2, f1, f2 = _misfit(data, d, x, y)
+        found = abs(f1) + abs(f2)
+        merit = abs(f1 / factor1) + abs(f2 / factor2)
+        if found < error or merit < least:
+            error = found
+            least = merit
+            kept_x = x
+            kept_y = y
+            h1 = data[at.FIRST + 2] * c - data[at.FIRST + 1] * s
+            h2 = data[at.SECOND + 2] * c - data[at.SECOND + 1] * s
+            a11 = factor1 * (h1 * cy + h2 * sy) - s1 * c + c1 * s
+            a12 = factor1 * v2
+            a21 = factor2 * (h2 * cy - h1 * sy) - s2 * c + c2 * s
+            a22 = -factor2 * v1
+            determinant = a11 * a22 - a12 * a21
+            if found < best:
+                best = found
+                best_x = x
+                best_y = y
+                best_determinant = abs(determinant)
+            if determinant == 0.0:
+                break
+            dx = (f1 * a22 - f2 * a12) / determinant
+            dy = (f2 * a11 - f1 * a21) / determinant
+            length = max(abs(dx), abs(dy))
+            if length > 0.3:
+                dx *= 0.3 / length
+                dy *= 0.3 / length
+        else:
+            dx *= 0.3
+            dy *= 0.3
+        if abs(dx) + abs(dy) < 1e-16:
+            break
+        x = kept_x + dx
+        y = kept_y + dy
+    return best_x, best_y, best, best_determinant
+
+
+@lean
+def _keep_pair(data, d, x, y, determinant, pairs, count):
+    """Enter a pair unless it is there already; return the number of pairs."""
+    c = math.cos(x)
+    s = math.sin(x)
+    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    cy = math.cos(y)
+    sy = math.sin(y)
+    v1 = g1 * cy + g2 * sy
+    v2 = g2 * cy - g1 * sy
+    bits = BOUNDARY if determinant < NEAR_DOUBLE else 0
+    for k in range(count):
+        apart = abs(pairs[k, 0] - c) + abs(pairs[k, 1] - s)
+        apart += abs(pairs[k, 3] - v1) + abs(pairs[k, 4] - v2)
+        folds = bits == BOUNDARY and pairs[k, 7] == BOUNDARY
+        if apart < SAME_POSTURE:
+            return count
+        if folds and apart < FOURFOLD_APART and _are_merged(data, d, x, y, pairs[k]):
+            return count
+    pairs[count, 0] = c
+    pairs[count, 1] = s
+    pairs[count, 2] = gamma
+    pairs[count, 3] = v1
+    pairs[count, 4] = v2
+    pairs[count, 5] = g1
+    pairs[count, 6] = g2
+    pairs[count, 7] = bits
+    return count + 1
+
+
+@lean
+def _improve_pair(data, d, c, s, v1, v2, pairs, count):
+    """Improve what may be a pair, given by q_a and z across axis 5, and keep it if it is one."""
+    _, g1, g2 = seen_from_axis_5(data, c, s)
+    x = angle_of(s, c)
+    y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
+    x, y, error, determinant = _polish_pair(data, d, x, y)
+    allowed = PAIR_ERROR if data[at.EXACT] == 1.0 else data[at.SLACK]
+    if error < allowed and count < MAX_PAIRS:
+        return _keep_pair(data, d, x, y, determinant, pairs, count)
+    return count
+
+
+@lean
+def _add_pairs(data, d, c, s, pairs, count):
+    """Improve what may be a pair for both signs of the open component of z, and keep it.
+
+    The equation with the larger factor gives the other component; near a double root the search
+    starts to both sides of it, and where that is one of both equations, next to it as well.
+    """
+    k1, c1, s1, k2, c2, s2 = d
+    factor1 = data[at.SIN_56]
+    factor2 = data[at.NORMAL_56] / data[at.SIZE]
+    _, g1, g2 = seen_from_axis_5(data, c, s)
+    radius = math.sqrt(g1 * g1 + g2 * g2)
+    first = (k1 + c1 * c + s1 * s) / factor1
+    second = (k2 + c2 * c + s2 * s) / factor2
+    by_first = factor1 >= abs(factor2)
+    known = first if by_first else second
+    guess = second if by_first else first
+    known = max(-radius, min(radius, known))
+    other = math.sqrt((radius - known) * (radius + known))
+    nearly_separate = min(factor1, abs(factor2)) < NEARLY_SEPARATE * max(factor1, abs(factor2))
+    sure = other > 1e-3 and not nearly_separate
+    starts = 2 if other >= FOLD_START else 4
+    for start in range(starts):
+        value = max(other, FOLD_START if start < 2 else FOLD_LEAST_START)
+        if start % 2 == 0:
+            value = -value
+        if sure and value * guess < 0.0:
+            continue
+        v1 = known if by_first else value
+        v2 = value if by_first else known
+        count = _improve_pair(data, d, c, s, v1, v2, pairs, count)
+    return count
+
+
+@lean
+def _add_nearly_separate(data, d, pairs, count):
+    """Add the pairs near those that the equations would have if they separated.
+
+    There the roots of the polynomial come in close pairs, and four together at a double root.
+    """
+    k1, c1, s1, k2, c2, s2 = d
+    small = abs(data[at.NORMAL_56]) / data[at.SIZE]
+    if data[at.SIN_56] < small:
+        k2, c2, s2 = k1, c1, s1
+        small = data[at.SIN_56]
+    found, x1, y1, x2, y2 = order_one_roots(k2, c2, s2, small + data[at.SLACK])
+    if found == 1:
+        x2, y2 = x1, y1
+    amplitude = math.sqrt(c2 * c2 + s2 * s2)
+    if found < 1 or amplitude < small:
+        return count
+    # To both sides of a double root at least as far as the neglected term moves it.
+    x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, math.sqrt(small / amplitude))
+    count = _add_pairs(data, d, x1, y1, pairs, count)
+    return _add_pairs(data, d, x2, y2, pairs, count)
+
+
+@lean
+def _add_successive_pairs(data, d, pairs, count):
+    """Add the pairs where z lies to axis 5 in the same way for all q_a.
+
+    So it does where axes a and 5 are parallel.  The equations are then solved one after the other,
+    and double roots of both may coincide.
+    """
+    k1, _, _, k2, c2, s2 = d
+    factor2 = data[at.NORMAL_56] / data[at.SIZE]
+    radius = math.sqrt(max(0.0, 1.0 - data[at.GAMMA] * data[at.GAMMA]))
+    known = max(-radius, min(radius, k1 / data[at.SIN_56]))
+    other = math.sqrt((radius - known) * (radius + known))
+    for trial in range(3):
+        if trial == 0 and other > NEAR_DOUBLE:
+            continue
+        value = 0.0 if trial == 0 else other if trial == 1 else -other
+        found, x1, y1, x2, y2 = order_one_roots(k2 - factor2 * value, c2, s2, data[at.SLACK])
+        for root in range(found):
+            c, s = (x1, y1) if root == 0 else (x2, y2)
+            count = _improve_pair(data, d, c, s, known, value, pairs, count)
+    return count
+
+
+@lean_part(i8(IN1, F12, OUT2))
+def joint_pairs(data, G, pairs):
+    """Find all pairs where axes 5 and 6 are skew; return their number or FREE."""
+    d = equations(data, G)
+    k1, c1, s1, k2, c2, s2 = d
+    g0 = data[at.GAMMA]
+    gc = data[at.GAMMA + 1]
+    gs = data[at.GAMMA + 2]
+    factor1 = data[at.SIN_56]
+    factor2 = data[at.NORMAL_56] / data[at.SIZE]
+    u = factor2 * factor2
+    v = factor1 * factor1
+    w = u * v
+    total = u * (k1 * k1 + c1 * c1 + s1 * s1) + v * (k2 * k2 + c2 * c2 + s2 * s2) + w
+    u /= total
+    v /= total
+    w /= total
+    ones = u * (c1 * c1 + s1 * s1) + v * (c2 * c2 + s2 * s2) + w * (gc * gc + gs * gs)
+    a0 = u * k1 * k1 + v * k2 * k2 + w * (g0 * g0 - 1.0) + 0.5 * ones
+    a1 = 2.0 * (u * k1 * c1 + v * k2 * c2 + w * g0 * gc)
+    b1 = 2.0 * (u * k1 * s1 + v * k2 * s2 + w * g0 * gs)
+    a2 = 0.5 * (u * (c1 * c1 - s1 * s1) + v * (c2 * c2 - s2 * s2) + w * (gc * gc - gs * gs))
+    b2 = u * c1 * s1 + v * c2 * s2 + w * gc * gs
+    roots = scratch(7, 2)
+    found = order_two_roots(a0, a1, b1, a2, b2, PARALLEL_TOUCHING, roots)
+    if found < 0:
+        return FREE
+    count = ZERO
+    if abs(gc) + abs(gs) + abs(c1) + abs(s1) < VANISHING:
+        count = _add_successive_pairs(data, d, pairs, count)
+    for k in range(found):
+        count = _add_pairs(data, d, roots[k, 0], roots[k, 1], pairs, count)
+    if min(factor1, abs(factor2)) < NEARLY_SEPARATE * max(factor1, abs(factor2)):
+        count = _add_nearly_separate(data, d, pairs, count)
+    return count

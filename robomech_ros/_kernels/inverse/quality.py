@@ -1,0 +1,70 @@
+"""What solutions are worth: errors, distance from the limits, conditioning."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.singular_values import (
+    condition_of,
+    make_rows_orthogonal,
+    row_lengths,
+)
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, ZERO, i8, inline, kernel
+from robomech_ros._kernels.inverse.polishing import pose_difference
+
+__all__ = ["CONDITION", "MARGIN", "ORIENTATION", "POSITION", "measure"]
+
+# Rows of the answer.
+POSITION = 0
+ORIENTATION = 1
+MARGIN = 2
+CONDITION = 3
+
+# Where the position's components begin; typed as ZERO is.
+_LINEAR = np.int64(3)
+
+
+@inline
+def _task_norm(T, weights, e, first):
+    """Norm of three components of e, taken along the axes of T, that the task counts."""
+    squares = 0.0
+    for k in range(3):
+        value = T[0, k] * e[first] + T[1, k] * e[first + 1] + T[2, k] * e[first + 2]
+        squares += weights[first + k] * value * value
+    return math.sqrt(squares)
+
+
+@kernel(i8(IN2, IN2, IN1, IN1, IN1, IN2, OUT2))
+def measure(packed, T, weights, lower, upper, q, out):
+    """Measure the solutions q (k, n) of the pose T (4, 4) into out (4, k).
+
+    Row POSITION: error (m); ORIENTATION: error (rad); MARGIN: least distance of a joint from a
+    limit; CONDITION: of the Jacobian in SI units.  ``weights`` (6,) is 1 for the components of
+    the error that count, about and then along the axes of T.
+    """
+    n = q.shape[1]
+    current = np.empty((4, 4))
+    e = np.empty(6)
+    J = np.empty((6, n))
+    wide = n >= 6
+    W = np.empty((6, n)) if wide else np.empty((n, 6))
+    values = np.empty(W.shape[0])
+    for k in range(q.shape[0]):
+        jacobian_body(packed, q[k], J, current)
+        pose_difference(T, current, e)
+        out[ORIENTATION, k] = _task_norm(T, weights, e, ZERO)
+        out[POSITION, k] = _task_norm(T, weights, e, _LINEAR)
+        margin = math.inf
+        for i in range(n):
+            margin = min(margin, q[k, i] - lower[i], upper[i] - q[k, i])
+            for r in range(6):
+                if wide:
+                    W[r, i] = J[r, i]
+                else:
+                    W[i, r] = J[r, i]
+        out[MARGIN, k] = margin
+        make_rows_orthogonal(W, W.shape[1])
+        row_lengths(W, W.shape[1], values)
+        out[CONDITION, k] = condition_of(values) if n > 0 else math.inf
+    return 0

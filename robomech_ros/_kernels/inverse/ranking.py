@@ -1,0 +1,275 @@
+"""From bare solutions to ranked ones: windings, limits, order, margins."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN2,
+    IOUT1,
+    OUT1,
+    OUT2,
+    ZERO,
+    b1,
+    f8,
+    i8,
+    kernel,
+    lean,
+)
+from robomech_ros._kernels.tolerances import AT_LIMIT
+
+__all__ = ["INSIDE", "LINF", "excesses", "first_outside", "rank", "rank_body", "winding_count"]
+
+LINF = 0
+INSIDE = -1
+_TURN = 2.0 * math.pi
+_TURN_AND_HALF = 3.0 * math.pi
+
+
+@lean
+def _windings(value, lower, upper):
+    """Give the first and the last winding that keep a revolute joint inside its limits."""
+    first = np.ceil((lower - AT_LIMIT - value) / _TURN)
+    last = np.floor((upper + AT_LIMIT - value) / _TURN)
+    return first, last
+
+
+@lean
+def _moved_inside(value, low, high):
+    """Give the first winding of a value below its limits that is not, or above them."""
+    below = low - AT_LIMIT - value
+    if below > 0.0:
+        return value + (_TURN * math.ceil(below / _TURN) if below > _TURN else _TURN)
+    above = value - high - AT_LIMIT
+    return value - (_TURN * math.ceil(above / _TURN) if above > _TURN else _TURN)
+
+
+@lean
+def _near(value, seed):
+    """Give the value in the winding nearest to the seed, branch-free where one turn will do."""
+    move = seed - value
+    if abs(move) >= _TURN_AND_HALF:
+        return value + _TURN * math.floor(move / _TURN + 0.5)
+    wound = value + _TURN if move >= math.pi else value
+    return value - _TURN if move < -math.pi else wound
+
+
+@lean
+def _on_limit(value, lower, upper):
+    """Put a value that is beyond a limit by no more than rounding on it."""
+    return min(max(value, lower), upper)
+
+
+@lean
+def place(turns, lower, upper, seed, bounded, q, placed):
+    """Write the representative nearest to the seed; False where limits that hold exclude it."""
+    for i in range(q.shape[0]):
+        value = _near(q[i], seed[i]) if turns[i] else q[i]
+        low, high = lower[i], upper[i]
+        inside = low - AT_LIMIT <= value <= high + AT_LIMIT
+        if turns[i] and not inside:
+            wound = _moved_inside(value, low, high)
+            inside = low - AT_LIMIT <= wound <= high + AT_LIMIT
+            value = wound if inside else value
+        if inside:
+            value = _on_limit(value, low, high)
+        elif bounded:
+            return False
+        placed[i] = value
+    return True
+
+
+@lean
+def distance_from(q, seed, metric):
+    """Distance of q (n,) from the seed: the largest move of a joint, or the root of squares."""
+    largest = 0.0
+    squares = 0.0
+    for i in range(q.shape[0]):
+        move = abs(q[i] - seed[i])
+        largest = max(largest, move)
+        squares += move * move
+    return largest if metric == LINF else math.sqrt(squares)
+
+
+@lean
+def insert(q, name, distance, count, ranked, names, distances):
+    """Put a solution behind those that are as near to the seed; return how many there are."""
+    room = ranked.shape[0]
+    if count == room and not distance < distances[count - 1]:
+        return count
+    k = min(count, room - 1)
+    while k > 0 and distances[k - 1] > distance:
+        distances[k] = distances[k - 1]
+        names[k] = names[k - 1]
+        for i in range(q.shape[0]):
+            ranked[k, i] = ranked[k - 1, i]
+        k -= 1
+    distances[k] = distance
+    names[k] = name
+    for i in range(q.shape[0]):
+        ranked[k, i] = q[i]
+    return min(count + 1, room)
+
+
+@lean
+def rank_body(
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    total,
+    placed,
+    order,
+    away,
+    ranked,
+    names,
+    distances,
+):
+    """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
+
+    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed``, ``order`` and
+    ``away`` are working space for all of them.  Returns how many.
+    """
+    count = ZERO
+    for k in range(total):
+        if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
+            distance = distance_from(placed[k], seed, metric)
+            row = count
+            while row > 0 and away[row - 1] > distance:
+                away[row], order[row] = away[row - 1], order[row - 1]
+                row -= 1
+            away[row], order[row] = distance, k
+            count += 1
+    kept = min(count, ranked.shape[0])
+    for i in range(kept):
+        distances[i] = away[i]
+        names[i] = branch[order[i]]
+        for j in range(q.shape[1]):
+            ranked[i, j] = placed[order[i], j]
+    return kept
+
+
+@lean
+def _wound(turns, lower, upper, seed, number, q, wound):
+    """Write winding ``number`` of a placed solution; a joint without two limits keeps its own."""
+    for i in range(q.shape[0]):
+        wound[i] = q[i]
+        if turns[i] and upper[i] - lower[i] < math.inf:
+            first, last = _windings(q[i], lower[i], upper[i])
+            if last >= first:
+                count = int(last - first) + 1
+                digit = number % count
+                number //= count
+                value = q[i] + _TURN * (first + digit)
+                wound[i] = _on_limit(value, lower[i], upper[i])
+
+
+@lean
+def _count_windings(turns, lower, upper, q):
+    total = 1.0
+    for i in range(q.shape[0]):
+        if turns[i] and upper[i] - lower[i] < math.inf:
+            first, last = _windings(q[i], lower[i], upper[i])
+            total *= max(1.0, last - first + 1.0)
+    return total
+
+
+@kernel(i8(IIN1, IN1, IN1, IN2))
+def winding_count(turns, lower, upper, q):
+    """How many windings inside the limits the solutions q (k, n) have in all, 2**62 at most."""
+    total = 0.0
+    for k in range(q.shape[0]):
+        total += _count_windings(turns, lower, upper, q[k])
+    return int(min(total, 2.0**62))
+
+
+@kernel(i8(IIN1, IN1, IN1, IN1, i8, b1, b1, IN2, IIN1, OUT2, IOUT1, OUT1))
+def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked, names, distances):
+    """Order the solutions q (k, n) by their distance from the seed; return how many are left.
+
+    ``bounded`` drops those outside the limits; ``winding`` lists every winding inside them,
+    instead of the one nearest to the seed.  ``turns`` is 1 for revolute joints.
+    """
+    total = q.shape[0]
+    if not winding:
+        return rank_body(
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            q,
+            branch,
+            total,
+            np.empty(q.shape),
+            np.empty(total, np.int64),
+            np.empty(total),
+            ranked,
+            names,
+            distances,
+        )
+    placed = np.empty(q.shape[1])
+    wound = np.empty(q.shape[1])
+    count = ZERO
+    for k in range(total):
+        if not place(turns, lower, upper, seed, bounded, q[k], placed):
+            continue
+        for number in range(int(_count_windings(turns, lower, upper, placed))):
+            _wound(turns, lower, upper, seed, number, placed, wound)
+            distance = distance_from(wound, seed, metric)
+            count = insert(wound, branch[k], distance, count, ranked, names, distances)
+    return count
+
+
+@kernel(i8(IIN1, IN1, IN1, IN2, OUT2))
+def excesses(turns, lower, upper, q, excess):
+    """Write by how much each joint of each solution is outside, 0 inside; return the least row.
+
+    Revolute joints count in the winding that is least outside.  The least offending solution is
+    the one whose largest excess is smallest, of equals the one with the smallest sum.
+    """
+    best = -1
+    least = math.inf
+    least_sum = math.inf
+    for k in range(q.shape[0]):
+        largest = 0.0
+        total = 0.0
+        for i in range(q.shape[1]):
+            below = lower[i] - q[k, i]
+            above = q[k, i] - upper[i]
+            value = max(below, above, 0.0)
+            if turns[i]:
+                first, last = _windings(q[k, i], lower[i], upper[i])
+                value = 0.0
+                if last < first:
+                    below -= _TURN * np.floor(below / _TURN)
+                    above -= _TURN * np.floor(above / _TURN)
+                    value = min(below, above)
+            excess[k, i] = value if value > AT_LIMIT else 0.0
+            largest = max(largest, excess[k, i])
+            total += excess[k, i]
+        equal = abs(largest - least) <= AT_LIMIT
+        if best < 0 or (equal and total < least_sum) or (not equal and largest < least):
+            least = largest
+            least_sum = total
+            best = k
+    return best
+
+
+@kernel(i8(IN1, IN1, IN1, f8))
+def first_outside(lower, upper, q, slack):
+    """Index of the first joint of q (n,) outside its limits by more than ``slack``, or INSIDE.
+
+    NaN and infinite values are outside.
+    """
+    for i in range(q.shape[0]):
+        if not (lower[i] - slack <= q[i] <= upper[i] + slack and math.isfinite(q[i])):
+            return i
+    return INSIDE

@@ -1,0 +1,1 @@
+"""Arms with more than six joints: their self-motion, sampled and followed."""

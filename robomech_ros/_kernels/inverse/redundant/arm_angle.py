@@ -1,0 +1,327 @@
+"""Seven revolute joints with a spherical shoulder and a spherical wrist: postures for an arm angle.
+
+The distance between both centres gives joint 4.  With it the whole arm is a rigid triangle of
+shoulder, elbow and wrist that can turn about the line between the centres; the arm angle is that of
+the elbow, measured from a reference direction.  The rotation of the upper arm then gives joints 1
+to 3, and what is left of the tip's rotation joints 5 to 7: up to eight postures in all.
+
+References
+----------
+M. Shimizu, H. Kakuya, W.-K. Yoon, K. Kitagaki and K. Kosuge, Analytical inverse kinematic
+computation for 7-DOF redundant manipulators with joint limits, IEEE Trans. Robotics 24(5), 2008.
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.angles import angle_of, wrapped
+from robomech_ros._kernels.algebra.polynomials import order_one_roots
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    IOUT1,
+    OUT2,
+    ZERO,
+    f8,
+    i8,
+    inline,
+    kernel,
+    linked,
+    scratch,
+)
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
+from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
+from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
+
+__all__ = ["arm_angle", "arm_angle_postures"]
+
+
+@inline
+def _parts(data):
+    """Give the packed chain (8, 13) and the constants of the arm."""
+    packed = data[at.PARTS : at.PARTS + 104].reshape((8, 13))
+    return packed, data[at.PARTS + 104 :]
+
+
+@inline
+def _vector(data, k):
+    return data[k], data[k + 1], data[k + 2]
+
+
+@inline
+def _dot(u, v):
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+@inline
+def _cross(u, v):
+    return (
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    )
+
+
+@inline
+def _scaled(u, factor):
+    return u[0] * factor, u[1] * factor, u[2] * factor
+
+
+@inline
+def _turned(packed, row, v):
+    """Rotation of the constant transform ``row``, times v."""
+    return (
+        packed[row, 1] * v[0] + packed[row, 2] * v[1] + packed[row, 3] * v[2],
+        packed[row, 4] * v[0] + packed[row, 5] * v[1] + packed[row, 6] * v[2],
+        packed[row, 7] * v[0] + packed[row, 8] * v[1] + packed[row, 9] * v[2],
+    )
+
+
+@inline
+def _back(packed, row, v):
+    """Rotation of the constant transform ``row``, transposed, times v."""
+    return (
+        packed[row, 1] * v[0] + packed[row, 4] * v[1] + packed[row, 7] * v[2],
+        packed[row, 2] * v[0] + packed[row, 5] * v[1] + packed[row, 8] * v[2],
+        packed[row, 3] * v[0] + packed[row, 6] * v[1] + packed[row, 9] * v[2],
+    )
+
+
+@inline
+def _shoulder_to(packed, parts):
+    """Vector from the shoulder to the origin of joint 4, in the frame that moves with joint 3."""
+    sx, sy, sz = _vector(parts, at.CENTRE_3)
+    return packed[3, 10] - sx, packed[3, 11] - sy, packed[3, 12] - sz
+
+
+@inline
+def _to_wrist(packed, parts, cosine, sine):
+    """Vector from shoulder to wrist in the frame that moves with joint 3."""
+    wx, wy, wz = _vector(parts, at.CENTRE_4)
+    x, y, z = _turned(packed, 3, (cosine * wx - sine * wy, sine * wx + cosine * wy, wz))
+    ux, uy, uz = _shoulder_to(packed, parts)
+    return x + ux, y + uy, z + uz
+
+
+@inline
+def _side(along, v):
+    """Give the direction of v's part perpendicular to the unit vector ``along``, and its length."""
+    part = _dot(along, v)
+    x, y, z = v[0] - part * along[0], v[1] - part * along[1], v[2] - part * along[2]
+    length = math.sqrt(x * x + y * y + z * z)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    return (x * inverse, y * inverse, z * inverse), length
+
+
+@inline
+def _arm_triad(packed, parts, p):
+    """Axes of the arm in the frame that moves with joint 3: to the wrist, to the elbow, normal."""
+    inverse = 1.0 / math.sqrt(_dot(p, p))
+    along = _scaled(p, inverse)
+    axis = (packed[3, 3], packed[3, 6], packed[3, 9])
+    side, _ = _side(along, _cross(axis, along))
+    ex, ey, ez = _vector(parts, at.ELBOW)
+    sx, sy, sz = _vector(parts, at.CENTRE_3)
+    if _dot(side, (ex - sx, ey - sy, ez - sz)) < 0.0:
+        side = _scaled(side, -1.0)
+    return along, side, _cross(along, side)
+
+
+@inline
+def _base_triad(parts, d):
+    """Axes in the base: to the wrist, the reference perpendicular to that, and their normal."""
+    inverse = 1.0 / math.sqrt(_dot(d, d))
+    along = _scaled(d, inverse)
+    side, length = _side(along, _vector(parts, at.REFERENCE))
+    if length < ON_BOUNDARY:
+        side, length = _side(along, _vector(parts, at.OTHER))
+    return along, side, _cross(along, side)
+
+
+@inline
+def _product(a, b):
+    """a^T b for rotations given as three rows."""
+    return (
+        a[0][0] * b[0][0] + a[1][0] * b[1][0] + a[2][0] * b[2][0],
+        a[0][0] * b[0][1] + a[1][0] * b[1][1] + a[2][0] * b[2][1],
+        a[0][0] * b[0][2] + a[1][0] * b[1][2] + a[2][0] * b[2][2],
+        a[0][1] * b[0][0] + a[1][1] * b[1][0] + a[2][1] * b[2][0],
+        a[0][1] * b[0][1] + a[1][1] * b[1][1] + a[2][1] * b[2][1],
+        a[0][1] * b[0][2] + a[1][1] * b[1][2] + a[2][1] * b[2][2],
+        a[0][2] * b[0][0] + a[1][2] * b[1][0] + a[2][2] * b[2][0],
+        a[0][2] * b[0][1] + a[1][2] * b[1][1] + a[2][2] * b[2][1],
+        a[0][2] * b[0][2] + a[1][2] * b[1][2] + a[2][2] * b[2][2],
+    )
+
+
+@inline
+def _upper_arm(base, arm, cosine, sine):
+    """Rows of the rotation that takes the arm's axes, turned by the arm angle, to the base's."""
+    d, e, n = base
+    p, f, g = arm
+    ex, ey, ez = (
+        cosine * e[0] + sine * n[0],
+        cosine * e[1] + sine * n[1],
+        cosine * e[2] + sine * n[2],
+    )
+    nx, ny, nz = (
+        cosine * n[0] - sine * e[0],
+        cosine * n[1] - sine * e[1],
+        cosine * n[2] - sine * e[2],
+    )
+    return (
+        (
+            d[0] * p[0] + ex * f[0] + nx * g[0],
+            d[0] * p[1] + ex * f[1] + nx * g[1],
+            d[0] * p[2] + ex * f[2] + nx * g[2],
+        ),
+        (
+            d[1] * p[0] + ey * f[0] + ny * g[0],
+            d[1] * p[1] + ey * f[1] + ny * g[1],
+            d[1] * p[2] + ey * f[2] + ny * g[2],
+        ),
+        (
+            d[2] * p[0] + ez * f[0] + nz * g[0],
+            d[2] * p[1] + ez * f[1] + nz * g[1],
+            d[2] * p[2] + ez * f[2] + nz * g[2],
+        ),
+    )
+
+
+@inline
+def _rows(packed, row):
+    """Rows of the rotation of a constant transform."""
+    return (
+        (packed[row, 1], packed[row, 2], packed[row, 3]),
+        (packed[row, 4], packed[row, 5], packed[row, 6]),
+        (packed[row, 7], packed[row, 8], packed[row, 9]),
+    )
+
+
+@inline
+def _left_for_wrist(packed, T, R, cosine, sine):
+    """Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), nine numbers."""
+    # Columns of R C_3 Rz(q_4) C_4, one after another.
+    a = _rows(packed, 4)
+    b = (
+        (
+            cosine * a[0][0] - sine * a[1][0],
+            cosine * a[0][1] - sine * a[1][1],
+            cosine * a[0][2] - sine * a[1][2],
+        ),
+        (
+            sine * a[0][0] + cosine * a[1][0],
+            sine * a[0][1] + cosine * a[1][1],
+            sine * a[0][2] + cosine * a[1][2],
+        ),
+        a[2],
+    )
+    x = _turned(packed, 3, (b[0][0], b[1][0], b[2][0]))
+    y = _turned(packed, 3, (b[0][1], b[1][1], b[2][1]))
+    z = _turned(packed, 3, (b[0][2], b[1][2], b[2][2]))
+    x = (_dot(R[0], x), _dot(R[1], x), _dot(R[2], x))
+    y = (_dot(R[0], y), _dot(R[1], y), _dot(R[2], y))
+    z = (_dot(R[0], z), _dot(R[1], z), _dot(R[2], z))
+    h = (
+        _turned(packed, 7, (T[0, 0], T[0, 1], T[0, 2])),
+        _turned(packed, 7, (T[1, 0], T[1, 1], T[1, 2])),
+        _turned(packed, 7, (T[2, 0], T[2, 1], T[2, 2])),
+    )
+    return _product(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])), h)
+
+
+@inline
+def _enter(parts, first, q4, last, q):
+    """Write the seven joint values, in (-pi, pi]."""
+    for j in range(3):
+        q[j] = wrapped(first[j] - parts[at.SHOULDER + j])
+        q[4 + j] = wrapped(last[j] - parts[at.WRIST + j])
+    q[3] = wrapped(q4)
+
+
+@inline
+def _spherical(data, block):
+    """Constants of a spherical joint as `spherical_wrist` finds them in those of an arm."""
+    return data[at.PARTS + 104 + block - wrist_at.ANGLES :]
+
+
+@kernel(i8(IN1, IN2, IN1, f8, OUT2, IOUT1))
+def arm_angle_postures(data, T, seed, angle, q, branch):
+    """Write the postures for the pose T (4, 4) with this arm angle to q (8, 7).
+
+    A joint that is free in a singular shoulder or wrist takes the value of ``seed`` (7,).
+    Returns how many there are.
+    """
+    packed, parts = _parts(data)
+    hx, hy, hz = _vector(parts, at.CENTRE_7)
+    d = (
+        T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - parts[at.CENTRE_0],
+        T[1, 0] * hx + T[1, 1] * hy + T[1, 2] * hz + T[1, 3] - parts[at.CENTRE_0 + 1],
+        T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - parts[at.CENTRE_0 + 2],
+    )
+    unit = 1.0 / (data[at.SIZE] * data[at.SIZE])
+    square = _dot(d, d)
+    if square * unit < ON_AXIS:
+        return ZERO
+    w = _vector(parts, at.CENTRE_4)
+    u = _shoulder_to(packed, parts)
+    ux, uy, uz = _back(packed, 3, u)
+    constant = _dot(w, w) + _dot(u, u) + 2.0 * uz * w[2] - square
+    roots, c1, s1, c2, s2 = order_one_roots(
+        constant * unit,
+        2.0 * (ux * w[0] + uy * w[1]) * unit,
+        2.0 * (uy * w[0] - ux * w[1]) * unit,
+        ON_BOUNDARY,
+    )
+    shoulder = _spherical(data, at.SHOULDER)
+    wrist = _spherical(data, at.WRIST)
+    base = _base_triad(parts, d)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    firsts = scratch(2, 3)
+    lasts = scratch(2, 3)
+    count = ZERO
+    for root in range(roots):
+        c, s = (c1, s1) if root == 0 else (c2, s2)
+        arm = _arm_triad(packed, parts, _to_wrist(packed, parts, c, s))
+        R = _upper_arm(base, arm, cosine, sine)
+        turn = _product(_rows(packed, 0), R)
+        n, _ = spherical_wrist(
+            shoulder, turn, seed[0] + parts[at.SHOULDER], ACCEPTED, PARALLEL_AXES, firsts
+        )
+        if n == 0:
+            continue
+        rest = _left_for_wrist(packed, T, R, c, s)
+        m, _ = spherical_wrist(
+            wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, PARALLEL_AXES, lasts
+        )
+        q4 = angle_of(s, c)
+        for i in range(n):
+            for j in range(m):
+                _enter(parts, firsts[i], q4, lasts[j], q[count])
+                bits = bit.SHOULDER_RIGHT if i == 1 else 0
+                bits |= bit.ELBOW_DOWN if root == 1 else 0
+                bits |= bit.WRIST_FLIP if j == 1 else 0
+                branch[count] = bits | bit.SELF_MOTION
+                count += 1
+    return count
+
+
+@kernel(f8(IN1, IN1))
+def arm_angle(data, q):
+    """Arm angle (rad) of the posture q (7,)."""
+    packed, parts = _parts(data)
+    p = _to_wrist(packed, parts, math.cos(q[3]), math.sin(q[3]))
+    _, side, _ = _arm_triad(packed, parts, p)
+    for j in range(2, -1, -1):
+        c, s = math.cos(q[j]), math.sin(q[j])
+        p = (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2])
+        side = (c * side[0] - s * side[1], s * side[0] + c * side[1], side[2])
+        p = _turned(packed, j, p)
+        side = _turned(packed, j, side)
+    _, reference, normal = _base_triad(parts, p)
+    return math.atan2(_dot(side, normal), _dot(side, reference))
+
+
+call_arm_angle_postures = linked(arm_angle_postures)
+call_arm_angle = linked(arm_angle)

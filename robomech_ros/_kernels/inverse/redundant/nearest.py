@@ -1,0 +1,191 @@
+"""The posture of a redundant arm nearest to a seed, along the self-motion of one posture.
+
+Every step goes along the self-motion as far as the linearised distance asks, stops at joint
+limits, and corrects the pose by the shortest move of the joints.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.algebra.dense import cholesky_again, cholesky_solve
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
+from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
+from robomech_ros._kernels.inverse.ranking import LINF, distance_from
+from robomech_ros._kernels.tolerances import (
+    AT_LIMIT,
+    NEAREST_DAMPING,
+    NEAREST_ERROR,
+    NEAREST_ITERATIONS,
+    NEAREST_STEP,
+    ON_BOUNDARY,
+)
+
+__all__ = ["approach"]
+
+_LONGEST = 0.5
+# Cuts that find the least of some dozen lines' largest value; a few do.
+_CUTS = 32
+_ROUNDING = 1e-12
+
+
+@lean
+def _largest_after(q, seed, t, s):
+    """Largest difference from the seed after a step s along t, and its derivative by s."""
+    largest = -1.0
+    slope = 0.0
+    for i in range(q.shape[0]):
+        difference = q[i] + s * t[i] - seed[i]
+        if abs(difference) > largest:
+            largest = abs(difference)
+            slope = math.copysign(t[i], t[i] * difference)
+    return largest, slope
+
+
+@lean
+def _minimax(q, seed, t, low, high):
+    """Step in [low, high] along t after which the largest difference from the seed is least.
+
+    It is convex in the step and made of lines: where the falling one to the left and the rising one
+    to the right of the least value meet is a better place for one of both, until none is.
+    """
+    a, b, s = low, high, low
+    fa, ga = _largest_after(q, seed, t, a)
+    fb, gb = _largest_after(q, seed, t, b)
+    if gb <= 0.0:
+        s = high
+    elif ga < 0.0:
+        for _ in range(_CUTS):
+            s = (fa - ga * a - fb + gb * b) / (gb - ga)
+            value, slope = _largest_after(q, seed, t, s)
+            if value <= fa + ga * (s - a) + _ROUNDING:
+                break
+            if slope < 0.0:
+                a, fa, ga = s, value, slope
+            else:
+                b, fb, gb = s, value, slope
+    here, _ = _largest_after(q, seed, t, 0.0)
+    there, _ = _largest_after(q, seed, t, s)
+    return s if there < here or not low <= 0.0 <= high else 0.0
+
+
+@lean
+def _wish(q, seed, metric, g):
+    """Write the direction in which the distance from the seed shrinks fastest."""
+    n = q.shape[0]
+    if metric != LINF:
+        for i in range(n):
+            g[i] = seed[i] - q[i]
+        return
+    k = 0
+    for i in range(n):
+        g[i] = 0.0
+        if abs(q[i] - seed[i]) > abs(q[k] - seed[k]):
+            k = i
+    g[k] = 1.0 if seed[k] > q[k] else -1.0
+
+
+@lean
+def _length(q, seed, metric, t, lower, upper, bounded):
+    """How far to go along t, inside the limits; the step is at most _LONGEST in every joint."""
+    largest = 0.0
+    for i in range(q.shape[0]):
+        largest = max(largest, abs(t[i]))
+    if largest < ON_BOUNDARY:
+        return 0.0
+    high = _LONGEST / largest
+    low = -high
+    if bounded:
+        for i in range(q.shape[0]):
+            if t[i] != 0.0:
+                one, other = (lower[i] - q[i]) / t[i], (upper[i] - q[i]) / t[i]
+                low = max(low, min(one, other))
+                high = min(high, max(one, other))
+        if low > high:
+            return 0.0
+    if metric == LINF:
+        return _minimax(q, seed, t, low, high)
+    return min(max(1.0, low), high)
+
+
+@lean
+def _inside(q, lower, upper):
+    """Tell whether q keeps its limits; what is beyond by rounding is put on them."""
+    for i in range(q.shape[0]):
+        if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
+            return False
+    for i in range(q.shape[0]):
+        q[i] = min(max(q[i], lower[i]), upper[i])
+    return True
+
+
+@lean
+def _is_at_limit(q, lower, upper):
+    """Tell whether a joint is so near to a limit that the last steps may have stopped there."""
+    for i in range(q.shape[0]):
+        if not lower[i] + NEAREST_STEP < q[i] < upper[i] - NEAREST_STEP:
+            return True
+    return False
+
+
+@part(types.Tuple((f8, b1))(IN2, IN2, IN1, IN1, IN1, i8, b1, OUT1))
+def approach(packed, T, lower, upper, seed, metric, bounded, q):
+    """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
+
+    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails,
+    and whether it is sure that no step would come nearer: neither was their number exhausted, nor
+    did the last one stop at a limit, which may be less in the way of another start.
+    """
+    n = q.shape[0]
+    J = np.empty((6, n))
+    current = scratch(4, 4)
+    e = scratch(6)
+    y = scratch(6)
+    A = scratch(6, 6)
+    g = np.empty(n)
+    settled = nearest = False
+    for iteration in range(NEAREST_ITERATIONS):
+        jacobian_body(packed, q, J, current)
+        pose_difference(T, current, e)
+        error = largest_error(e)
+        # Nothing is nearer than the seed itself, even where it is singular.
+        there = iteration == 0 and distance_from(q, seed, metric) == 0.0
+        if (settled or there) and error <= NEAREST_ERROR:
+            if not bounded or _inside(q, lower, upper):
+                return distance_from(q, seed, metric), nearest or there
+            settled = False
+        if not error < 1.0:
+            return math.inf, False
+        for i in range(6):
+            for j in range(i + 1):
+                value = 0.0
+                for k in range(n):
+                    value += J[i, k] * J[j, k]
+                A[i, j] = value
+            A[i, i] += NEAREST_DAMPING * error * error
+        if not cholesky_solve(A, e, 6):
+            return math.inf, False
+        if not settled:
+            _wish(q, seed, metric, g)
+            for i in range(6):
+                y[i] = 0.0
+                for k in range(n):
+                    y[i] += J[i, k] * g[k]
+            cholesky_again(A, y, 6)
+            for k in range(n):
+                for i in range(6):
+                    g[k] -= J[i, k] * y[i]
+            s = _length(q, seed, metric, g, lower, upper, bounded)
+            largest = 0.0
+            for k in range(n):
+                largest = max(largest, abs(s * g[k]))
+                q[k] += s * g[k]
+            short = max(largest, error) < NEAREST_STEP
+            settled = short or iteration == NEAREST_ITERATIONS // 2
+            nearest = short and not (bounded and _is_at_limit(q, lower, upper))
+        for k in range(n):
+            for i in range(6):
+                q[k] += J[i, k] * e[i]
+    return math.inf, False

@@ -1,0 +1,298 @@
+"""Redundant arms: a closed form for each value of a parameter, samples of it ranked."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.chain.serial import forward_body
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN2,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT2,
+    OUT3,
+    ZERO,
+    b1,
+    borrowed,
+    i8,
+    inline,
+    kernel,
+    lean,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.continuum import free_value
+from robomech_ros._kernels.inverse.ranking import distance_from, insert, place
+from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.arm_angle import (
+    call_arm_angle,
+    call_arm_angle_postures,
+)
+from robomech_ros._kernels.inverse.redundant.nearest import approach
+from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.tolerances import (
+    APPROACHED,
+    APPROACHED_AGAIN,
+    APPROACHED_WITHIN,
+    FINER_SAMPLES,
+)
+
+__all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
+
+NONE_EXISTS = -1
+# Typed, since numba compiles a function anew for a literal.
+_FORWARDS = np.bool_(False)
+
+
+@lean
+def _between(front, T, back, out):
+    """front^-1 T back^-1."""
+    for i in range(3):
+        a, b, c = front[0, i], front[1, i], front[2, i]
+        x = a * T[0, 0] + b * T[1, 0] + c * T[2, 0]
+        y = a * T[0, 1] + b * T[1, 1] + c * T[2, 1]
+        z = a * T[0, 2] + b * T[1, 2] + c * T[2, 2]
+        p = a * (T[0, 3] - front[0, 3]) + b * (T[1, 3] - front[1, 3]) + c * (T[2, 3] - front[2, 3])
+        for j in range(3):
+            out[i, j] = x * back[j, 0] + y * back[j, 1] + z * back[j, 2]
+        out[i, 3] = p - out[i, 0] * back[0, 3] - out[i, 1] * back[1, 3] - out[i, 2] * back[2, 3]
+        out[3, i] = 0.0
+    out[3, 3] = 1.0
+
+
+@lean
+def _is_near(q, others, count):
+    """Tell whether a posture is near one of others from which its self-motion goes no nearer."""
+    for k in range(count):
+        near = True
+        for i in range(q.shape[0]):
+            near = near and abs(q[i] - others[k, i]) <= APPROACHED_AGAIN
+        if near:
+            return True
+    return False
+
+
+@lean
+def _locked_body(data, T, seed, locked, q, branch):
+    """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
+
+    ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
+    many postures there are.
+    """
+    n = int(data[at.JOINTS])
+    first = int(data[at.FIRST])
+    own = at.PARTS + 13 * (n + 1)
+    packed = data[at.PARTS : own].reshape((n + 1, 13))
+    front, back, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
+    found = scratch(MAX_SOLUTIONS, 6)
+    forward_body(packed[: first + 1], locked[:first], front)
+    forward_body(packed[first + 6 :], locked[first + 6 :], back)
+    _between(front, T, back, target)
+    start = seed[first : first + 6]
+    six = int(data[at.SIX])
+    total = call_six_joints(
+        six, data[at.BACKWARDS] != 0.0, data[own:], target, start, found, branch
+    )
+    exact = int(data[at.GENERAL])
+    if total >= DOUBT and exact > 0:
+        total = call_six_joints(GENERAL, _FORWARDS, data[exact:], target, start, found, branch)
+    # Of a continuum no list is complete, so that a doubt that is left changes nothing.
+    count = total % DOUBT
+    for k in range(count):
+        for i in range(n):
+            if i < first or i >= first + 6:
+                q[k, i] = locked[i]
+            else:
+                value = found[k, i - first]
+                q[k, i] = wrapped(value) if packed[i, 0] == 0.0 else value
+        branch[k] = bit.SELF_MOTION | bit.UNNAMED
+    return count
+
+
+@kernel(i8(IN1, IN2, IN1, IN1, OUT2, IOUT1))
+def locked_postures(data, T, seed, locked, q, branch):
+    """Do for Python what :func:`_locked_body` does: postures with some joints locked."""
+    return _locked_body(data, T, seed, locked, q, branch)
+
+
+@lean
+def _choose(data, lower, upper, seed, k, steps, locked):
+    """Write the k-th of some values of the locked joints; return how far they are from the seed.
+
+    The first is the seed's.  One joint takes the others in order of their distance from there;
+    several follow a sequence that fills the box of their limits evenly.
+    """
+    n = int(data[at.JOINTS])
+    first = int(data[at.FIRST])
+    largest = 0.0
+    root = 1.0
+    for _ in range(32 if n > 7 and k > 0 else 0):
+        root = (1.0 + root) ** (1.0 / (n - 5))
+    stride = 1.0
+    for i in range(n):
+        locked[i] = seed[i]
+        if first <= i < first + 6 or k == 0:
+            continue
+        if n == 7:
+            locked[i] = free_value(lower[i], upper[i], seed[i], k, steps)
+        else:
+            stride /= root
+            part = 0.5 + k * stride
+            low, high = lower[i], upper[i]
+            if not high - low < 2.0 * math.pi and data[at.PARTS + 13 * i] == 0.0:
+                low, high = seed[i] - math.pi, seed[i] + math.pi
+            elif not high - low < math.inf:
+                low, high = seed[i] - data[at.SIZE], seed[i] + data[at.SIZE]
+                low, high = max(low, lower[i]), min(high, upper[i])
+            locked[i] = low + (high - low) * (part - math.floor(part))
+        largest = max(largest, abs(locked[i] - seed[i]))
+    return largest
+
+
+@lean
+def _sample(data, T, seed, angle, locked, k, steps, q, branch):
+    """Write the postures of one sample; ``angle`` is the arm angle of the seed."""
+    if data[at.KIND] == at.ARM_ANGLE:
+        away = 2.0 * math.pi * ((k + 1) // 2) / steps
+        angle += away if k % 2 == 1 else -away
+        return call_arm_angle_postures(data, T, seed, angle, q, branch)
+    return _locked_body(data, T, seed, locked, q, branch)
+
+
+@inline
+def _collect(
+    data,
+    T,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    nearest,
+    low,
+    high,
+    q,
+    branch,
+    ranked,
+    names,
+    distances,
+    reached,
+):
+    """Rank the postures of all samples; return how many are inside the limits, and how many exist.
+
+    The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
+    it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
+    for, samples that are farther from the seed than the first are left out.
+    """
+    n = seed.shape[0]
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    locked = np.empty(n)
+    placed = np.empty(n)
+    count = ZERO
+    bare = ZERO
+    steps = int(data[at.SAMPLES])
+    angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
+    for i in range(n):
+        placed[i] = seed[i]
+    distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, placed)
+    if distance < math.inf:
+        name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
+        count = insert(placed, name, distance, count, ranked, names, distances)
+        bare += 1
+    for i in range(n):
+        reached[i] = placed[i] if settled else math.nan
+    for _ in range(2):
+        for k in range(steps):
+            if data[at.KIND] == at.LOCKED:
+                away = _choose(data, low, high, seed, k, steps, locked)
+                if nearest and count > 0 and away >= distances[0]:
+                    continue
+            total = _sample(data, T, seed, angle, locked, k, steps, q, branch)
+            bare += total
+            for i in range(total):
+                if place(turns, lower, upper, seed, bounded, q[i], placed):
+                    distance = distance_from(placed, seed, metric)
+                    count = insert(placed, branch[i], distance, count, ranked, names, distances)
+        if count > 0:
+            break
+        steps *= FINER_SAMPLES
+    return count, bare
+
+
+@kernel(
+    i8(IN1, IN3, IIN1, IN1, IN1, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1),
+)
+def solve_redundant(
+    data, T, turns, lower, upper, seed, metric, bounded, nearest, ranked, names, distances, counts
+):
+    """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
+
+    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last; the first few are moved along their
+    self-motion until they are as near as that goes.  Samples farther than the first are left out
+    where only ``nearest`` is asked for.  ``counts`` (m,) gets their number, or NONE_EXISTS where
+    no sample has a posture even outside the limits.  ``names`` and ``distances`` (room,) are those
+    of the last pose.
+    """
+    n = seed.shape[0]
+    data, T, ranked = borrowed(data), borrowed(T), borrowed(ranked)
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    q = np.empty((MAX_SOLUTIONS, n))
+    branch = scratch_integers(MAX_SOLUTIONS)
+    starts, away = np.empty((APPROACHED, n)), scratch(APPROACHED)
+    reached = np.empty((APPROACHED + 1, n))
+    low, high = np.empty(n), np.empty(n)
+    for i in range(n):
+        low[i] = lower[i] if bounded else -math.inf
+        high[i] = upper[i] if bounded else math.inf
+    for m in range(T.shape[0]):
+        count, bare = _collect(
+            data,
+            T[m],
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            nearest,
+            low,
+            high,
+            q,
+            branch,
+            ranked[m],
+            names,
+            distances,
+            reached[0],
+        )
+        tried = min(count, APPROACHED)
+        for k in range(tried):
+            for i in range(n):
+                starts[k, i] = ranked[m, k, i]
+            away[k] = distances[k]
+        ends = 1
+        for k in range(tried):
+            if away[k] > distances[0] + APPROACHED_WITHIN:
+                break
+            if away[k] >= distances[0] and _is_near(starts[k], reached, ends):
+                continue
+            distance, settled = approach(
+                packed, T[m], lower, upper, seed, metric, bounded, starts[k]
+            )
+            if settled:
+                for i in range(n):
+                    reached[ends, i] = starts[k, i]
+                ends += 1
+            if distance < distances[0]:
+                count = insert(starts[k], names[0], distance, count, ranked[m], names, distances)
+        counts[m] = count if bare > 0 else NONE_EXISTS
+        for k in range(count, ranked.shape[1]):
+            for i in range(n):
+                ranked[m, k, i] = math.nan
+    return 0

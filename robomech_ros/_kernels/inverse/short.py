@@ -1,0 +1,120 @@
+"""All solutions of an arm of fewer than six joints, from those of one completed to six."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.angles import wrapped
+from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, ZERO, i8, inline, part
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse import short_layout as at
+from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.tolerances import (
+    ACCEPTED,
+    CONTINUUM_STEP,
+    SAME_POSTURE,
+    SHORT_CONTINUUM,
+    SHORT_SLACK,
+)
+
+__all__ = ["solve_short"]
+
+# Values of a joint that is free in the completed arm only.
+_FREE_VALUES = 16
+_STEPS = np.int64(30)
+
+
+@inline
+def _stays(data, found):
+    """Tell whether the imagined joints are at zero, near enough for a polish to decide."""
+    for i in range(6):
+        if data[at.PLACES + i] < 0.0:
+            if data[at.SLIDES + i] != 0.0:
+                away = abs(found[i]) / data[at.SIZE]
+            else:
+                away = abs(wrapped(found[i]))
+            if away > SHORT_SLACK:
+                return False
+    return True
+
+
+@inline
+def _entered(data, packed, T, found, q, count):
+    """Write the joints of the arm behind the solutions there are, if they solve it and are new."""
+    n = q.shape[1]
+    for i in range(6):
+        place = int(data[at.PLACES + i])
+        if place >= 0:
+            q[count, place] = found[i]
+    if not call_polish(packed, T, q[count], _STEPS) <= ACCEPTED:
+        return count
+    for i in range(n):
+        if packed[i, 0] == 0.0:
+            q[count, i] = wrapped(q[count, i])
+    for k in range(count):
+        apart = 0.0
+        for i in range(n):
+            difference = q[k, i] - q[count, i]
+            if packed[i, 0] == 0.0:
+                difference = wrapped(difference)
+            apart = max(apart, abs(difference))
+        if apart < SAME_POSTURE:
+            return count
+    return count + 1
+
+
+@inline
+def _displace(data, attempt, found):
+    """Move the postures ``found`` (k, 6) a little, each time in another direction."""
+    for k in range(found.shape[0]):
+        for i in range(6):
+            step = CONTINUUM_STEP * math.cos(attempt * (i + 1.0))
+            found[k, i] += step if data[at.SLIDES + i] == 0.0 else step * data[at.SIZE]
+
+
+@part(i8(IN1, IN2, IN1, OUT2, IOUT1))
+def solve_short(data, T, seed, q, branch):
+    """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
+
+    Where the completed arm is singular and the arm itself need not be, solutions are sought from
+    several values of what is free there, or, without a closed form, nearby; very many that are
+    found so are a continuum.  Returns how many there are, plus DOUBT where the list may lack one.
+    """
+    n = int(data[at.JOINTS])
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    six = data[at.PARTS + 13 * (n + 1) :]
+    found = np.empty((MAX_SOLUTIONS, 6))
+    marks = np.empty(MAX_SOLUTIONS, np.int64)
+    start = np.empty(6)
+    count = ZERO
+    total = ZERO
+    doubt = ZERO
+    singular = False
+    for attempt in range(_FREE_VALUES):
+        turn = 2.0 * math.pi * attempt / _FREE_VALUES
+        for i in range(6):
+            place = int(data[at.PLACES + i])
+            start[i] = seed[place] if place >= 0 else 0.0
+            start[i] += turn if data[at.SLIDES + i] == 0.0 else data[at.SIZE] * (turn - math.pi)
+            if attempt == 0 and data[at.SLIDES + i] != 0.0:
+                start[i] = seed[place] if place >= 0 else 0.0
+        if attempt == 0 or data[at.SIX] != GENERAL:
+            total = call_six_joints(
+                int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks
+            )
+            doubt |= total & DOUBT
+        else:
+            _displace(data, attempt, found[: total % DOUBT])
+        for k in range(total % DOUBT):
+            free = marks[k] & bit.CONTINUUM != 0
+            singular = singular or free
+            if count < q.shape[0] and (free or _stays(data, found[k])):
+                count = _entered(data, packed, T, found[k], q, count)
+        if not singular:
+            break
+    for k in range(count):
+        branch[k] = bit.UNNAMED
+        if singular and count > SHORT_CONTINUUM:
+            branch[k] |= bit.SHOULDER_SINGULAR
+    return count | doubt

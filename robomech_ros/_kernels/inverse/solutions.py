@@ -1,0 +1,358 @@
+"""All families behind one kernel: solutions, ranked; one pose or many."""
+
+import math
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.compiling.jit import (
+    IOUT1,
+    IOUT2,
+    OUT1,
+    OUT2,
+    OUT3,
+    b1,
+    borrowed,
+    i8,
+    kernel,
+    lean,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.branch_bits import DOUBT
+from robomech_ros._kernels.inverse.continuum import free_value, settle_wrist
+from robomech_ros._kernels.inverse.ranking import distance_from, insert, place, rank_body
+from robomech_ros._kernels.inverse.short import solve_short
+from robomech_ros._kernels.inverse.six_joints import (
+    BACKWARDS,
+    DECOUPLED,
+    GENERAL,
+    ITERATIVE,
+    MAX_SOLUTIONS,
+    THREE_PARALLEL,
+    call_six_joints,
+)
+
+__all__ = [
+    "BRANCH",
+    "DECOUPLED",
+    "GENERAL",
+    "ITERATIVE",
+    "MARKS",
+    "MAX_SOLUTIONS",
+    "NAMES",
+    "NONE_EXISTS",
+    "SHORT",
+    "THREE_PARALLEL",
+    "UNDECIDED",
+    "solve",
+]
+
+# Families with kernels of their own: the number of that of short arms, after those of six joints
+# and the redundant one.
+SHORT = 4
+
+# In place of a count: there is no solution, with limits or without; and that the family has found
+# none, which proves nothing.
+NONE_EXISTS = -1
+UNDECIDED = -2
+
+# Rows of ``marks``: branches of the bare solutions and of the ranked ones.
+BRANCH = 0
+NAMES = 1
+MARKS = 2
+# Entries of ``state``: how many bare solutions there are, branches of continua without a posture
+# inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
+# cannot vouch for having found all.
+BARE = 0
+MISSING = 1
+RANKED = 2
+SINGULAR = 3
+UNPROVEN = 4
+STATE = 5
+
+# Values of the free joints that are tried where the seed's leads out of the limits.
+_FREE_VALUES = 96
+# Limits hold; typed, so that numba does not compile a function anew for a literal.
+_BOUNDED = np.bool_(True)
+
+
+@lean
+def _settle(family, lower, upper, seed, q, branch, total):
+    """Choose among the postures of singular spherical wrists those that limits allow."""
+    if family == DECOUPLED:
+        for k in range(total):
+            if branch[k] & bit.WRIST_SINGULAR:
+                settle_wrist(branch[k] & bit.WRIST_OPPOSED != 0, lower, upper, seed, q[k])
+
+
+@lean
+def _count_continua(branch, total):
+    """Count the solutions that stand for a continuum."""
+    count = 0
+    for k in range(total):
+        if branch[k] & bit.CONTINUUM:
+            count += 1
+    return count
+
+
+@lean
+def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
+    """List the branches of continua whose representatives limits exclude; return how many."""
+    count = 0
+    for k in range(total):
+        if branch[k] & bit.CONTINUUM:
+            if not place(turns, lower, upper, seed, _BOUNDED, q[k], placed):
+                missing[count] = branch[k]
+                count += 1
+    return count
+
+
+@lean
+def _add_missing(
+    turns, lower, upper, seed, metric, q, branch, placed, missing, ranked, names, distances, state
+):
+    """Add the postures of missing branches that are inside the limits to the ranked ones.
+
+    ``state`` holds how many postures there are in q, branches missing, and ranked ones.
+    """
+    for m in range(state[BARE]):
+        for j in range(state[MISSING]):
+            if missing[j] != branch[m]:
+                continue
+            if place(turns, lower, upper, seed, _BOUNDED, q[m], placed):
+                distance = distance_from(placed, seed, metric)
+                state[RANKED] = insert(
+                    placed, branch[m], distance, state[RANKED], ranked, names, distances
+                )
+                state[MISSING] -= 1
+                missing[j] = missing[state[MISSING]]
+            break
+
+
+@lean
+def _bare(family, data, T, start, lower, upper, seed, bounded, q, branch):
+    """Write the bare solutions of any family; return how many there are, plus DOUBT."""
+    if family == SHORT:
+        total = solve_short(data, T, start, q, branch)
+    else:
+        total = call_six_joints(family % BACKWARDS, family >= BACKWARDS, data, T, start, q, branch)
+    if bounded:
+        _settle(family, lower, upper, seed, q, branch, total % DOUBT)
+    return total
+
+
+@lean
+def _seek_missing(
+    family,
+    data,
+    T,
+    start,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    q,
+    branch,
+    placed,
+    missing,
+    ranked,
+    names,
+    distances,
+    state,
+):
+    """Try other values of the free joints until no branch of a continuum is missing."""
+    for k in range(1, _FREE_VALUES + 1):
+        for i in range(seed.shape[0]):
+            start[i] = free_value(lower[i], upper[i], seed[i], k, _FREE_VALUES)
+        total = _bare(family, data, T, start, lower, upper, seed, _BOUNDED, q, branch)
+        state[BARE] = total % DOUBT
+        _add_missing(
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            q,
+            branch,
+            placed,
+            missing,
+            ranked,
+            names,
+            distances,
+            state,
+        )
+        if state[MISSING] == 0:
+            break
+    for i in range(seed.shape[0]):
+        start[i] = seed[i]
+
+
+@lean
+def _solve_pose(
+    family,
+    data,
+    T,
+    start,
+    turns,
+    lower,
+    upper,
+    seed,
+    metric,
+    bounded,
+    q,
+    branch,
+    others,
+    other_marks,
+    placed,
+    missing,
+    away,
+    ranked,
+    names,
+    distances,
+    state,
+):
+    """Solve one pose and rank its solutions; return how many bare ones there are."""
+    total = _bare(family, data, T, start, lower, upper, seed, bounded, q, branch)
+    found = total % DOUBT
+    state[UNPROVEN] = total // DOUBT
+    state[MISSING] = 0
+    state[SINGULAR] = _count_continua(branch, found)
+    state[RANKED] = rank_body(
+        turns,
+        lower,
+        upper,
+        seed,
+        metric,
+        bounded,
+        q,
+        branch,
+        found,
+        others,
+        other_marks,
+        away,
+        ranked,
+        names,
+        distances,
+    )
+    if bounded and state[SINGULAR] > 0:
+        state[MISSING] = _excluded(turns, lower, upper, seed, q, branch, found, placed, missing)
+    if state[MISSING] > 0:
+        _seek_missing(
+            family,
+            data,
+            T,
+            start,
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            others,
+            other_marks,
+            placed,
+            missing,
+            ranked,
+            names,
+            distances,
+            state,
+        )
+    return found
+
+
+@lean
+def _number(branch):
+    """Give numbers to postures that were solved backwards, whose names belong to other joints."""
+    for k in range(branch.shape[0]):
+        number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
+        if branch[k] & bit.ARM_NUMBERED:
+            arm = (branch[k] & bit.ARM_MASK) >> bit.ARM_SHIFT
+            number = 2 * arm + (1 if branch[k] & bit.WRIST_FLIP else 0)
+        marks = bit.SELF_MOTION if branch[k] & bit.CONTINUUM else branch[k] & bit.BOUNDARY
+        branch[k] = bit.POSTURE_NUMBERED | marks | (number << bit.ARM_SHIFT & bit.ARM_MASK)
+
+
+@lean
+def _clear(rows, first):
+    """Fill the rows from ``first`` on with NaN."""
+    for k in range(first, rows.shape[0]):
+        for i in range(rows.shape[1]):
+            rows[k, i] = math.nan
+
+
+@kernel(types.UniTuple(i8, STATE)(OUT1, OUT3, OUT1, i8, b1, OUT2, OUT3, OUT1, IOUT2, IOUT1))
+def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
+    """Solve the poses T (m, 4, 4) one after another.
+
+    ``arm`` holds the number of the family; then of every joint whether it turns, of every joint
+    its lower and of every joint its upper limit; then the constants that the family reads.  It is
+    one array, since to hand over an array takes as long as a fourth of an arm's solutions.  What
+    is only read is writable all the same: numba takes thrice as long for arrays that are not.
+
+    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
+    NONE_EXISTS where there is no solution even outside the limits, UNDECIDED where the family
+    cannot vouch for that.  Where limits exclude a representative of a continuum, others are tried,
+    with other values of the free joints.
+    BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
+
+    Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
+    row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
+    are the entries of its ``state``.
+    """
+    n = seed.shape[0]
+    arm, T, q, ranked = borrowed(arm), borrowed(T), borrowed(q), borrowed(ranked)
+    marks = borrowed(marks)
+    branch, names, state = marks[BRANCH], marks[NAMES], scratch_integers(STATE)
+    family = int(arm[0])
+    turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
+    data = arm[3 * n + 1 :]
+    missing = scratch_integers(MAX_SOLUTIONS)
+    other_marks = scratch_integers(MAX_SOLUTIONS)
+    away = scratch(MAX_SOLUTIONS)
+    space = np.empty((MAX_SOLUTIONS + 2, n))
+    bare_space = borrowed(space)
+    others, placed, start = (
+        bare_space[:MAX_SOLUTIONS],
+        bare_space[MAX_SOLUTIONS],
+        bare_space[MAX_SOLUTIONS + 1],
+    )
+    for i in range(n):
+        start[i] = seed[i]
+    for i in range(STATE):
+        state[i] = 0
+    for m in range(T.shape[0]):
+        found = _solve_pose(
+            family,
+            data,
+            T[m],
+            start,
+            turns,
+            lower,
+            upper,
+            seed,
+            metric,
+            bounded,
+            q,
+            branch,
+            others,
+            other_marks,
+            placed,
+            missing,
+            away,
+            ranked[m],
+            names,
+            distances,
+            state,
+        )
+        if family >= BACKWARDS:
+            _number(branch[:found])
+            _number(names[: state[RANKED]])
+        counts[m] = state[RANKED]
+        if found == 0:
+            counts[m] = UNDECIDED if state[UNPROVEN] > 0 else NONE_EXISTS
+        _clear(ranked[m], state[RANKED])
+        state[BARE] = found
+    return state[BARE], state[MISSING], state[RANKED], state[SINGULAR], state[UNPROVEN]

@@ -1,0 +1,1 @@
+"""Indices, joint rates and singularities of a posture."""

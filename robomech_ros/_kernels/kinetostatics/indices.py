@@ -1,0 +1,219 @@
+"""Performance indices of the Jacobian and their gradients, from its singular values.
+
+An index f of the k singular values s has the derivative ``sum df/ds_i u_i v_i^T`` by the Jacobian,
+with its singular vectors u and v.  The condition number by the Schatten norm of power p,
+``(sum s^p / k)^(1/p) (sum s^-p / k)^(1/p)``, is that by the weighted Frobenius norm for p = 2 and
+tends to the ratio of the largest to the least singular value for large p.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.singular_values import (
+    condition_of,
+    make_rows_orthogonal,
+    row_lengths,
+)
+from robomech_ros._kernels.chain.jacobian_rates import gradient_body
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    f8,
+    i8,
+    inline,
+    kernel,
+    lean,
+)
+
+__all__ = [
+    "CONDITION",
+    "COUNT",
+    "LEAST",
+    "MANIPULABILITY",
+    "SCHATTEN",
+    "fill_weighted",
+    "index_gradient_one",
+    "index_gradients",
+    "indices",
+]
+
+# Columns of the answer.
+MANIPULABILITY = 0
+CONDITION = 1
+SCHATTEN = 2
+LEAST = 3
+COUNT = 4
+
+# Where the linear rows begin.
+_LINEAR = 3
+
+
+@lean
+def fill_weighted(J, weights, rows, W):
+    """Write these weighted rows of J, or its columns where they are fewer, and a unit."""
+    r, n = rows.size, J.shape[1]
+    small, large = W.shape[0], W.shape[1] - W.shape[0]
+    for i in range(small):
+        for k in range(large):
+            row, column = (i, k) if r <= n else (k, i)
+            W[i, k] = J[rows[row], column] * weights[rows[row]]
+        for k in range(small):
+            W[i, large + k] = 1.0 if i == k else 0.0
+
+
+@lean
+def _power_means(s, low, high, power):
+    """Means of (s / s_high)^p and of (s_low / s)^p, both from 1/k to 1."""
+    up, down = 0.0, 0.0
+    for value in s:
+        up += (value / s[high]) ** power
+        down += (s[low] / value) ** power
+    return up / s.size, down / s.size
+
+
+@lean
+def _extremes(s):
+    """Give the places of the least and the largest of s."""
+    low, high = 0, 0
+    for i in range(s.size):
+        low = i if s[i] < s[low] else low
+        high = i if s[i] > s[high] else high
+    return low, high
+
+
+@lean
+def _evaluate(s, power, out):
+    """Write the four indices of the singular values s to out."""
+    product = 1.0
+    for value in s:
+        product *= value
+    low, high = _extremes(s)
+    condition = condition_of(s)
+    out[MANIPULABILITY] = product
+    out[CONDITION] = condition
+    out[LEAST] = s[low]
+    out[SCHATTEN] = condition
+    if condition < math.inf:
+        up, down = _power_means(s, low, high, power)
+        out[SCHATTEN] = condition * (up * down) ** (1.0 / power)
+
+
+@lean
+def _derivatives(s, index, f, power, out):
+    """Write the derivatives of an index, of value f, by the singular values s to out."""
+    low, high = _extremes(s)
+    up, down = _power_means(s, low, high, power)
+    for i in range(s.size):
+        if index == MANIPULABILITY:
+            out[i] = f / s[i]
+        elif index == SCHATTEN:
+            rising, falling = (s[i] / s[high]) ** power / up, (s[low] / s[i]) ** power / down
+            out[i] = f * (rising - falling) / (s[i] * s.size)
+        else:
+            out[i] = 0.0
+    if index == CONDITION:
+        out[high] += 1.0 / s[low]
+        out[low] -= f / s[low]
+    elif index == LEAST:
+        out[low] = 1.0
+
+
+@lean
+def _by_jacobian(J, W, s, ds, weights, rows, G):
+    """Write the derivative by J, sum of ds u v^T, from the orthogonal rows W to G (6, n).
+
+    Returns that by the logarithm of what the linear rows were divided by.
+    """
+    r, n = rows.size, G.shape[1]
+    small, large = W.shape[0], W.shape[1] - W.shape[0]
+    G[:] = 0.0
+    for j in range(small):
+        factor = ds[j] / s[j] if ds[j] != 0.0 else 0.0
+        for row in range(r):
+            for column in range(n):
+                i, k = (row, column) if r <= n else (column, row)
+                value = factor * W[j, large + i] * W[j, k]
+                G[rows[row], column] += weights[rows[row]] * value
+    stretch = 0.0
+    for row in range(_LINEAR, 6):
+        for column in range(n):
+            stretch -= G[row, column] * J[row, column]
+    return stretch
+
+
+@kernel(i8(IN2, IN2, IN1, IIN1, f8, OUT2))
+def indices(packed, q, weights, rows, power, out):
+    """Four indices of some rows of the Jacobian at q (m, n) into out (m, 4).
+
+    ``rows`` (r,) counts from 0; row i of the Jacobian is multiplied by ``weights[i]``.
+    """
+    n = q.shape[1]
+    J, pose = np.empty((6, n)), np.empty((4, 4))
+    small, large = min(rows.size, n), max(rows.size, n)
+    W, s = np.empty((small, small + large)), np.empty(small)
+    status = 0
+    for k in range(q.shape[0]):
+        status |= jacobian_body(packed, q[k], J, pose)
+        fill_weighted(J, weights, rows, W)
+        make_rows_orthogonal(W, large)
+        row_lengths(W, large, s)
+        _evaluate(s, power, out[k])
+    return status
+
+
+@inline
+def _gradient(J, weights, rows, power, index, spaces, value, out):
+    """Write the indices of J to value (4,), the gradient of one to out (n,).
+
+    Returns the derivative by the logarithm of what the linear rows were divided by.  ``spaces`` are
+    arrays to work with: G like J, W, and s and ds for the singular values.
+    """
+    G, W, s, ds = spaces
+    large = W.shape[1] - W.shape[0]
+    fill_weighted(J, weights, rows, W)
+    make_rows_orthogonal(W, large)
+    row_lengths(W, large, s)
+    _evaluate(s, power, value)
+    _derivatives(s, index, value[index], power, ds)
+    stretch = _by_jacobian(J, W, s, ds, weights, rows, G)
+    gradient_body(J, G, out)
+    return stretch
+
+
+@inline
+def _spaces(n, count):
+    """Make the arrays that :func:`_gradient` works with, for so many rows."""
+    small, large = min(count, n), max(count, n)
+    return np.empty((6, n)), np.empty((small, small + large)), np.empty(small), np.empty(small)
+
+
+@kernel(i8(IN2, IN1, IN1, IIN1, f8, i8, OUT1))
+def index_gradient_one(packed, q, weights, rows, power, index, out):
+    """Gradient of one index at q (n,) into out (n,)."""
+    J = np.empty((6, q.size))
+    status = jacobian_body(packed, q, J, np.empty((4, 4)))
+    _gradient(J, weights, rows, power, index, _spaces(q.size, rows.size), np.empty(COUNT), out)
+    return status
+
+
+@kernel(i8(IN2, IN2, IN1, IIN1, f8, i8, OUT2, OUT2))
+def index_gradients(packed, q, weights, rows, power, index, values, out):
+    """One index at q (m, n), its value in values (m, 4) and its gradient in out (m, n + 1).
+
+    The last column is the derivative by the logarithm of the length by which ``weights`` divide the
+    linear rows.
+
+    The gradient is NaN or infinite where a singular value that counts is zero.
+    """
+    n = q.shape[1]
+    J, pose, spaces = np.empty((6, n)), np.empty((4, 4)), _spaces(n, rows.size)
+    status = 0
+    for k in range(q.shape[0]):
+        status |= jacobian_body(packed, q[k], J, pose)
+        out[k, n] = _gradient(J, weights, rows, power, index, spaces, values[k], out[k])
+    return status

@@ -1,0 +1,172 @@
+"""Factors of the Jacobian's determinant that have names, in one posture.
+
+All is read off the Jacobian: the axes, zero for slides, the velocities of the point that it belongs
+to, and the point of every axis that is nearest to it, as seen from there (m).
+"""
+
+import math
+
+from robomech_ros._kernels.algebra.dense import cholesky_solve
+from robomech_ros._kernels.compiling.jit import inline, lean, scratch
+
+__all__ = [
+    "ARM_AND_WRIST",
+    "MOST_FACTORS",
+    "ONE_ELBOW",
+    "PARALLEL",
+    "PARALLEL_OUTER",
+    "PARALLEL_SIX",
+    "SHOULDER_ELBOW_WRIST",
+    "SPHERICAL_ENDS",
+    "WRIST",
+    "named_factors",
+]
+
+# What an arm is made of: nothing with a name; a spherical shoulder and wrist, without or with one
+# joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
+# three parallel axes, alone or as joints 2 to 4 of six, with outer axes that miss each other or
+# meet; a spherical wrist alone.
+SPHERICAL_ENDS = 1
+ONE_ELBOW = 2
+ARM_AND_WRIST = 3
+SHOULDER_ELBOW_WRIST = 4
+PARALLEL = 5
+PARALLEL_OUTER = 6
+PARALLEL_SIX = 7
+WRIST = 8
+MOST_FACTORS = 3
+
+
+@lean
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@lean
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@lean
+def _minus(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@lean
+def _axis(J, i):
+    return J[0, i], J[1, i], J[2, i]
+
+
+@lean
+def _moved(J, i):
+    return J[3, i], J[4, i], J[5, i]
+
+
+@lean
+def _foot(J, i):
+    """Give the point of axis i that is nearest."""
+    return _cross(_axis(J, i), _moved(J, i))
+
+
+@lean
+def _volume(J, i):
+    """Give the volume that the directions of axes i, i + 1 and i + 2 span."""
+    return _dot(_cross(_axis(J, i), _axis(J, i + 1)), _axis(J, i + 2))
+
+
+@lean
+def _velocity(J, i, point, size):
+    """Give the velocity that joint i gives to a point of its link; a turn's over the size."""
+    x, y, z = _axis(J, i)
+    if x == 0.0 and y == 0.0 and z == 0.0:
+        return _moved(J, i)
+    vx, vy, vz = _cross((x, y, z), _minus(point, _foot(J, i)))
+    return vx / size, vy / size, vz / size
+
+
+@inline
+def _meeting(J, first, count):
+    """Give the point nearest to some neighbouring axes."""
+    A, b = scratch(3, 3), scratch(3)
+    A[:] = 0.0
+    b[:] = 0.0
+    for i in range(first, first + count):
+        foot = _foot(J, i)
+        for row in range(3):
+            # A foot is across its axis as it stands.
+            b[row] += foot[row]
+            A[row, row] += 1.0
+            for column in range(3):
+                A[row, column] -= J[row, i] * J[column, i]
+    cholesky_solve(A, b, 3)
+    return b[0], b[1], b[2]
+
+
+@inline
+def named_factors(J, parts, size, out):
+    """Write the factors of J (6, n) to out, dimensionless, in the order in which they are named.
+
+    ``parts`` (6,) is the kind; the first joint of the shoulder, counted from 0; that of the wrist;
+    and three with parallel axes.  ``size`` is that of the arm (m).
+    """
+    kind = parts[0]
+    if kind == SPHERICAL_ENDS or kind == ONE_ELBOW:
+        _spherical_ends(J, kind, parts[1], parts[2], size, out)
+    elif kind == ARM_AND_WRIST or kind == SHOULDER_ELBOW_WRIST:
+        _decoupled(J, kind, parts[2], size, out)
+    elif kind == PARALLEL or kind == PARALLEL_OUTER or kind == PARALLEL_SIX:
+        _parallel(J, parts, size, out)
+    elif kind == WRIST:
+        out[0] = _volume(J, parts[2])
+
+
+@inline
+def _spherical_ends(J, kind, first, last, size, out):
+    """Shoulder, perhaps elbow, and wrist."""
+    out[0] = _volume(J, first)
+    if kind == SPHERICAL_ENDS:
+        out[1] = _volume(J, last)
+        return
+    shoulder, wrist = _meeting(J, first, 3), _meeting(J, last, 3)
+    reach = _minus(wrist, shoulder)
+    along = _dot(_velocity(J, first + 3, wrist, size), reach)
+    out[1] = along / max(math.sqrt(_dot(reach, reach)), 1e-300)
+    out[2] = _volume(J, last)
+
+
+@inline
+def _decoupled(J, kind, last, size, out):
+    """Arm, or shoulder and elbow, and wrist."""
+    centre = _meeting(J, last, 3)
+    one = _velocity(J, 0, centre, size)
+    two = _velocity(J, 1, centre, size)
+    three = _velocity(J, 2, centre, size)
+    if kind == ARM_AND_WRIST:
+        out[0] = _dot(_cross(one, two), three)
+        out[1] = _volume(J, last)
+        return
+    axis = _axis(J, 1)
+    out[0] = _dot(one, axis)
+    out[1] = _dot(_cross(two, three), axis)
+    out[2] = _volume(J, last)
+
+
+@inline
+def _parallel(J, parts, size, out):
+    """Elbow, of six joints also the wrist, and the shoulder where axes 5 and 6 meet."""
+    kind = parts[0]
+    axis = _axis(J, parts[3])
+    start = _foot(J, parts[3])
+    second, third = _minus(_foot(J, parts[4]), start), _minus(_foot(J, parts[5]), start)
+    elbow = _dot(_cross(second, third), axis) / (size * size)
+    if kind == PARALLEL:
+        out[0] = elbow
+        return
+    wrist = _dot(_cross(_axis(J, 4), _axis(J, 5)), axis)
+    if kind == PARALLEL_OUTER:
+        out[0] = elbow
+        out[1] = wrist
+        return
+    out[0] = _dot(_velocity(J, 0, _meeting(J, 4, 2), size), axis)
+    out[1] = elbow
+    out[2] = wrist

@@ -1,0 +1,217 @@
+"""What the Jacobian of one posture says: singular values, what is lost, what is free, factors.
+
+The Jacobian is that of a point of the tip link; its linear rows are divided by a length.
+"""
+
+import math
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.algebra.singular_values import (
+    condition_of,
+    make_rows_orthogonal,
+    row_lengths,
+)
+from robomech_ros._kernels.chain.jacobian_points import move_jacobian
+from robomech_ros._kernels.chain.serial import OK, jacobian_body
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN2,
+    OUT1,
+    OUT2,
+    f8,
+    i8,
+    inline,
+    kernel,
+    lean,
+)
+from robomech_ros._kernels.kinetostatics.indices import fill_weighted
+from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
+from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
+
+__all__ = ["FACTORS", "MOVING", "posture_report"]
+
+# Places of the numbers: manipulability and condition number in SI units, the latter again with
+# lengths over the length, the factors, and how much each joint moves while the tip does not.
+FACTORS = 3
+MOVING = FACTORS + MOST_FACTORS
+
+
+@lean
+def _in_order(s, order):
+    """Write the places of s, largest first, to order."""
+    for i in range(s.size):
+        k = i
+        while k > 0 and s[order[k - 1]] < s[i]:
+            order[k] = order[k - 1]
+            k -= 1
+        order[k] = i
+
+
+@lean
+def _subtract(A, i, B, k):
+    """Take from row i of A what it has of row k of B, which has norm 1."""
+    product = 0.0
+    for j in range(A.shape[1]):
+        product += A[i, j] * B[k, j]
+    for j in range(A.shape[1]):
+        A[i, j] -= product * B[k, j]
+
+
+@lean
+def _length(A, i):
+    """Give the norm of row i of A."""
+    square = 0.0
+    for j in range(A.shape[1]):
+        square += A[i, j] * A[i, j]
+    return math.sqrt(square)
+
+
+@lean
+def _extend(basis, count, candidates, tolerance):
+    """Add orthonormal rows, for what candidates span besides the first `count` rows of basis.
+
+    The candidates (k, c) are overwritten.  Returns how many rows there are now.
+    """
+    for i in range(candidates.shape[0]):
+        for k in range(count):
+            _subtract(candidates, i, basis, k)
+    while count < basis.shape[0]:
+        longest, best = 0.0, 0
+        for i in range(candidates.shape[0]):
+            length = _length(candidates, i)
+            if length > longest:
+                longest, best = length, i
+        if not longest > tolerance:
+            break
+        for j in range(basis.shape[1]):
+            basis[count, j] = candidates[best, j] / longest
+        for k in range(count):
+            # What rounding has left of them.
+            _subtract(basis, count, basis, k)
+        length = _length(basis, count)
+        for j in range(basis.shape[1]):
+            basis[count, j] /= length
+        for i in range(candidates.shape[0]):
+            _subtract(candidates, i, basis, count)
+        count += 1
+    return count
+
+
+@inline
+def _complete(basis, count):
+    """Extend orthonormal rows to a basis of the whole space."""
+    if count < basis.shape[0]:
+        _extend(basis, count, np.eye(basis.shape[1]), 0.0)
+
+
+@inline
+def _decompose(W, s, left, right, values):
+    """Write singular values and the vectors of those that count; return how many these are."""
+    small, six = W.shape[0], 6
+    n = right.shape[0]
+    order = np.empty(small, dtype=np.int64)
+    _in_order(s, order)
+    rank = 0
+    for i in range(small):
+        row = order[i]
+        values[i] = s[row]
+        if not s[row] > RANK * values[0]:
+            continue
+        rank += 1
+        # Rows are those of the matrix turned, times the singular value, and then of what turned it.
+        large = n if n >= six else six
+        for k in range(n):
+            right[i, k] = W[row, k] / s[row] if n >= six else W[row, large + k]
+        for k in range(six):
+            left[i, k] = W[row, large + k] if n >= six else W[row, k] / s[row]
+    return rank
+
+
+@inline
+def _lost(left, rank, motions, weights, lost):
+    """Write what the arm can do elsewhere and not here to lost (6, 6); return how many twists.
+
+    Their weighted norm is 1.
+    """
+    basis = left.copy()
+    candidates = motions * weights
+    square = 0.0
+    for i in range(candidates.shape[0]):
+        square += _length(candidates, i) ** 2
+    count = _extend(basis, rank, candidates, FACTOR_ZERO * math.sqrt(square)) - rank
+    for i in range(count):
+        for k in range(6):
+            lost[i, k] = basis[rank + i, k] / weights[k]
+    return count
+
+
+@lean
+def _moving(free, rank, out):
+    """Write how much each joint (n,) moves at most in the rows of free (n, n) from `rank` on."""
+    for k in range(free.shape[1]):
+        out[k] = 0.0
+        for i in range(rank, free.shape[0]):
+            out[k] = max(out[k], abs(free[i, k]))
+
+
+@kernel(types.UniTuple(i8, 3)(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, OUT1, OUT1, OUT2, OUT2, OUT2))
+def posture_report(
+    packed,
+    q,
+    point,
+    length,
+    parts,
+    size,
+    motions,
+    regular,
+    values,
+    numbers,
+    lost,
+    idle,
+    free,
+):
+    """Report on q (n,) of the point (3,) with linear rows divided by a length.
+
+    ``parts`` and ``size`` are those of ``named_factors``; ``motions`` (r, 6) spans all twists of
+    the arm, ``regular`` is the largest rank it has.  Returned are the status, the rank, and how
+    many twists are lost.  Written are singular values (min(6, n),); numbers (MOVING + n,); the
+    twists that are lost in the first rows of lost (6, 6); from row ``rank`` on the wrenches that
+    load no joint, in idle (6, 6), and the joint rates that do not move the tip, in free (n, n).
+    """
+    n = q.size
+    J, pose = np.empty((6, n)), np.empty((4, 4))
+    status = jacobian_body(packed, q, J, pose)
+    if status != OK:
+        return status, 0, 0
+    move_jacobian(J, pose, point)
+    small, large = min(6, n), max(6, n)
+    s, plain = np.empty(small), np.empty((small, large))
+    for i in range(small):
+        for k in range(large):
+            plain[i, k] = J[i, k] if n >= 6 else J[k, i]
+    make_rows_orthogonal(plain, large)
+    row_lengths(plain, large, s)
+    product = 1.0
+    for value in s:
+        product *= value
+    numbers[0] = product
+    numbers[1] = condition_of(s)
+    W, weights = np.empty((small, small + large)), np.ones(6)
+    weights[3:] = 1.0 / length
+    fill_weighted(J, weights, np.arange(6), W)
+    make_rows_orthogonal(W, large)
+    row_lengths(W, large, s)
+    rank = _decompose(W, s, idle, free, values)
+    numbers[2] = condition_of(s)
+    _complete(idle, rank)
+    _complete(free, rank)
+    count = _lost(idle, rank, motions, weights, lost) if rank < regular else 0
+    for i in range(rank, 6):
+        for k in range(3):
+            idle[i, k] *= length
+    named_factors(J, parts, size, numbers[FACTORS:MOVING])
+    _moving(free, rank, numbers[MOVING:])
+    return status, rank, count

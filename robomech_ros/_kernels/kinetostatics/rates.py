@@ -1,0 +1,228 @@
+"""Joint rates that move a point of the tip link at a given twist.
+
+An arm of six joints gets them by elimination, one with a spherical wrist in two systems of three:
+the velocity of the wrist centre gives the rates of the arm, what its turning leaves of the angular
+velocity gives those of the wrist.  The determinant comes with them, and bounds the least singular
+value from below.  Where the bound does not exclude a singularity, and for all other arms, singular
+values give the rates of least norm, or of least error of the twist.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.  Yu and Gu, A note on a
+lower bound for the smallest singular value, Linear Algebra and its Applications 253, 1997.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.singular_values import make_rows_orthogonal
+from robomech_ros._kernels.chain.serial import jacobian_body
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT2,
+    f8,
+    i8,
+    inline,
+    kernel,
+    lean,
+    scratch,
+)
+from robomech_ros._kernels.tolerances import RANK
+
+__all__ = ["joint_rates"]
+
+
+@lean
+def _lever(T, here, there):
+    """Turn the way between two points of the tip frame into the base."""
+    x, y, z = there[0] - here[0], there[1] - here[1], there[2] - here[2]
+    return (
+        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z,
+        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z,
+        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z,
+    )
+
+
+@lean
+def _move(J, i, r):
+    """Give the velocity that joint i causes at the lever r from where J is taken."""
+    ax, ay, az = J[0, i], J[1, i], J[2, i]
+    return (
+        J[3, i] + ay * r[2] - az * r[1],
+        J[4, i] + az * r[0] - ax * r[2],
+        J[5, i] + ax * r[1] - ay * r[0],
+    )
+
+
+@lean
+def _cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@lean
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@lean
+def _reciprocal(a, b, c, d, x, first):
+    """Solve [a b c] x = d into x from its entry `first` on; returns the determinant."""
+    bc, ca, ab = _cross(b, c), _cross(c, a), _cross(a, b)
+    determinant = _dot(a, bc)
+    if determinant != 0.0:
+        x[first] = _dot(d, bc) / determinant
+        x[first + 1] = _dot(d, ca) / determinant
+        x[first + 2] = _dot(d, ab) / determinant
+    return determinant
+
+
+@lean
+def _through_wrist(J, r, b, x):
+    """Solve J x = b for an arm whose last three axes meet at the lever r; gives the determinant."""
+    centre = (
+        b[3] + b[1] * r[2] - b[2] * r[1],
+        b[4] + b[2] * r[0] - b[0] * r[2],
+        b[5] + b[0] * r[1] - b[1] * r[0],
+    )
+    arm = _reciprocal(_move(J, 0, r), _move(J, 1, r), _move(J, 2, r), centre, x, 0)
+    if arm == 0.0:
+        return 0.0
+    left = (
+        b[0] - J[0, 0] * x[0] - J[0, 1] * x[1] - J[0, 2] * x[2],
+        b[1] - J[1, 0] * x[0] - J[1, 1] * x[1] - J[1, 2] * x[2],
+        b[2] - J[2, 0] * x[0] - J[2, 1] * x[1] - J[2, 2] * x[2],
+    )
+    fourth, fifth = (J[0, 3], J[1, 3], J[2, 3]), (J[0, 4], J[1, 4], J[2, 4])
+    return arm * _reciprocal(fourth, fifth, (J[0, 5], J[1, 5], J[2, 5]), left, x, 3)
+
+
+@lean
+def _eliminated(J, b, x):
+    """Solve J x = b, 6 x 6, by elimination with partial pivoting; gives the determinant."""
+    A = scratch(6, 7)
+    for i in range(6):
+        for k in range(6):
+            A[i, k] = J[i, k]
+        A[i, 6] = b[i]
+    determinant = 1.0
+    for k in range(6):
+        best = k
+        for i in range(k + 1, 6):
+            if abs(A[i, k]) > abs(A[best, k]):
+                best = i
+        pivot = A[best, k]
+        if pivot == 0.0:
+            return 0.0
+        if best != k:
+            determinant = -determinant
+            for j in range(k, 7):
+                A[k, j], A[best, j] = A[best, j], A[k, j]
+        determinant *= pivot
+        for i in range(k + 1, 6):
+            factor = A[i, k] / pivot
+            for j in range(k + 1, 7):
+                A[i, j] -= factor * A[k, j]
+    for i in range(5, -1, -1):
+        value = A[i, 6]
+        for k in range(i + 1, 6):
+            value -= A[i, k] * x[k]
+        x[i] = value / A[i, i]
+    return determinant
+
+
+@lean
+def _is_regular(J, determinant, length, damping):
+    """Tell whether the least singular value is certainly above what is damped or is zero.
+
+    The product of the five others is at most their mean square to the power of 5/2.
+    """
+    square = 0.0
+    for k in range(6):
+        for i in range(3):
+            square += J[i, k] * J[i, k] + J[3 + i, k] * J[3 + i, k] / (length * length)
+    least = abs(determinant) / length**3 * (5.0 / square) ** 2.5 if square > 0.0 else 0.0
+    return least > max(damping, RANK * math.sqrt(square))
+
+
+@inline
+def _by_singular_values(J, b, length, damping, W, x):
+    """Solve J x = b by singular values, those below `damping` and those of zero filtered.
+
+    W (k, 6 + n), k the smaller of 6 and n, is working space.
+    """
+    n = J.shape[1]
+    small, large = W.shape[0], W.shape[1] - W.shape[0]
+    wide = n >= 6
+    for i in range(small):
+        for k in range(large):
+            row, column = (i, k) if wide else (k, i)
+            W[i, k] = J[row, column] if row < 3 else J[row, column] / length
+        for k in range(small):
+            W[i, large + k] = 1.0 if i == k else 0.0
+    make_rows_orthogonal(W, large)
+    largest = 0.0
+    for i in range(small):
+        square = 0.0
+        for k in range(large):
+            square += W[i, k] * W[i, k]
+        largest = max(largest, square)
+    for k in range(n):
+        x[k] = 0.0
+    for i in range(small):
+        square, along = 0.0, 0.0
+        for k in range(large):
+            square += W[i, k] * W[i, k]
+        for k in range(6):
+            value = b[k] if k < 3 else b[k] / length
+            along += value * (W[i, large + k] if wide else W[i, k])
+        if square < damping * damping:
+            along /= damping * damping
+        elif square > RANK * RANK * largest:
+            along /= square
+        else:
+            along = 0.0
+        for k in range(n):
+            x[k] += along * (W[i, k] if wide else W[i, large + k])
+
+
+@inline
+def _rates(J, b, r, spherical, length, damping, W, x):
+    """Solve J x = b the cheapest way that is safe."""
+    if J.shape[1] == 6:
+        determinant = _through_wrist(J, r, b, x) if spherical else _eliminated(J, b, x)
+        if _is_regular(J, determinant, length, damping):
+            return
+    _by_singular_values(J, b, length, damping, W, x)
+
+
+@kernel(i8(IN2, i8, IN1, IN1, f8, f8, IN2, IN2, IN2, OUT2))
+def joint_rates(packed, spherical, wrist, point, length, damping, q, twist, secondary, out):
+    """Joint rates for q (m, n) and twists (m, 6) of a point, in base axes, into out (m, n).
+
+    ``wrist`` is where the last three axes meet in the tip frame, if they do; ``point`` that whose
+    twist is meant.  What ``secondary`` (m, n), or (0, n) for none, does to the tip is taken back.
+    """
+    n = q.shape[1]
+    small, large = min(6, n), max(6, n)
+    J, T = np.empty((6, n)), np.empty((4, 4))
+    W, b, origin = np.empty((small, small + large)), np.empty(6), np.zeros(3)
+    status = 0
+    for k in range(q.shape[0]):
+        if jacobian_body(packed, q[k], J, T):
+            status = 1
+            continue
+        r = _lever(T, origin, point)
+        for i in range(n):
+            J[3, i], J[4, i], J[5, i] = _move(J, i, r)
+        for i in range(6):
+            b[i] = twist[k, i]
+            if secondary.shape[0] > 0:
+                for j in range(n):
+                    b[i] -= J[i, j] * secondary[k, j]
+        _rates(J, b, _lever(T, point, wrist), spherical != 0, length, damping, W, out[k])
+        if secondary.shape[0] > 0:
+            for j in range(n):
+                out[k, j] += secondary[k, j]
+    return status

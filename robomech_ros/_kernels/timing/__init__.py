@@ -1,0 +1,1 @@
+"""Piecewise polynomials in time, and the speed along a path."""

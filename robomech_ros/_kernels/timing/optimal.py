@@ -1,0 +1,147 @@
+"""Largest speed along a path, cell by cell, within rows of limits: two passes over all cells.
+
+The rows of `time_rows` are linear in the squares of the speed at both ends of a cell.
+
+References
+----------
+H. Pham and Q.-C. Pham, "A new approach to time-optimal path parameterization based on
+reachability analysis", IEEE Transactions on Robotics 34(3), 2018: the two passes.
+"""
+
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT1, f8, i8, inline, kernel
+from robomech_ros._kernels.timing.planar_program import farthest
+from robomech_ros._kernels.tolerances import ROW_SLACK
+
+__all__ = ["BLOCKED", "DONE", "STALLED", "binding_rows", "speed_profile"]
+
+# What the passes end with.
+DONE, BLOCKED, STALLED = 0, 1, 2
+# A row this near to its bound counts as binding.
+_BINDING = 0.999
+
+
+@inline
+def _next(first, second, rest, x, lowest, highest):
+    """Find the largest x_1 in [lowest, highest] that the rows allow after x_0 = x."""
+    low, high = lowest, highest
+    for i in range(first.shape[0]):
+        slope = second[i]
+        value = first[i] * x + rest[i]
+        if slope > 0.0:
+            if value + slope * high > 1.0 + ROW_SLACK:
+                high = (1.0 - value) / slope
+            if value + slope * low < -1.0 - ROW_SLACK:
+                low = (-1.0 - value) / slope
+        elif slope < 0.0:
+            if value + slope * high < -1.0 - ROW_SLACK:
+                high = (-1.0 - value) / slope
+            if value + slope * low > 1.0 + ROW_SLACK:
+                low = (1.0 - value) / slope
+    # Only rounding makes the range empty.
+    found = high if high >= low else 0.5 * (low + high)
+    return max(lowest, min(highest, found))
+
+
+@inline
+def _scaled_down(first, second, x, y):
+    """Scale x_0 = x and x_1 = y until rows without rest allow them; return x_0."""
+    largest = 1.0
+    for i in range(first.shape[0]):
+        largest = max(largest, abs(first[i] * x + second[i] * y))
+    return x / largest
+
+
+@kernel(i8(IN2, IN2, IN2, IN1, f8, f8, OUT1, OUT1, OUT1, IOUT1))
+def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, where):
+    """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (m, r)
+        In cell k, ``|first x_k + second x_k+1 + rest| <= 1``.
+    rest : ndarray, shape (m, r), or (1, r) of zeros
+        A single row where there is no drift.
+    bounds : ndarray, shape (m + 1,)
+        Largest x at the nodes.
+    begin, end : float
+        Wanted x at both ends; negative for any, and the nearest one possible at the beginning.
+    lowest, highest : ndarray, shape (m + 1,)
+        Filled with the range of x from which the end can be reached.
+    x : ndarray, shape (m + 1,)
+        Filled.
+    where : ndarray of int, shape (1,)
+        Filled with the cell at fault.
+
+    Returns
+    -------
+    status : int
+        DONE; BLOCKED: no x allows to pass a cell, or none that leads to the wanted end; STALLED:
+        a cell is entered and left at rest.
+    """
+    cells, rows = first.shape
+    drift = rest.shape[0] == cells
+    order = np.arange(rows)
+    lowest[cells] = min(max(end, 0.0), bounds[cells])
+    highest[cells] = min(end, bounds[cells]) if end >= 0.0 else bounds[cells]
+    for k in range(cells - 1, -1, -1):
+        box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
+        row = rest[k if drift else 0]
+        found = farthest(first[k], second[k], row, order, box, 1.0)
+        where[0] = k
+        free = not drift and lowest[k + 1] == 0.0
+        if free and not found > 0.0:
+            found = _scaled_down(first[k], second[k], bounds[k], highest[k + 1])
+        if not found >= 0.0:
+            return BLOCKED
+        highest[k] = found
+        lowest[k] = 0.0
+        if not free:
+            found = farthest(first[k], second[k], row, order, box, -1.0)
+            if not found >= 0.0:
+                return BLOCKED
+            lowest[k] = min(found, highest[k])
+    if begin < 0.0:
+        # The largest next x counts; where x_0 binds as well, less of it may allow more of that.
+        row = rest[0]
+        box = (lowest[1], highest[1], lowest[0], highest[0])
+        reached = farthest(second[0], first[0], row, order, box, 1.0)
+        if reached >= 0.0:
+            begin = _next(second[0], first[0], row, reached, lowest[0], highest[0])
+    x[0] = min(max(begin, lowest[0]), highest[0])
+    for k in range(cells):
+        row = rest[k if drift else 0]
+        x[k + 1] = _next(first[k], second[k], row, x[k], lowest[k + 1], highest[k + 1])
+        if not x[k + 1] + x[k] > 0.0:
+            where[0] = k
+            return STALLED
+    return DONE
+
+
+@kernel(i8(IN2, IN2, IN2, IN1, IN1, IIN1, IOUT1))
+def binding_rows(first, second, rest, bounds, x, owners, binding):
+    """Find what binds in each cell.
+
+    Parameters
+    ----------
+    first, second, rest, bounds, x
+        As for `speed_profile`.
+    owners : ndarray of int, shape (r,)
+        To which quantity each row belongs, counted from 1.
+    binding : ndarray of int, shape (m,)
+        Filled with the number of the quantity and the sign of its bound; 0 where x is at its
+        bounds instead, and a number of its own for each cell where nothing binds all along.
+    """
+    drift = rest.shape[0] == first.shape[0]
+    for k in range(first.shape[0]):
+        largest = _BINDING
+        bounded = x[k] >= largest * bounds[k] and x[k + 1] >= largest * bounds[k + 1]
+        binding[k] = 0 if bounded else first.shape[1] + 1 + k
+        row = rest[k if drift else 0]
+        for i in range(first.shape[1]):
+            value = first[k, i] * x[k] + second[k, i] * x[k + 1] + row[i]
+            if abs(value) > largest:
+                largest = abs(value)
+                binding[k] = owners[i] if value > 0.0 else -owners[i]
+    return DONE

@@ -1,0 +1,202 @@
+"""Extremes of piecewise polynomials and of their derivatives, between the ends of pieces as well.
+
+On an interval a polynomial lies within the hull of its Bernstein coefficients, and the hull
+shrinks onto it quadratically as the interval is halved.  So the pieces whose hull cannot hold an
+extreme are passed over, and the few others are halved until the hull is as narrow as wanted.
+
+References
+----------
+R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
+Geometric Design 29, 2012, sections 3.3 and 3.5.
+"""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.algebra.bernstein import to_bernstein
+from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, f8, i8, inline, kernel
+from robomech_ros._kernels.tolerances import PEAK_ACCURACY
+
+__all__ = ["peak_above", "piece_extremes"]
+
+# Each halving narrows the hull four times; what is left after these is far below any tolerance.
+_HALVINGS = 24
+# Intervals looked at in one piece at most; a polynomial with three extremes needs a hundred.
+_MOST = 2000
+# Derivative d of x^(i + d) is _FACTORS[d, i] x^i.
+_FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in range(4)])
+
+
+@inline
+def _highest(control, degree, floor, relative, absolute, stack):
+    """Find the largest value on [0, 1] from Bernstein coefficients, or floor if it is less.
+
+    It is found to the sum of a part of itself and an absolute error.
+    """
+    for i in range(degree + 1):
+        stack[0, i] = control[i]
+    stack[0, degree + 1] = 0.0
+    count = 1
+    for step in range(_MOST):
+        if count == 0:
+            break
+        count -= 1
+        floor = max(floor, stack[count, 0], stack[count, degree])
+        largest = stack[count, 0]
+        for i in range(1, degree + 1):
+            largest = max(largest, stack[count, i])
+        if not largest > floor + relative * abs(floor) + absolute:
+            continue
+        depth = stack[count, degree + 1]
+        if depth >= _HALVINGS or step == _MOST - 1:
+            floor = largest
+            continue
+        # De Casteljau: the left half replaces the whole, the right half goes on top of it.
+        for i in range(degree + 1):
+            control[i] = stack[count, i]
+        for i in range(degree + 1):
+            stack[count, i] = control[0]
+            stack[count + 1, degree - i] = control[degree - i]
+            for k in range(degree - i):
+                control[k] = 0.5 * (control[k] + control[k + 1])
+        stack[count, degree + 1] = depth + 1.0
+        stack[count + 1, degree + 1] = depth + 1.0
+        count += 2
+    return floor
+
+
+@inline
+def _derivative(coefficients, k, j, order, span, scale, control):
+    """Write a derivative of joint j in piece k, times a scale, in powers on [0, 1].
+
+    Returns the sum of the magnitudes, which no value exceeds.
+    """
+    power, largest = scale, 0.0
+    control[0] = 0.0
+    for i in range(coefficients.shape[0] - order):
+        control[i] = coefficients[i + order, k, j] * _FACTORS[order, i] * power
+        power *= span
+        largest += abs(control[i])
+    return largest
+
+
+@kernel(f8(IN1, IN3, IN1, i8, f8))
+def peak_above(times, coefficients, scales, order, floor):
+    """Find the largest magnitude of a derivative over its limit.
+
+    Parameters
+    ----------
+    times : ndarray, shape (p + 1,)
+        Where the pieces begin and end, in s.
+    coefficients : ndarray, shape (c, p, n)
+        Powers of the time since the beginning of the piece, lowest first.
+    scales : ndarray, shape (n,)
+        One over the limit of each joint.
+    order : int
+        1 velocity, 2 acceleration, 3 jerk.
+    floor : float
+        What is below does not matter, and is not looked at closely.
+
+    Returns
+    -------
+    float
+        The largest ratio, `floor` at least.
+    """
+    degree = max(coefficients.shape[0] - 1 - order, 0)
+    control, stack = np.empty(degree + 1), np.empty((_HALVINGS + 3, degree + 2))
+    for k in range(coefficients.shape[1]):
+        span = times[k + 1] - times[k]
+        for j in range(coefficients.shape[2]):
+            scale = scales[j]
+            if _derivative(coefficients, k, j, order, span, scale, control) <= floor:
+                continue
+            for _ in range(2):
+                _derivative(coefficients, k, j, order, span, scale, control)
+                to_bernstein(control, degree)
+                floor = _highest(control, degree, floor, 1e-9, 0.0, stack)
+                scale = -scale
+    return floor
+
+
+@inline
+def _raised(coefficients, k, j, order, span, sign, doubt, best, control, stack):
+    """Give the largest value of joint j in piece k, with a sign, or the best if it is less."""
+    degree = max(coefficients.shape[0] - order - 1, 0)
+    total = _derivative(coefficients, k, j, order, span, sign, control)
+    to_bernstein(control, degree)
+    for i in range(degree + 1):
+        control[i] -= doubt
+    return _highest(control, degree, best, 0.0, PEAK_ACCURACY * total, stack)
+
+
+@inline
+def _look_at_ends(spans, coefficients, order, slack, control, before, low, high, below, above):
+    """Give the extremes at the ends of all pieces as low and high (n,), and the largest step.
+
+    The steps are written in place of `before` (2, n), which holds the last piece's end as well.
+    No value of a piece is outside `below` and `above`, (s, n): no power on [0, 1] is larger than 1.
+    """
+    for j in range(coefficients.shape[2]):
+        low[j], high[j] = np.inf, -np.inf
+        before[1, j] = 0.0
+    for k in range(coefficients.shape[1]):
+        for j in range(coefficients.shape[2]):
+            _derivative(coefficients, k, j, order, spans[k], 1.0, control)
+            first, doubt = control[0], slack[order, k, j]
+            rise = fall = 0.0
+            for i in range(1, coefficients.shape[0] - order):
+                rise += max(control[i], 0.0)
+                fall += min(control[i], 0.0)
+            above[k, j], below[k, j] = first + rise - doubt, first + fall + doubt
+            last = first + rise + fall
+            high[j] = max(high[j], max(first, last) - doubt)
+            low[j] = min(low[j], min(first, last) + doubt)
+            if k > 0:
+                step = abs(first - before[0, j]) - max(doubt, slack[order, k - 1, j])
+                if not step <= before[1, j]:
+                    before[1, j] = step if step == step else np.inf
+            before[0, j] = last
+
+
+@kernel(i8(IN1, IN3, IN3, OUT2, OUT2, OUT2))
+def piece_extremes(breaks, coefficients, slack, low, high, steps):
+    """Find the extremes of the joints and of their first derivatives, and their largest steps.
+
+    Parameters
+    ----------
+    breaks : ndarray, shape (s + 1,)
+        Where the pieces begin and the last one ends, increasing.
+    coefficients : ndarray, shape (c, max(s, 1), n)
+        Powers of the time since the beginning of the piece, lowest first.
+    slack : ndarray, shape (d, max(s, 1), n)
+        By how much position, velocity and so on may be wrong in each piece; they count only as
+        far as they are certain.  d is 4 at most.
+    low, high : ndarray, shape (d, n)
+        Filled with extremes, to a part in 1e11 of the coefficients.
+    steps : ndarray, shape (d, n)
+        Filled with the largest magnitudes of steps from one piece to the next; infinite where
+        one is no number.
+    """
+    spans = np.ones(coefficients.shape[1])
+    for k in range(breaks.shape[0] - 1):
+        spans[k] = breaks[k + 1] - breaks[k]
+    size = coefficients.shape[0]
+    control, stack = np.empty(size + 1), np.empty((_HALVINGS + 3, size + 1))
+    before = np.empty((2, coefficients.shape[2]))
+    below, above = np.empty(coefficients.shape[1:]), np.empty(coefficients.shape[1:])
+    for order in range(low.shape[0]):
+        lows, highs = low[order], high[order]
+        ends = spans, coefficients, order, slack, control, before, lows, highs, below, above
+        _look_at_ends(*ends)
+        for j in range(low.shape[1]):
+            steps[order, j] = before[1, j]
+        for k in range(coefficients.shape[1]):
+            for j in range(low.shape[1]):
+                given = coefficients, k, j, order, spans[k]
+                doubt = slack[order, k, j]
+                if above[k, j] > highs[j]:
+                    highs[j] = _raised(*given, 1.0, doubt, highs[j], control, stack)
+                if below[k, j] < lows[j]:
+                    lows[j] = -_raised(*given, -1.0, doubt, -lows[j], control, stack)
+    return 0

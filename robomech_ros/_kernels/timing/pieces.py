@@ -1,0 +1,189 @@
+"""The motion along a path as quintic pieces in time, from the squares of the speeds at nodes."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN1,
+    IN3,
+    IOUT1,
+    OUT1,
+    OUT3,
+    f8,
+    i8,
+    inline,
+    kernel,
+)
+
+__all__ = ["piece_counts", "total_time", "write_pieces"]
+
+# Gauss-Legendre quadrature of order 12 on [0, 1]: half the nodes and the weights.
+_NODES = (0.03376524289842397, 0.16939530676686774, 0.38069040695840156)
+_WEIGHTS = (0.08566224618958517, 0.1803807865240693, 0.23395696728634552)
+_MOST = 64
+
+
+@inline
+def _coordinate(x0, x1, w):
+    """Return sigma where the speed, were it linear in time, is at part w of its way."""
+    y0, y1 = math.sqrt(x0), math.sqrt(x1)
+    return w * (2.0 * y0 + (y1 - y0) * w) / (y0 + y1)
+
+
+@inline
+def _duration(x0, x1, theta, span, w0, w1):
+    """Integrate the time over part of a cell, from w0 to w1."""
+    y0, y1 = math.sqrt(x0), math.sqrt(x1)
+    bend = 0.5 * theta * (x0 + x1)
+    if bend == 0.0:
+        return 2.0 * span * (w1 - w0) / (y0 + y1)
+    total = 0.0
+    for i in range(6):
+        node = _NODES[i] if i < 3 else 1.0 - _NODES[5 - i]
+        weight = _WEIGHTS[i] if i < 3 else _WEIGHTS[5 - i]
+        w = w0 + (w1 - w0) * node
+        y = y0 + (y1 - y0) * w
+        sigma = _coordinate(x0, x1, w)
+        # For y = 0 at an end, (1 + bend ...) stays finite: divide by y first.
+        total += weight / math.sqrt(1.0 + bend * sigma * (1.0 - sigma) / (y * y))
+    return 2.0 * span * (w1 - w0) * total / (y0 + y1)
+
+
+@inline
+def _state(local, x0, x1, theta, span, sigma, state):
+    """Write way since the cell's beginning, velocity and acceleration of all joints, (3, n)."""
+    bend = 0.5 * theta * (x0 + x1)
+    x = max(x0 + sigma * (x1 - x0 + bend * (1.0 - sigma)), 0.0)
+    speed, rate = math.sqrt(x), 0.5 * (x1 - x0 + bend * (1.0 - 2.0 * sigma)) / span
+    size, s = local.shape[1], sigma * span
+    for j in range(local.shape[0]):
+        # The mean rate (q(s) - q(0)) / s, which keeps its digits however short the way is.
+        value, first, second = local[j, size - 1], 0.0, 0.0
+        for i in range(size - 2, 0, -1):
+            second = second * s + 2.0 * first
+            first = first * s + value
+            value = value * s + local[j, i]
+        second = second * s + 2.0 * first
+        first = first * s + value
+        state[0, j] = value * s
+        state[1, j] = first * speed
+        state[2, j] = first * rate + second * x
+
+
+@inline
+def _quintic(before, after, j, duration):
+    """Give the powers 3 to 5 of the quintic between two states of joint j, times T^2 and more."""
+    p, v, a = before[0, j], before[1, j], before[2, j]
+    rise = after[0, j] - p - duration * (v + 0.5 * duration * a)
+    tilt = (after[1, j] - v - duration * a) * duration
+    bow = (after[2, j] - a) * duration * duration
+    return (
+        10.0 * rise - 4.0 * tilt + 0.5 * bow,
+        -15.0 * rise + 7.0 * tilt - bow,
+        6.0 * rise - 3.0 * tilt + 0.5 * bow,
+    )
+
+
+@kernel(f8(IN1, IN1, IN1))
+def total_time(spans, thetas, x):
+    """Add up the time that all cells take, in s, with the arguments of `piece_counts`."""
+    total = 0.0
+    for k in range(spans.shape[0]):
+        total += _duration(x[k], x[k + 1], thetas[k], spans[k], 0.0, 1.0)
+    return total
+
+
+@kernel(i8(IN3, IN1, IN1, IN1, IN1, f8, IOUT1))
+def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
+    """Count the pieces that each cell needs for the accelerations between them to be right.
+
+    Parameters
+    ----------
+    local : ndarray, shape (m, n, d + 1)
+        The path in each cell, in powers of the coordinate since its beginning.
+    spans, thetas : ndarray, shape (m,)
+        Length and bend of each cell.
+    x : ndarray, shape (m + 1,)
+        Squares of the speeds at the nodes.
+    scales : ndarray, shape (n,)
+        One over the acceleration that counts as one.
+    accuracy : float
+        Largest error of the acceleration in the middle of a piece.
+    counts : ndarray of int, shape (m,)
+        Filled.
+
+    Returns
+    -------
+    int
+        Their sum.
+    """
+    joints = local.shape[1]
+    states = np.empty((3, 3, joints))
+    total = 0
+    for k in range(spans.shape[0]):
+        x0, x1 = x[k], x[k + 1]
+        whole = _duration(x0, x1, thetas[k], spans[k], 0.0, 1.0)
+        half = _duration(x0, x1, thetas[k], spans[k], 0.0, 0.5)
+        for i in range(3):
+            _state(local[k], x0, x1, thetas[k], spans[k], _coordinate(x0, x1, 0.5 * i), states[i])
+        tau = half / whole
+        error = 0.0
+        for j in range(joints):
+            c3, c4, c5 = _quintic(states[0], states[2], j, whole)
+            value = tau * (6.0 * c3 + tau * (12.0 * c4 + tau * 20.0 * c5)) / (whole * whole)
+            error = max(error, abs(states[0, 2, j] + value - states[1, 2, j]) * scales[j])
+        count = 1
+        if error > accuracy:
+            count = int(min(math.ceil((error / accuracy) ** 0.25), _MOST))
+        counts[k] = count
+        total += count
+    return total
+
+
+@kernel(i8(IN3, IN1, IN1, IN1, IIN1, OUT1, OUT1, OUT1, OUT3))
+def write_pieces(local, spans, thetas, x, counts, times, coordinates, speeds, coefficients):
+    """Write the motion as quintic pieces.
+
+    Parameters
+    ----------
+    local, spans, thetas, x, counts
+        As for `piece_counts`.
+    times : ndarray, shape (p + 1,)
+        Filled with the instants at which pieces begin and end, from 0.
+    coordinates, speeds : ndarray, shape (p + 1,)
+        Filled with path coordinate since the beginning, and its rate, at these instants.
+    coefficients : ndarray, shape (6, p, n)
+        Filled with powers of the time since the beginning of the piece.
+    """
+    joints = local.shape[1]
+    before, after = np.empty((3, joints)), np.empty((3, joints))
+    piece = 0
+    reached = 0.0
+    times[0], coordinates[0], speeds[0] = 0.0, 0.0, math.sqrt(x[0])
+    for k in range(spans.shape[0]):
+        x0, x1, theta, span = x[k], x[k + 1], thetas[k], spans[k]
+        bend = 0.5 * theta * (x0 + x1)
+        for i in range(counts[k]):
+            w0, w1 = i / counts[k], (i + 1) / counts[k]
+            sigma = _coordinate(x0, x1, w0)
+            _state(local[k], x0, x1, theta, span, sigma, before)
+            sigma = _coordinate(x0, x1, w1)
+            _state(local[k], x0, x1, theta, span, sigma, after)
+            duration = _duration(x0, x1, theta, span, w0, w1)
+            for j in range(joints):
+                c3, c4, c5 = _quintic(before, after, j, duration)
+                coefficients[0, piece, j] = local[k, j, 0] + before[0, j]
+                coefficients[1, piece, j] = before[1, j]
+                coefficients[2, piece, j] = 0.5 * before[2, j]
+                coefficients[3, piece, j] = c3 / duration**3
+                coefficients[4, piece, j] = c4 / duration**4
+                coefficients[5, piece, j] = c5 / duration**5
+            times[piece + 1] = times[piece] + duration
+            coordinates[piece + 1] = reached + sigma * span
+            square = x0 + sigma * (x1 - x0 + bend * (1.0 - sigma))
+            speeds[piece + 1] = math.sqrt(max(square, 0.0))
+            piece += 1
+        reached += span
+    return piece

@@ -1,0 +1,101 @@
+"""Linear programs in two variables: the largest first one within a box and between pairs of lines.
+
+References
+----------
+R. Seidel, "Small-dimensional linear programming and convex hulls made easy", Discrete &
+Computational Geometry 6, 1991, section 2: constraints are added one by one, and only one that the
+optimum so far violates asks for work, a program in one variable on its line.
+"""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import inline
+from robomech_ros._kernels.tolerances import ROW_SLACK
+
+__all__ = ["farthest"]
+
+
+# By how much a line may seem beyond another one, parallel to it, that it coincides with.
+_BESIDE = 1e-9
+
+
+@inline
+def _along(first, second, rest, order, rows, offset, slope, box):
+    """Find the range of x with ``y = offset + slope x`` that keeps to the first rows and the box.
+
+    No distance to another point comes in: the range may be smaller by many orders of magnitude than
+    the box, and still has all its digits.
+    """
+    low, high = box[0], box[1]
+    for k in range(rows + 1):
+        if k < rows:
+            i = order[k]
+            rise = first[i] + second[i] * slope
+            value = rest[i] + second[i] * offset
+            below, above = -1.0 - value, 1.0 - value
+            steep = abs(rise) > 1e-12 * (abs(first[i]) + abs(second[i]))
+        else:
+            rise, value, steep = slope, offset, abs(slope) > 1e-12
+            below, above = box[2] - offset, box[3] - offset
+        if not steep:
+            # A line beside this one: only rounding puts it on the wrong side.
+            if below > _BESIDE * (1.0 + abs(value)) or above < -_BESIDE * (1.0 + abs(value)):
+                return math.inf, -math.inf
+            continue
+        inverse = 1.0 / rise
+        if rise < 0.0:
+            below, above = above, below
+        low = max(low, below * inverse)
+        high = min(high, above * inverse)
+    return low, high
+
+
+@inline
+def farthest(first, second, rest, order, box, sign):
+    """Find the largest `sign` x with ``|first x + second y + rest| <= 1`` inside a box.
+
+    Parameters
+    ----------
+    first, second, rest : ndarray, shape (r,)
+        The rows.
+    order : ndarray of int, shape (r,)
+        In which order to look at them; the rows that bind are moved to its front, so that they
+        come first the next time.
+    box : tuple of float
+        Least and largest x, least and largest y.
+    sign : float
+        1.0 for the largest x, -1.0 for the smallest.
+
+    Returns
+    -------
+    x : float
+        NaN where no point keeps to all rows.
+    """
+    x = box[1] if sign > 0.0 else box[0]
+    y = box[3]
+    for k in range(order.shape[0]):
+        i = order[k]
+        value = first[i] * x + second[i] * y + rest[i]
+        if abs(value) <= 1.0 + ROW_SLACK:
+            continue
+        if not abs(first[i]) + abs(second[i]) > 0.0:
+            return math.nan
+        bound = math.copysign(1.0, value) - rest[i]
+        # The line by the variable that changes more along it.
+        if abs(second[i]) >= abs(first[i]):
+            offset, slope = bound / second[i], -first[i] / second[i]
+            low, high = _along(first, second, rest, order, k, offset, slope, box)
+            x = high if sign > 0.0 else low
+            y = offset + slope * x
+        else:
+            offset, slope = bound / first[i], -second[i] / first[i]
+            turned = (box[2], box[3], box[0], box[1])
+            low, high = _along(second, first, rest, order, k, offset, slope, turned)
+            y = high if sign * slope >= 0.0 else low
+            x = offset + slope * y
+        if not low <= high + 1e-9 * (abs(low) + abs(high)) + 1e-300:
+            return math.nan
+        for j in range(k, 0, -1):
+            order[j] = order[j - 1]
+        order[0] = i
+    return min(max(x, box[0]), box[1])

@@ -1,0 +1,48 @@
+"""Moves of all joints together: whether both ends are allowed, and how short they can be."""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import IN1, IN2, f8, i8, kernel
+
+__all__ = ["both_within", "shortest_duration"]
+
+
+@kernel(i8(IN1, IN1, IN2))
+def both_within(start, goal, ranges):
+    """Tell whether two positions are within limits: 1 for yes, 0 for no or NaN.
+
+    Parameters
+    ----------
+    start, goal : ndarray, shape (n,)
+        Joint values, rad or m.
+    ranges : ndarray, shape (2, n)
+        Lowest and highest ones.
+    """
+    for j in range(start.shape[0]):
+        low, high = ranges[0, j], ranges[1, j]
+        if not (low <= start[j] <= high and low <= goal[j] <= high):
+            return 0
+    return 1
+
+
+@kernel(f8(IN1, IN1, IN2, f8, f8, f8))
+def shortest_duration(start, goal, inverses, velocity, acceleration, jerk):
+    """Find the shortest duration (s) within limits of a law of motion.
+
+    Parameters
+    ----------
+    start, goal : ndarray, shape (n,)
+        Joint values, rad or m.
+    inverses : ndarray, shape (3, n)
+        One over the limits of velocity, acceleration and jerk.
+    velocity, acceleration, jerk : float
+        Peaks of the law over a way and a duration of 1.
+    """
+    first, second, third = 0.0, 0.0, 0.0
+    for j in range(start.shape[0]):
+        way = abs(goal[j] - start[j])
+        first = max(first, way * inverses[0, j])
+        second = max(second, way * inverses[1, j])
+        third = max(third, way * inverses[2, j])
+    curved = math.pow(third * jerk, 1.0 / 3.0)
+    return max(first * velocity, math.sqrt(second * acceleration), curved)

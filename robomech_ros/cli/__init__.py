@@ -1,0 +1,1 @@
+"""The ``robomech`` command, and those of its subcommands that need no ROS."""

@@ -1,0 +1,221 @@
+"""``robomech doctor``: what is missing on this machine, and the command that mends it."""
+
+import argparse
+import importlib.util
+import os
+import shutil
+import socket
+import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import NamedTuple
+
+__all__ = ["Finding", "add_arguments", "findings", "run"]
+
+OLDEST_PYTHON = (3, 10)
+MULTICAST_GROUP = "239.255.0.1"
+SET_UP = "make setup"
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at.
+
+    Parameters
+    ----------
+    what : str
+        The thing.
+    ok : bool or None
+        Whether it is as needed; None where it is optional and not there.
+    found : str
+        What was found.
+    mend : str
+        Command or advice; empty if nothing needs mending.
+    """
+
+    what: str
+    ok: bool | None
+    found: str
+    mend: str = ""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments: none."""
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the findings; returns 0 if nothing that is needed is missing, else 1."""
+    marks = {True: "ok", False: "MISSING", None: "-"}
+    good = True
+    for finding in findings():
+        print(f"{marks[finding.ok]:8} {finding.what:22} {finding.found}")
+        if finding.mend:
+            print(f"{'':8} {'':22} -> {finding.mend}")
+        good = good and finding.ok is not False
+    print("nothing is missing" if good else "what is MISSING keeps the suite from working")
+    return 0 if good else 1
+
+
+def findings() -> Iterator[Finding]:
+    """Look at everything the suite needs."""
+    checks: tuple[Callable[[], Finding], ...] = (
+        _python,
+        _compiler,
+        lambda: _module("rclpy", "ROS 2 client library", "ros-rclpy"),
+        _middleware,
+        lambda: _module("robomech_interfaces.srv", "our interfaces", "ros-robomech-interfaces"),
+        lambda: _module("numba", "numba", "numba"),
+        lambda: _module("ruckig", "ruckig", "ruckig"),
+        lambda: _module("urdf_parser_py", "URDF parser", "urdf-parser-py"),
+        _kernels,
+        _robots,
+        _node_scripts,
+        _loopback,
+        _multicast,
+        _domain,
+        _sourced,
+        lambda: _optional("matplotlib", "plots of robomech demo"),
+        lambda: _optional(
+            "control_msgs", "FollowJointTrajectory, so that MoveIt can drive us; JointJog"
+        ),
+    )
+    for check in checks:
+        yield check()
+
+
+def _python() -> Finding:
+    found = f"{sys.version.split()[0]} ({sys.executable})"
+    ok = sys.version_info[:2] >= OLDEST_PYTHON
+    return Finding("python", ok, found, "" if ok else "make setup PYTHON=python3.10 (or newer)")
+
+
+def _compiler() -> Finding:
+    name = os.environ.get("CXX") or next(filter(shutil.which, ("c++", "g++", "clang++")), "")
+    if name:
+        return Finding("C++ compiler", True, shutil.which(name.split()[0]) or name)
+    built = importlib.util.find_spec("robomech_interfaces") is not None
+    found = "none; only needed to build the interfaces" + (", which are built" if built else "")
+    return Finding("C++ compiler", None if built else False, found, "sudo apt-get install g++")
+
+
+def _module(name: str, what: str, distribution: str) -> Finding:
+    try:
+        module = import_module(name)
+    except ImportError as error:
+        return Finding(what, False, str(error), SET_UP)
+    try:
+        found = version(distribution)
+    except PackageNotFoundError:
+        found = str(Path(module.__file__ or "").parent)
+    return Finding(what, True, found)
+
+
+def _optional(name: str, purpose: str) -> Finding:
+    there = importlib.util.find_spec(name) is not None
+    return Finding(name, True if there else None, purpose if there else f"not installed: {purpose}")
+
+
+def _middleware() -> Finding:
+    what = "middleware"
+    wanted = os.environ.get("RMW_IMPLEMENTATION", "")
+    try:
+        from rclpy.utilities import get_rmw_implementation_identifier
+
+        return Finding(what, True, str(get_rmw_implementation_identifier()))
+    except ImportError as error:
+        mend = "unset RMW_IMPLEMENTATION" if wanted else SET_UP
+        return Finding(what, False, " ".join(str(error).split()), mend)
+
+
+def _kernels() -> Finding:
+    what = "compiled kernels"
+    try:
+        from robomech_ros._kernels.compiling.cache import cache_directory
+    except ImportError as error:
+        return Finding(what, False, str(error), SET_UP)
+    place = cache_directory()
+    if place is None:
+        mend = "export ROBOMECH_CACHE_DIR=<a folder that can be written>"
+        return Finding(what, False, "no place to keep them can be written", mend)
+    if not any(place.glob("*.nbi")):
+        return Finding(what, False, f"none in {place}: the first start takes a minute",
+                       "robomech warmup")  # fmt: skip
+    return Finding(what, True, str(place))
+
+
+def _robots() -> Finding:
+    from robomech_ros.robots import list_robots, robot_folders
+
+    names = list_robots()
+    folders = ", ".join(str(folder) for folder in robot_folders())
+    if names:
+        return Finding("robots", True, f"{len(names)} in {folders}")
+    return Finding("robots", False, f"none in {folders or 'any folder'}", SET_UP)
+
+
+def _node_scripts() -> Finding:
+    beside = Path(sys.executable).parent
+    place = shutil.which("kinematics_node", path=str(beside)) or shutil.which("kinematics_node")
+    if place:
+        return Finding("node executables", True, str(Path(place).parent))
+    return Finding("node executables", False, f"kinematics_node is not in {beside}", SET_UP)
+
+
+def _loopback() -> Finding:
+    """Send a datagram to this machine itself."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
+        try:
+            inbox.settimeout(1.0)
+            inbox.bind(("127.0.0.1", 0))
+            inbox.sendto(b"robomech", inbox.getsockname())
+            inbox.recv(16)
+        except OSError as error:
+            return Finding("loopback", False, str(error), "sudo ip link set lo up")
+    return Finding("loopback", True, "datagrams arrive")
+
+
+def _multicast() -> Finding:
+    """Send a datagram to the group that DDS uses for discovery, over the loopback interface."""
+    what = "multicast discovery"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inbox:
+        try:
+            inbox.settimeout(1.0)
+            inbox.bind(("", 0))
+            local = socket.inet_aton("127.0.0.1")
+            group = socket.inet_aton(MULTICAST_GROUP)
+            inbox.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + local)
+            inbox.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, local)
+            inbox.sendto(b"robomech", (MULTICAST_GROUP, inbox.getsockname()[1]))
+            inbox.recv(16)
+        except OSError as error:
+            mend = "sudo ip link set lo multicast on"
+            found = f"does not arrive ({error}); nodes on this machine find each other without it"
+            return Finding(what, None, found, mend)
+    return Finding(what, True, "datagrams arrive")
+
+
+def _domain() -> Finding:
+    what = "ROS domain"
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET (default)")
+    # Above this the ports of some participants leave the range that UDP has.
+    largest = 101
+    if text and not (text.isdecimal() and int(text) <= largest):
+        return Finding(what, False, repr(text), f"export ROS_DOMAIN_ID=<0 to {largest}>")
+    return Finding(what, True, f"{text or '0 (default)'}, discovery range {reach}")
+
+
+def _sourced() -> Finding:
+    """Say which ROS distribution is in the shell, and whether it is the one we run on."""
+    what = "sourced distribution"
+    prefixes = [p for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    foreign = [p for p in prefixes if not Path(p).resolve().is_relative_to(sys.prefix)]
+    if not foreign:
+        return Finding(what, True, "none, the environment's own ROS is used")
+    spec = importlib.util.find_spec("rclpy")
+    origin = Path(spec.origin).resolve() if spec and spec.origin else Path()
+    found = f"{os.environ.get('ROS_DISTRO', 'unknown')} in {foreign[0]}; rclpy from {origin.parent}"
+    mixed = origin.is_relative_to(sys.prefix) and bool(os.environ.get("LD_LIBRARY_PATH"))
+    mend = "start from a shell without it, or build with colcon build and use it alone"
+    return Finding(what, None if mixed else True, found, mend if mixed else "")

@@ -1,0 +1,72 @@
+"""The ``robomech`` command."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from robomech_ros import __version__
+from robomech_ros.nodes.process.start import leave_on_signals
+
+__all__ = ["main"]
+
+_HERE = "robomech_ros.cli"
+_WITH_ROS = "robomech_ros.nodes.commands"
+# Name: the package that it is a module of, and what it does.
+COMMANDS = {
+    "bringup": (_WITH_ROS, "run all nodes for a robot"),
+    "call": (_WITH_ROS, "call a service with a request in YAML"),
+    "plot": (_HERE, "draw all postures in which an arm takes a pose"),
+    "plot-trajectory": (_WITH_ROS, "draw a planned trajectory over time, with its limits"),
+    "map": (_HERE, "map which orientations an arm can take where, and how well"),
+    "plot-map": (_HERE, "draw slices through a map"),
+    "plot-workspace": (_HERE, "draw what an arm reaches: boundaries and numbers of postures"),
+    "symbolic": (_HERE, "print closed forms of a robot's kinematics and dynamics"),
+    "robots": (_HERE, "list the robots that are known by name"),
+    "warmup": (_HERE, "compile the numeric kernels, once"),
+    "doctor": (_HERE, "say what is missing on this machine, and how to mend it"),
+    "demo": (_WITH_ROS, "solve, plan, execute and check a pick and place, with a plot"),
+}
+
+EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run one subcommand; returns the exit code."""
+    argv = list(sys.argv[1:] if args is None else args)
+    chosen = next((word for word in argv if not word.startswith("-")), "")
+    if chosen == "bringup":
+        # Until there is something to stop, a signal just ends this process.
+        leave_on_signals()
+    try:
+        return _run(argv, chosen)
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+
+
+def _run(argv: list[str], chosen: str) -> int:
+    # This takes a while, in which signals have their answer already.
+    from robomech_ros.errors import RobomechError
+
+    parser = argparse.ArgumentParser(prog="robomech", description=__doc__)
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, (package, summary) in COMMANDS.items():
+        sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
+        if name == chosen:
+            # Only the chosen command is imported: `robomech doctor` has to run where ROS is
+            # missing, and `robomech robots` need not wait for it.
+            module = import_module(f"{package}.{name.replace('-', '_')}")
+            module.add_arguments(sub)
+            sub.set_defaults(run=module.run)
+    parsed = parser.parse_args(argv)
+    try:
+        return int(parsed.run(parsed))
+    except RobomechError as error:
+        print(f"robomech {chosen}: {error}", file=sys.stderr)
+        return EXIT_USAGE
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

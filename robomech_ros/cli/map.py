@@ -1,0 +1,187 @@
+"""``robomech map``: which orientations an arm can take where, and how well."""
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from robomech_ros.errors import BadValueError, MapFileError
+from robomech_ros.kinematics.posture_samples import reach_bound
+from robomech_ros.kinetostatics import (
+    ReachMap,
+    even_rotations,
+    even_turns,
+    load_reach_map,
+    reach_map,
+)
+from robomech_ros.robots import SerialChain, load_description
+from robomech_ros.spatial import matrix_from_quaternion
+
+__all__ = ["add_arguments", "run"]
+
+Array = NDArray[np.float64]
+
+_POINTS = 21
+_ORIENTATIONS = 64
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--robot", required=True, help="name, or path of a URDF or YAML file")
+    parser.add_argument("--base-link", default="", help="first link of the chain")
+    parser.add_argument("--tip-link", default="", help="last link of the chain")
+    xyz: dict[str, Any] = {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z")}
+    parser.add_argument(
+        "--lower", **xyz, help="corner of the box in the base, m (the cube that holds all reach)"
+    )
+    parser.add_argument("--upper", **xyz, help="the opposite corner, m")
+    points = parser.add_mutually_exclusive_group()
+    points.add_argument("--spacing", type=float, help="distance between points, m")
+    points.add_argument(
+        "--shape", nargs=3, type=int, metavar=("NX", "NY", "NZ"),
+        help=f"number of points along each axis ({_POINTS})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--orientations", type=int, default=_ORIENTATIONS, metavar="N",
+        help=f"how many to try at each point, spread evenly ({_ORIENTATIONS})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--about", **xyz, help="spread them over the turns about this axis of the base"
+    )
+    parser.add_argument(
+        "--orientation", nargs=4, type=float, metavar=("QX", "QY", "QZ", "QW"),
+        help="of the tip in the base: the only one, or with --about the first one",
+    )  # fmt: skip
+    parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
+    parser.add_argument(
+        "--part", default="pose", help="what is judged: pose, position or orientation (pose)"
+    )
+    parser.add_argument(
+        "--length", type=float,
+        help="what makes positions comparable to orientations, m (the characteristic length)",
+    )  # fmt: skip
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, help="threads (one for each processor)")
+    where.add_argument(
+        "--scheduler", help="address of a Dask scheduler, to compute it on many machines"
+    )
+    parser.add_argument("--output", type=Path, default=Path("map.npz"), help="npz (map.npz)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compute the map, or the rest of it; returns 0."""
+    chain = load_description(args.robot).chain(args.base_link or None, args.tip_link or None)
+    lower, upper = _box(chain, args)
+    shape = args.shape if args.shape or args.spacing is not None else _POINTS
+    started, busy = time.perf_counter(), time.process_time()
+    try:
+        with _bar() as progress:
+            found = reach_map(
+                chain,
+                lower,
+                upper,
+                spacing=args.spacing,
+                shape=shape,
+                orientations=_orientations(args),
+                respect_limits=not args.ignore_limits,
+                length=args.length,
+                part=args.part,
+                file=args.output,
+                workers=args.workers,
+                scheduler=args.scheduler,
+                progress=progress,
+            )
+    except KeyboardInterrupt:
+        print(f"robomech map: {_kept(args.output, chain)}", file=sys.stderr)
+        raise
+    seconds = f"{time.perf_counter() - started:.1f} s, {time.process_time() - busy:.1f} s of CPU"
+    print(_summary(found, seconds, args.output))
+    return 0
+
+
+def _box(chain: SerialChain, args: argparse.Namespace) -> tuple[list[float], list[float]]:
+    """Give the corners of the box: those told, or those of the cube that holds all reach."""
+    if (args.lower is None) != (args.upper is None):
+        lacking = "--lower" if args.lower is None else "--upper"
+        raise BadValueError(lacking, None, "both corners of the box, or neither")
+    if args.lower is not None:
+        return args.lower, args.upper
+    reach = reach_bound(chain)
+    return [-reach] * 3, [reach] * 3
+
+
+def _orientations(args: argparse.Namespace) -> Array:
+    """Give the orientations (k, 3, 3) that are tried at each point."""
+    one = None if args.orientation is None else matrix_from_quaternion(args.orientation)
+    if args.about is not None:
+        return even_turns(args.orientations, args.about, one)
+    return even_rotations(args.orientations) if one is None else one[None]
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int], None]]:
+    """Show a bar while the map grows, where somebody looks at it."""
+    columns = (
+        TextColumn("points"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def _kept(path: Path, chain: SerialChain) -> str:
+    try:
+        found = load_reach_map(path, chain)
+    except MapFileError:
+        return "interrupted; nothing was finished"
+    return (
+        f"interrupted; {found.finished:,} of {found.grid.cells:,} points are in {path}: "
+        "the same command goes on from there"
+    )
+
+
+def _summary(found: ReachMap, seconds: str, path: Path) -> str:
+    """Say in some lines what the map tells."""
+    request, grid = found.request, found.grid
+    count = len(request.orientations)
+    reached, all_round = (found.reached > 0).sum(), (found.reached == count).sum()
+    shape = " x ".join(map(str, grid.shape))
+    noun = "orientation" if count == 1 else "orientations"
+    corner = [", ".join(f"{x:g}" for x in one) for one in (grid.lower, grid.upper)]
+    lines = [
+        f"{found.robot.name}, {found.robot.base} to {found.robot.tip}: "
+        f"{shape} points, {count:,} {noun}, {request.poses:,} poses",
+        f"  box               ({corner[0]}) to ({corner[1]}) m",
+        f"  points reached    {reached:,} ({reached / grid.cells:.1%}), "
+        f"{all_round:,} in all orientations",
+        f"  poses reached     {found.share_reached:.1%}",
+    ]
+    if not math.isnan(found.mean_conditioning):
+        lines += [
+            f"  condition number  {found.best_condition_number:.4g} at best; "
+            f"mean of its reciprocal {found.mean_conditioning:.4g}",
+            f"                    of the {request.part}, length {request.length:.4g} m",
+        ]
+    return "\n".join([*lines, f"  time              {seconds}", f"  file              {path}"])

@@ -1,0 +1,61 @@
+"""``robomech plot``: a picture of all postures in which an arm takes a pose."""
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.plotting.postures import plot_postures
+from robomech_ros.robots import load_description
+from robomech_ros.spatial import pose_from_position_quaternion
+
+__all__ = ["add_arguments", "run"]
+
+EXIT_NONE = 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("robot", help="name, or path of a URDF or YAML file")
+    parser.add_argument("--base-link", default="", help="first link of the chain")
+    parser.add_argument("--tip-link", default="", help="last link of the chain")
+    pose = parser.add_mutually_exclusive_group(required=True)
+    names = ("X", "Y", "Z", "QX", "QY", "QZ", "QW")
+    pose.add_argument(
+        "--pose", nargs=7, type=float, metavar=names, help="of the tip in the base, m"
+    )
+    pose.add_argument(
+        "--joints", nargs="+", type=float, metavar="Q", help="the pose that these make, rad or m"
+    )
+    parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
+    parser.add_argument("--title", help="above the picture; the robot's name unless told")
+    eye = "of the eye as seen from the base, degrees"
+    parser.add_argument("--azimuth", type=float, default=-60.0, help=f"{eye} (-60)")
+    parser.add_argument("--elevation", type=float, default=25.0, help=f"{eye} (25)")
+    parser.add_argument("--output", type=Path, default=Path("postures.png"), help="png, svg or pdf")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draw the picture; returns 0, or 1 where no posture takes the pose."""
+    for name in ("azimuth", "elevation"):
+        if not math.isfinite(getattr(args, name)):
+            raise BadValueError(f"--{name}", getattr(args, name), "a finite angle in degrees")
+    if args.output.suffix not in (".png", ".svg", ".pdf"):
+        raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
+    chain = load_description(args.robot).chain(args.base_link or None, args.tip_link or None)
+    if args.joints:
+        T = forward_kinematics(chain, args.joints)
+    else:
+        T = pose_from_position_quaternion(args.pose[:3], args.pose[3:])
+    result = inverse_kinematics(chain, T, respect_limits=not args.ignore_limits)
+    if not len(result):
+        print(f"robomech plot: {result.reason}", file=sys.stderr)
+        return EXIT_NONE
+    title = chain.name if args.title is None else args.title
+    angles = {"azimuth": math.radians(args.azimuth), "elevation": math.radians(args.elevation)}
+    path = plot_postures(args.output, chain, result.q, title=title, **angles)
+    more = "these are all" if result.complete else "there may be more"
+    print(f"{path}: {len(result)} postures; {more}")
+    return 0

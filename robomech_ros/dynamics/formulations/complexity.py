@@ -1,0 +1,197 @@
+"""How many operations the recursive algorithms take, counted as they run.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.2.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics.formulations.plain_recursions import (
+    PlainLink,
+    cholesky_solution,
+    composite_inertia,
+    newton_euler,
+    orthogonal_complement_inertia,
+)
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_choice
+
+__all__ = ["ALGORITHMS", "Counted", "Operations", "operation_counts", "plain_links"]
+
+Array = NDArray[np.float64]
+
+ALGORITHMS = (
+    "inverse: newton-euler",
+    "mass matrix: composite bodies",
+    "mass matrix: orthogonal complement",
+    "forward: composite bodies",
+    "forward: orthogonal complement",
+)
+_MOST = 50
+
+
+@dataclass
+class Operations:
+    """What was counted so far; a division counts as a multiplication, a sign as nothing."""
+
+    multiplications: int = 0
+    additions: int = 0
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A number that counts what is done with it.
+
+    The whole numbers 0 and 1 beside it are known beforehand: what they make superfluous is not
+    counted.
+
+    Parameters
+    ----------
+    value : float
+    tally : Operations
+        Where its operations are counted.
+    """
+
+    value: float
+    tally: Operations = field(repr=False)
+
+    def __add__(self, other: "Scalar") -> "Counted":
+        if isinstance(other, int) and other == 0:
+            return self
+        self.tally.additions += 1
+        return Counted(self.value + _value(other), self.tally)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: "Scalar") -> "Counted":
+        return self + (-other)
+
+    def __rsub__(self, other: "Scalar") -> "Counted":
+        return -self + other
+
+    def __neg__(self) -> "Counted":
+        return Counted(-self.value, self.tally)
+
+    def __mul__(self, other: "Scalar") -> "Scalar":
+        if isinstance(other, int) and other == 0:
+            return 0
+        if isinstance(other, int) and abs(other) == 1:
+            return Counted(self.value * other, self.tally)
+        self.tally.multiplications += 1
+        return Counted(self.value * _value(other), self.tally)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: "Scalar") -> "Counted":
+        self.tally.multiplications += 1
+        return Counted(self.value / _value(other), self.tally)
+
+
+Scalar: TypeAlias = "Counted | float | int"
+
+
+def operation_counts(algorithm: str, n: int) -> Operations:
+    """Count the operations of an algorithm for n revolute joints.
+
+    The parameters are general: no twist is a right angle, no length 0, and the bodies have all
+    products of inertia.  Only the base is at rest, with its first axis along gravity.  Sines,
+    cosines and constants of the bodies are at hand.
+
+    Parameters
+    ----------
+    algorithm : str
+        One of :data:`ALGORITHMS`.
+    n : int
+        1 to 50.
+
+    Returns
+    -------
+    Operations
+
+    Raises
+    ------
+    BadValueError
+        Another algorithm or number.
+    """
+    chosen = as_choice("algorithm", algorithm, ALGORITHMS)
+    if isinstance(n, bool) or not isinstance(n, int) or not 1 <= n <= _MOST:
+        raise BadValueError("n", n, f"a whole number from 1 to {_MOST}")
+    tally = Operations()
+
+    def counted(value: float) -> Counted:
+        return Counted(float(value), tally)
+
+    rng = np.random.default_rng(n)
+    a, b, alpha, theta = rng.uniform(0.3, 1.2, (4, n))
+    bodies = rng.uniform(0.3, 1.2, (n, 10))
+    bodies[:, 4:] = [3.0, 0.1, 0.2, 3.0, 0.3, 3.0]
+    links = plain_links(a, b, alpha, theta, bodies, counted)
+    rates = [[counted(one) for one in row] for row in rng.uniform(0.3, 1.2, (3, n))]
+    gravity: list[Any] = [0, 0, counted(-9.81)]
+    _run(chosen, links, rates, gravity)
+    return tally
+
+
+def _run(
+    algorithm: str, links: Sequence[PlainLink], rates: Sequence[Any], gravity: Sequence[Any]
+) -> Any:
+    qd, qdd, tau = rates
+    kind, method = algorithm.split(": ")
+    if kind == "inverse":
+        return newton_euler(links, qd, qdd, gravity)
+    inertia = composite_inertia if method.startswith("composite") else orthogonal_complement_inertia
+    matrix = inertia(links)
+    if kind == "mass matrix":
+        return matrix
+    bias = newton_euler(links, qd, [0] * len(links), gravity)
+    return cholesky_solution(matrix, [a - b for a, b in zip(tau, bias, strict=True)])
+
+
+def plain_links(
+    a: Array, b: Array, alpha: Array, theta: Array, bodies: Array, number: Any = float
+) -> list[PlainLink]:
+    """Lay out revolute links for the plain recursions.
+
+    Parameters
+    ----------
+    a, b, alpha, theta : ndarray, shape (n,)
+        Denavit-Hartenberg parameters with the joint values in theta (m, rad).
+    bodies : ndarray, shape (n, 10)
+        Mass (kg), mass centre from the origin of frame i + 1 in its axes (m), and the moments xx,
+        xy, xz, yy, yz, zz about the mass centre (kg m^2).
+    number : callable, optional
+        Makes the numbers; default float.
+    """
+    links = []
+    for i in range(len(a)):
+        c, s = math.cos(alpha[i]), math.sin(alpha[i])
+        step = np.array([a[i], b[i] * s, b[i] * c])
+        inertia = bodies[i, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(3, 3)
+        root = np.linalg.cholesky(inertia).T
+        links.append(
+            PlainLink(
+                turn=(number(math.cos(theta[i])), number(math.sin(theta[i]))),
+                twist=(number(c), number(s)),
+                step=[number(one) for one in step],
+                mass=number(bodies[i, 0]),
+                com=[number(one) for one in step + bodies[i, 1:4]],
+                inertia=[[number(one) for one in row] for row in inertia],
+                root=[
+                    [number(one) if j >= k else 0 for j, one in enumerate(row)]
+                    for k, row in enumerate(root)
+                ],
+                mass_root=number(math.sqrt(bodies[i, 0])),
+            )
+        )
+    return links
+
+
+def _value(number: Scalar) -> float:
+    return number.value if isinstance(number, Counted) else float(number)

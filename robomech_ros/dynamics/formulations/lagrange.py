@@ -1,0 +1,255 @@
+"""The Euler-Lagrange formulation, from the poses of the bodies and their derivatives alone.
+
+With the pose ``A_i`` (4 x 4) of body i and its pseudo-inertia ``J_i``, the integral of p p^T dm
+over its points ``p = (x, y, z, 1)``, the kinetic energy is the sum of ``tr(A_i' J_i A_i'^T) / 2``,
+A_i' the rate of A_i.  Poses are differentiated exactly: ``dA_i/dq_j = S_j A_i`` for j <= i, S_j the
+4 x 4 matrix of the axis.  No velocity or acceleration of a body is formed.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.3.2 and 7.8.
+Uicker, On the dynamic analysis of spatial linkages using 4x4 matrices, Ph.D. thesis, Northwestern
+University, 1965.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.formulations.stacked_matrices import solved, times
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY, body_parameters
+from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
+from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
+from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE
+from robomech_ros.spatial.cross_product import cross_product_matrix
+
+__all__ = [
+    "christoffel_symbols",
+    "forward_dynamics_by_lagrange",
+    "inverse_dynamics_by_lagrange",
+    "mass_matrix_gradient",
+]
+
+Array = NDArray[np.float64]
+
+_NO_WRENCH = (0.0,) * 6
+
+
+@finite_result
+def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
+    """Differentiate the mass matrix by the joint values.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the inertia of all its bodies.
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m).
+
+    Returns
+    -------
+    ndarray, shape (..., n, n, n)
+        ``[..., i, j, k]`` is the derivative of entry (i, j) by q_k.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not an array of n finite real numbers, or of rows of them.
+    MissingInertiaError
+        Of some joints nothing is known that moves with them.
+    """
+    (q,) = finite_states(chain, q=q)
+    return _gradient(_derivatives(chain, q))
+
+
+@finite_result
+def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
+    """Compute the Christoffel symbols of the first kind of the mass matrix.
+
+    ``c_ijk = (dI_ij/dq_k + dI_ik/dq_j - dI_jk/dq_i) / 2``; entry (i, j) of the Coriolis matrix is
+    the sum of ``c_ijk qd_k`` over k.
+
+    Parameters
+    ----------
+    chain, q
+        As for :func:`mass_matrix_gradient`.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n, n)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`mass_matrix_gradient`.
+    """
+    return _symbols(mass_matrix_gradient(chain, q))
+
+
+@finite_result
+def inverse_dynamics_by_lagrange(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = _NO_WRENCH,
+) -> Array:
+    """Compute torques from the energies: ``d/dt dT/dqd - dT/dq + dV/dq + dDelta/dqd``.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the inertia of all its bodies.
+    q, qd, qdd : array_like, shape (n,) or (..., n)
+        Joint values, rates and accelerations (rad or m; per s, per s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+    tip_wrench : array_like, shape (6,)
+        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Arguments that are no finite numbers of these shapes.
+    MissingInertiaError
+        Of some joints nothing is known that moves with them.
+    """
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
+    derivatives = _derivatives(chain, q)
+    bias = _bias(chain, derivatives, qd, gravity, tip_wrench)
+    return times(_mass_matrix(chain, derivatives), qdd) + bias
+
+
+@finite_result
+def forward_dynamics_by_lagrange(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = _NO_WRENCH,
+) -> Array:
+    """Solve the Euler-Lagrange equations for the joint accelerations.
+
+    Parameters
+    ----------
+    chain, q, qd, gravity, tip_wrench
+        As for :func:`inverse_dynamics_by_lagrange`.
+    tau : array_like, shape (..., n)
+        Torques and forces of the drives (N m or N).
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`inverse_dynamics_by_lagrange`.
+    """
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
+    derivatives = _derivatives(chain, q)
+    moving = tau - _bias(chain, derivatives, qd, gravity, tip_wrench)
+    return solved(_mass_matrix(chain, derivatives), moving)
+
+
+@dataclass(frozen=True, eq=False)
+class _Derivatives:
+    """Poses differentiated once (..., i, j, 4, 4) and twice (..., i, j, k, 4, 4), and the rest.
+
+    ``screws`` are the matrices S_j (..., n, 4, 4), ``tip`` the tip's origin (..., 3).
+    """
+
+    once: Array
+    twice: Array
+    screws: Array
+    tip: Array
+    pseudo: Array
+
+
+def _derivatives(chain: SerialChain, q: Array) -> _Derivatives:
+    n = chain.n
+    pseudo = pseudo_inertia(body_parameters(chain))
+    A = link_transforms(chain, q)
+    S = np.zeros((*q.shape, 4, 4))
+    for j in range(n):
+        e, o = A[..., j, :3, 2], A[..., j, :3, 3]
+        if chain.types[j] == REVOLUTE:
+            S[..., j, :3, :3] = cross_product_matrix(e)
+            S[..., j, :3, 3] = np.cross(o, e)
+        else:
+            S[..., j, :3, 3] = e
+    once = np.zeros((*q.shape, n, 4, 4))
+    twice = np.zeros((*q.shape, n, n, 4, 4))
+    for i in range(n):
+        for j in range(i + 1):
+            once[..., i, j, :, :] = S[..., j, :, :] @ A[..., i, :, :]
+        for k in range(i + 1):
+            for j in range(k + 1):
+                product = S[..., j, :, :] @ once[..., i, k, :, :]
+                twice[..., i, j, k, :, :] = twice[..., i, k, j, :, :] = product
+    return _Derivatives(once, twice, S, A[..., n, :3, 3], pseudo)
+
+
+def _mass_matrix(chain: SerialChain, derivatives: _Derivatives) -> Array:
+    once, J = derivatives.once, derivatives.pseudo
+    matrix = np.einsum("...ijab,ibc,...ikac->...jk", once, J, once, optimize=True)
+    inertia: Array = matrix + np.diag(reflected_inertias(chain))
+    return inertia
+
+
+def _gradient(derivatives: _Derivatives) -> Array:
+    half = np.einsum(
+        "...mikab,mbc,...mjac->...ijk",
+        derivatives.twice,
+        derivatives.pseudo,
+        derivatives.once,
+        optimize=True,
+    )
+    gradient: Array = half + np.swapaxes(half, -3, -2)
+    return gradient
+
+
+def _symbols(gradient: Array) -> Array:
+    """Give c_ijk from D_ijk = dI_ij/dq_k: (D_ijk + D_ikj - D_jki) / 2."""
+    swapped = np.swapaxes(gradient, -1, -2)
+    symbols: Array = 0.5 * (gradient + swapped - np.moveaxis(gradient, -1, -3))
+    return symbols
+
+
+def _bias(
+    chain: SerialChain,
+    derivatives: _Derivatives,
+    qd: Array,
+    gravity: ArrayLike,
+    tip_wrench: ArrayLike,
+) -> Array:
+    """Torques for vanishing accelerations: of rates, weight, friction and the tip's wrench."""
+    symbols = _symbols(_gradient(derivatives))
+    coriolis = np.einsum("...ijk,...j,...k->...i", symbols, qd, qd)
+    # V is the sum of -g . (mass times mass centre), and the last column of J_i is the latter.
+    moments = np.einsum(
+        "...ijab,ib->...ja", derivatives.once[..., :3, :], derivatives.pseudo[:, :, 3]
+    )
+    weight = -moments @ as_vector("gravity", gravity, 3)
+    wrench = as_vector("tip_wrench", tip_wrench, 6)
+    S, point = derivatives.screws, derivatives.tip
+    velocity = np.einsum("...jab,...b->...ja", S[..., :3, :3], point) + S[..., :3, 3]
+    turn = np.stack((S[..., 2, 1], S[..., 0, 2], S[..., 1, 0]), axis=-1)
+    given = turn @ wrench[:3] + velocity @ wrench[3:]
+    bias: Array = coriolis + weight + friction_torque(chain, qd) - given
+    return bias

@@ -1,0 +1,364 @@
+"""The natural orthogonal complement: matrices of the constraints and of what they leave free.
+
+The twists ``t_i = [omega_i; v_i]`` of the n bodies, v_i of the mass centre, are stacked to t.  The
+joints constrain them, ``K t = 0``, and leave ``t = T qd``; T is an orthogonal complement of K, so
+wrenches that keep the constraints, combinations of the rows of K, drop out of ``T^T w``.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5, 7.5.2, 7.6 and 7.7.
+Angeles and Lee, The formulation of dynamical equations of holonomic mechanical systems using a
+natural orthogonal complement, ASME J. Applied Mechanics 55 (1988), pp. 243-244.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.formulations.stacked_matrices import (
+    base_shaping,
+    constraints,
+    drive_wrenches,
+    extended_angular_velocity,
+    extended_mass,
+    mass_roots,
+    solved,
+    times,
+    transposed,
+    twist_shaping,
+    twist_shaping_rate,
+)
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
+from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = [
+    "OrthogonalComplement",
+    "forward_dynamics_by_cholesky",
+    "forward_dynamics_by_reflections",
+    "inverse_dynamics_by_orthogonal_complement",
+    "natural_orthogonal_complement",
+]
+
+Array = NDArray[np.float64]
+
+_AT_REST = (0.0,) * 6
+
+
+@dataclass(frozen=True, eq=False)
+class OrthogonalComplement:
+    """The matrices of a chain in motion; all vectors in the axes of the base.
+
+    Parameters
+    ----------
+    bodies : PosedBodies
+        Where axes and bodies are.
+    rotors : ndarray, shape (n,)
+        Inertias that the drives add to the joints (kg m^2 or kg).
+    K : ndarray, shape (..., 6 n, 6 n)
+        Constraint matrix: ``K t + K_0 t_0 = 0``; moments of the constraints in rows 6 i to
+        6 i + 2, forces in the three below.
+    K_0 : ndarray, shape (..., 6 n, 6)
+        Of the base's twist t_0 = [omega; velocity of its origin].
+    T : ndarray, shape (..., 6 n, n)
+        Twist-shaping matrix: ``t = T qd + T_0 t_0``.
+    T_dot : ndarray, shape (..., 6 n, n)
+        Its rate.
+    T_0, T_0_dot : ndarray, shape (..., 6 n, 6)
+        What the base's twist shapes, and its rate.
+    M : ndarray, shape (..., 6 n, 6 n)
+        Extended mass matrix, blocks diag(I_i, m_i 1).
+    W : ndarray, shape (..., 6 n, 6 n)
+        Extended angular-velocity matrix, blocks diag(Omega_i, 0).
+    A : ndarray, shape (..., 6 n, n)
+        Wrenches on the bodies for unit torques and forces of the drives; ``T^T A = 1``.
+    qd : ndarray, shape (..., n)
+        Joint rates (rad/s or m/s).
+    base_twist, base_twist_rate : ndarray, shape (6,)
+        t_0 and its rate.
+    """
+
+    bodies: PosedBodies
+    rotors: Array
+    K: Array
+    K_0: Array
+    T: Array
+    T_dot: Array
+    T_0: Array
+    T_0_dot: Array
+    M: Array
+    W: Array
+    A: Array
+    qd: Array
+    base_twist: Array
+    base_twist_rate: Array
+
+    @cached_property
+    def twists(self) -> Array:
+        """The bodies' twists t, shape (..., 6 n)."""
+        return times(self.T, self.qd) + self.T_0 @ self.base_twist
+
+    @cached_property
+    def generalised_inertia(self) -> Array:
+        """``I = T^T M T`` and the rotors' inertias, shape (..., n, n) (kg m^2, kg m, kg)."""
+        inertia: Array = transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
+        return inertia
+
+    @cached_property
+    def coupling(self) -> Array:
+        """``C = T^T M T_dot + T^T W M T``, shape (..., n, n); dI/dt - 2 C is skew-symmetric."""
+        coupling: Array = transposed(self.T) @ (self.M @ self.T_dot + self.W @ self.M @ self.T)
+        return coupling
+
+    @cached_property
+    def base_torque(self) -> Array:
+        """What the motion of the base demands (section 7.5.2), shape (..., n) (N m or N).
+
+        ``T^T (M (T_0_dot t_0 + T_0 dt_0/dt) + W M T_0 t_0)``
+        """
+        rate = self.T_0_dot @ self.base_twist + self.T_0 @ self.base_twist_rate
+        momentum = times(self.M, self.T_0 @ self.base_twist)
+        return times(transposed(self.T), times(self.M, rate) + times(self.W, momentum))
+
+    def gravity_wrenches(self, gravity: ArrayLike) -> Array:
+        """Weights ``[0; m_i g]`` of the bodies, shape (6 n,), for g in m/s^2, shape (3,)."""
+        wrenches = np.zeros((len(self.rotors), 6))
+        wrenches[:, 3:] = np.outer(self.bodies.masses, as_vector("gravity", gravity, 3))
+        return wrenches.ravel()
+
+    def tip_wrenches(self, wrench: ArrayLike) -> Array:
+        """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 n)."""
+        given = as_vector("tip_wrench", wrench, 6)
+        arm = self.bodies.tip - self.bodies.centres[..., -1, :]
+        wrenches = np.zeros(self.T.shape[:-1])
+        wrenches[..., -6:-3] = given[:3] + np.cross(arm, given[3:])
+        wrenches[..., -3:] = given[3:]
+        return wrenches
+
+    def generalised(self, wrenches: Array) -> Array:
+        """Torques ``T^T w`` (..., n) that wrenches (..., 6 n) on the bodies amount to."""
+        return times(transposed(self.T), wrenches)
+
+    def inertia_wrenches(self, qdd: Array) -> Array:
+        """``M dt/dt + W M t`` (..., 6 n): what has to act on the bodies for accelerations qdd."""
+        rate = (
+            times(self.T, qdd)
+            + times(self.T_dot, self.qd)
+            + self.T_0_dot @ self.base_twist
+            + self.T_0 @ self.base_twist_rate
+        )
+        return times(self.M, rate) + times(self.W, times(self.M, self.twists))
+
+    def constraint_wrenches(self, qdd: ArrayLike, applied: Array) -> Array:
+        """Wrenches that keep the constraints.
+
+        Parameters
+        ----------
+        qdd : array_like, shape (..., n)
+            Joint accelerations (rad/s^2 or m/s^2).
+        applied : ndarray, shape (..., 6 n)
+            Wrenches on the bodies besides those of drives and constraints: weights and wrenches
+            at the tip.
+
+        Returns
+        -------
+        ndarray, shape (..., 6 n)
+            ``[n_i; f_i]`` at the mass centres; ``T^T w = 0``, and w is a combination of the rows
+            of K.
+        """
+        needed = self.inertia_wrenches(np.asarray(qdd, dtype=np.float64)) - applied
+        return needed - times(self.A, self.generalised(needed))
+
+
+def natural_orthogonal_complement(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    *,
+    base_twist: ArrayLike = _AT_REST,
+    base_twist_rate: ArrayLike = _AT_REST,
+) -> OrthogonalComplement:
+    """Form the matrices of a chain in motion.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the inertia of all its bodies.
+    q, qd : array_like, shape (n,) or (..., n)
+        Joint values and rates (rad or m; per s).
+    base_twist, base_twist_rate : array_like, shape (6,)
+        Angular velocity of the base and velocity of its origin in its own axes, and the rates of
+        these vectors (rad/s, m/s; per s).  Default at rest.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Arguments that are no finite numbers of these shapes.
+    MissingInertiaError
+        Of some joints nothing is known that moves with them.
+    """
+    q, qd = finite_states(chain, q=q, qd=qd)
+    t_0 = as_vector("base_twist", base_twist, 6)
+    bodies = posed_bodies(chain, q)
+    T = twist_shaping(bodies)
+    T_0 = base_shaping(bodies.centres)
+    twists = (times(T, qd) + T_0 @ t_0).reshape(*q.shape, 6)
+    rates = twists[..., 3:] - t_0[3:]
+    K, K_0 = constraints(bodies)
+    return OrthogonalComplement(
+        bodies=bodies,
+        rotors=reflected_inertias(chain),
+        K=K,
+        K_0=K_0,
+        T=T,
+        T_dot=twist_shaping_rate(bodies, twists),
+        T_0=T_0,
+        T_0_dot=base_shaping(rates) - base_shaping(np.zeros_like(rates)),
+        M=extended_mass(bodies),
+        W=extended_angular_velocity(twists),
+        A=drive_wrenches(bodies),
+        qd=qd,
+        base_twist=t_0,
+        base_twist_rate=as_vector("base_twist_rate", base_twist_rate, 6),
+    )
+
+
+@finite_result
+def inverse_dynamics_by_orthogonal_complement(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = _AT_REST,
+    base_twist: ArrayLike = _AT_REST,
+    base_twist_rate: ArrayLike = _AT_REST,
+) -> Array:
+    """Compute the torques of a motion from ``I qdd + C qd`` and what acts on the bodies.
+
+    Parameters
+    ----------
+    chain, q, qd, base_twist, base_twist_rate
+        As for :func:`natural_orthogonal_complement`.
+    qdd : array_like, shape (..., n)
+        Joint accelerations (rad/s^2 or m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+    tip_wrench : array_like, shape (6,)
+        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+    """
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    bias = _bias(chain, model, gravity, tip_wrench)
+    return times(model.generalised_inertia, qdd) + bias
+
+
+@finite_result
+def forward_dynamics_by_cholesky(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = _AT_REST,
+    base_twist: ArrayLike = _AT_REST,
+    base_twist_rate: ArrayLike = _AT_REST,
+) -> Array:
+    """Compute joint accelerations by the Cholesky factors of the generalised inertia.
+
+    Parameters
+    ----------
+    chain, q, qd, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics_by_orthogonal_complement`.
+    tau : array_like, shape (..., n)
+        Torques and forces of the drives (N m or N).
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+    """
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
+    return solved(transposed(L), solved(L, moving))
+
+
+@finite_result
+def forward_dynamics_by_reflections(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = _AT_REST,
+    base_twist: ArrayLike = _AT_REST,
+    base_twist_rate: ArrayLike = _AT_REST,
+) -> Array:
+    """Compute joint accelerations without the generalised inertia, whose condition is squared.
+
+    With ``M = H^T H`` and ``P = H T`` it is ``P^T P``; Householder's reflections make of P the
+    upper triangle U with ``U^T U = P^T P``.  A rotor is one more row of P.
+
+    Parameters
+    ----------
+    chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`forward_dynamics_by_cholesky`.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+    """
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
+    P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
+    U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
+    return solved(U, solved(transposed(U), moving))
+
+
+def _bias(
+    chain: SerialChain, model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike
+) -> Array:
+    """Torques at rest of the joints' rates: coupling, base, friction, weights, tip."""
+    applied = model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)
+    return (
+        times(model.coupling, model.qd)
+        + model.base_torque
+        + friction_torque(chain, model.qd)
+        - model.generalised(applied)
+    )

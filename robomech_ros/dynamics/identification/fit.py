@@ -1,0 +1,367 @@
+"""Identification of bodies and friction from motions and the torques that were measured.
+
+Torques are linear in the bodies' parameters; those combinations that any motion shows, the base
+parameters, and viscous and Coulomb friction are found by least squares.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 7 and appendix B.
+Gautier, Khalil, Exciting trajectories for the identification of base inertial parameters of robots,
+Int. J. Robotics Research 11, 1992.
+Swevers et al., Optimal robot excitation and identification, IEEE Trans. Robotics and Automation 13,
+1997.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.identification.consistent_parameters import consistent_least_squares
+from robomech_ros.dynamics.identification.regressor import (
+    BaseParameters,
+    base_parameters,
+    torque_regressor,
+)
+from robomech_ros.dynamics.model import GRAVITY, body_parameters
+from robomech_ros.dynamics.posed_bodies import reflected_inertias
+from robomech_ros.dynamics.pseudo_inertias import (
+    bodies_from_parameters,
+    is_consistent,
+)
+from robomech_ros.dynamics.states import as_vector, finite_states
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics import least_squares, minimum_norm
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.drives import Drive
+
+__all__ = ["ConsistentFit", "Identification", "consistent_fit", "excitation", "identify"]
+
+Array = NDArray[np.float64]
+
+# Singular values below this of the largest: the motion does not show all parameters.
+_RANK = 1e-9
+# Least deviation of torques (N m or N) that weights are made of.
+_LEAST_DEVIATION = 1e-12
+# How much a consistent body is drawn to the one known before, where 1 is a standard error or so.
+_PULL = 1e-6
+# Least standard error of a base parameter that is counted on, of the largest base parameter.
+_LEAST_ERROR = 1e-6
+# A body to start from where nothing is known: 1 kg, a ball of 0.1 m about the joint.
+_START = np.array([1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3])
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """What the motions of a chain tell about its bodies and its friction.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        As it was described before.
+    base : BaseParameters
+        Which combinations of parameters are found.
+    values : ndarray, shape (r + 2 n,)
+        Base parameters, then the viscous and the Coulomb friction of the joints (SI units).
+    covariance : ndarray, shape (r + 2 n, r + 2 n)
+        Of the values.
+    condition : float
+        Condition number of the regressor, weighted, with columns of unit length.
+    deviations : ndarray, shape (n,)
+        Standard deviations of the torques that are left (N m or N).
+    """
+
+    chain: SerialChain
+    base: BaseParameters
+    values: Array
+    covariance: Array
+    condition: float
+    deviations: Array
+
+    @property
+    def base_values(self) -> Array:
+        """Base parameters, shape (r,)."""
+        return self.values[: self.base.rank]
+
+    @property
+    def viscous(self) -> Array:
+        """Viscous friction, shape (n,) (N m s/rad or N s/m)."""
+        return self.values[self.base.rank : self.base.rank + self.chain.n]
+
+    @property
+    def coulomb(self) -> Array:
+        """Coulomb friction, shape (n,) (N m or N)."""
+        return self.values[self.base.rank + self.chain.n :]
+
+    @cached_property
+    def standard_errors(self) -> Array:
+        """Standard errors of the values, shape (r + 2 n,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @cached_property
+    def parameters(self) -> Array:
+        """Parameters of bodies, shape (n, 10), that have the base parameters found.
+
+        Of all of them those nearest to the bodies known before, or to none; whether there can be
+        such bodies is another question: :func:`is_consistent`.
+        """
+        known = _known(self.chain, np.zeros(10)).ravel()
+        missing = self.base_values - self.base.combination @ known
+        found = known + minimum_norm(self.base.combination, missing)
+        return found.reshape(-1, 10)
+
+    @cached_property
+    def consistent(self) -> NDArray[np.bool_]:
+        """Which of the bodies of :attr:`parameters` there can be, shape (n,)."""
+        return is_consistent(self.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class ConsistentFit:
+    """Bodies that there can be, chosen by what the motions tell.
+
+    Parameters
+    ----------
+    parameters : ndarray, shape (n, 10)
+        Parameters of the bodies.
+    chain : SerialChain
+        With these bodies, and the friction found, none of it negative.
+    deviation : float
+        Of the base parameters from those found, in their standard errors: about 1 where the data
+        allow these bodies.
+    converged : bool
+        The deviation is the least that bodies can have, but for a part of 1e-4 or of an error;
+        otherwise they are consistent, but not the best.
+    """
+
+    parameters: Array
+    chain: SerialChain
+    deviation: float
+    converged: bool
+
+
+def identify(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    deviations: ArrayLike | None = None,
+) -> Identification:
+    """Find base parameters and friction by weighted least squares.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints; its rotors are taken as known, its bodies are not needed.
+    q, qd, qdd : array_like, shape (m, n)
+        Joint values, rates and accelerations (rad or m; per s, per s^2).
+    tau : array_like, shape (m, n)
+        Torques and forces of the drives (N m or N).
+    gravity : array_like, shape (3,), optional
+        In the base (m/s^2).
+    deviations : array_like, shape (n,), optional
+        Standard deviations of the measured torques (N m or N), by which the joints are weighted.
+        Default those that a first solution without weights leaves.
+
+    Returns
+    -------
+    Identification
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Arguments that are no finite numbers of these shapes, too few states, or a motion that
+        does not show all parameters.
+    """
+    q, qd, qdd, tau = finite_states(chain, q=q, qd=qd, qdd=qdd, tau=tau)
+    if q.ndim != 2:
+        raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
+    gravity = as_vector("gravity", gravity, 3)
+    base = base_parameters(chain, gravity=gravity)
+    A = _columns(chain, base, q, qd, qdd, gravity)
+    b = tau - reflected_inertias(chain) * qdd
+    if A.shape[0] * chain.n <= A.shape[2]:
+        raise WrongSizeError("q", q.shape, f"more than {A.shape[2] // chain.n} states")
+    _require_rank(A)
+    if deviations is None:
+        first = _solved(A.reshape(-1, A.shape[2]), b.ravel())
+        weights = _left(A, b, first)
+        # Torques without noise leave rounding only, which weighs nothing.
+        weights = np.maximum(weights, 1e-9 * np.abs(b).max(initial=1.0))
+    else:
+        weights = _deviations(chain, deviations)
+    weighted = (A / weights[:, None]).reshape(-1, A.shape[2])
+    right = (b / weights).ravel()
+    values = _solved(weighted, right)
+    variance = np.sum((right - weighted @ values) ** 2) / (len(right) - len(values))
+    lengths = np.linalg.norm(weighted, axis=0)
+    singular, turn = np.linalg.svd(weighted / lengths, full_matrices=False)[1:]
+    roots = (turn.T / singular) / lengths[:, None]
+    return Identification(
+        chain=chain,
+        base=base,
+        values=values,
+        covariance=variance * (roots @ roots.T),
+        condition=float(singular[0] / singular[-1]),
+        deviations=_left(A, b, values),
+    )
+
+
+def excitation(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    deviations: ArrayLike | None = None,
+) -> float:
+    """Score a motion by how well it shows the parameters.
+
+    Parameters
+    ----------
+    chain, q, qd, qdd, gravity, deviations
+        As for :func:`identify`; default all joints alike.
+
+    Returns
+    -------
+    float
+        Condition number of the regressor of base parameters and friction, with columns of unit
+        length: the less, the less noise is amplified; infinite where a parameter is not shown.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`identify`.
+    """
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
+    if q.ndim != 2:
+        raise WrongSizeError("q", q.shape, f"(m, {chain.n})")
+    weights = np.ones(chain.n) if deviations is None else _deviations(chain, deviations)
+    gravity = as_vector("gravity", gravity, 3)
+    A = _columns(chain, base_parameters(chain, gravity=gravity), q, qd, qdd, gravity)
+    singular = _singular_values((A / weights[:, None]).reshape(-1, A.shape[2]))
+    if len(singular) < A.shape[2] or singular[-1] <= _RANK * singular[0]:
+        return float("inf")
+    return float(singular[0] / singular[-1])
+
+
+def consistent_fit(found: Identification) -> ConsistentFit:
+    """Choose bodies that there can be, as near as possible to what was found.
+
+    The base parameters, weighted by their covariance, are brought as near to those found as bodies
+    with positive definite pseudo-inertias can: a convex program, whose minimum is the only one.
+    Where the data leave a choice, the bodies stay near those known before.
+
+    Parameters
+    ----------
+    found : Identification
+
+    Returns
+    -------
+    ConsistentFit
+
+    Raises
+    ------
+    BadValueError
+        Not an identification.
+
+    References
+    ----------
+    Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",
+    IEEE Trans. Robotics 36(2), 2020.
+    """
+    if not isinstance(found, Identification):
+        raise BadValueError("found", found, "an Identification, such as identify gives")
+    chain, base = found.chain, found.base
+    # Torques without noise leave nothing but rounding, which no solution has to meet.
+    least = _LEAST_ERROR * np.abs(found.base_values).max()
+    covariance = found.covariance[: base.rank, : base.rank] + least**2 * np.eye(base.rank)
+    scale = np.sqrt(np.diag(covariance))
+    inner = np.linalg.cholesky(covariance / np.outer(scale, scale))
+    C: Array = np.linalg.solve(inner, base.combination / scale[:, None]).astype(np.float64)
+    target: Array = np.linalg.solve(inner, found.base_values / scale).astype(np.float64)
+    outcome = consistent_least_squares(C, target, _known(chain, _START), _PULL)
+    parameters = outcome.parameters
+    left = C @ parameters.ravel() - target
+    drives = tuple(
+        Drive(
+            viscous=max(float(viscous), 0.0),
+            coulomb=max(float(coulomb), 0.0),
+            rotor_inertia=drive.rotor_inertia,
+            gear_ratio=drive.gear_ratio,
+        )
+        for drive, viscous, coulomb in zip(chain.drives, found.viscous, found.coulomb, strict=True)
+    )
+    bodies = bodies_from_parameters(parameters)
+    return ConsistentFit(
+        parameters=parameters,
+        chain=replace(chain, bodies=bodies, drives=drives),
+        deviation=float(np.sqrt(np.mean(left**2))),
+        converged=outcome.converged,
+    )
+
+
+def _known(chain: SerialChain, otherwise: Array) -> Array:
+    """Parameters of the bodies known before, shape (n, 10), or of others where there are none."""
+    if any(body is None or body.fault() or body.mass == 0.0 for body in chain.bodies):
+        return np.tile(otherwise, (chain.n, 1))
+    known = body_parameters(chain)
+    flat = ~is_consistent(known)
+    known[flat] = otherwise
+    return known
+
+
+def _columns(
+    chain: SerialChain,
+    base: BaseParameters,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    gravity: ArrayLike,
+) -> Array:
+    """Regressor of base parameters, viscous and Coulomb friction, shape (m, n, r + 2 n)."""
+    Y = torque_regressor(chain, q, qd, qdd, gravity=gravity)[..., base.columns]
+    viscous = qd[..., None] * np.eye(chain.n)
+    coulomb = np.sign(qd)[..., None] * np.eye(chain.n)
+    return np.concatenate((Y, viscous, coulomb), axis=-1)
+
+
+def _deviations(chain: SerialChain, deviations: ArrayLike) -> Array:
+    given = as_vector("deviations", deviations, chain.n)
+    if not (given > _LEAST_DEVIATION).all():
+        expected = f"{chain.n} positive numbers, above {_LEAST_DEVIATION:g}"
+        raise BadValueError("deviations", given.tolist(), expected)
+    return given
+
+
+def _require_rank(A: Array) -> None:
+    singular = _singular_values(A.reshape(-1, A.shape[2]))
+    rank = int(np.sum(singular > _RANK * singular[0])) if singular[0] > 0.0 else 0
+    if rank < A.shape[2]:
+        raise BadValueError(
+            "number of parameters that the motion shows", rank, f"a motion that shows {A.shape[2]}"
+        )
+
+
+def _singular_values(A: Array) -> Array:
+    lengths = np.linalg.norm(A, axis=0)
+    columns = A / np.where(lengths > 0.0, lengths, 1.0)
+    return np.asarray(np.linalg.svd(columns, compute_uv=False), dtype=np.float64)
+
+
+def _solved(A: Array, b: Array) -> Array:
+    lengths = np.linalg.norm(A, axis=0)
+    scaled, _ = least_squares(A / lengths, b)
+    return np.asarray(scaled / lengths, dtype=np.float64)
+
+
+def _left(A: Array, b: Array, values: Array) -> Array:
+    """Give standard deviations of what is left of the torques of each joint, shape (n,)."""
+    left = b - A @ values
+    share = len(b) - A.shape[2] / A.shape[1]
+    return np.asarray(np.sqrt((left**2).sum(axis=0) / share), dtype=np.float64)

@@ -1,0 +1,139 @@
+"""The torques as a linear function of the bodies' parameters, and which of these count."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.dynamics import regressor as kernels
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
+from robomech_ros._kernels.tolerances import BASE_PARAMETER
+from robomech_ros.dynamics.model import GRAVITY, raise_outcome, surroundings
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import as_rows, as_states, check_chain
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["BaseParameters", "base_parameters", "torque_regressor"]
+
+Array = NDArray[np.float64]
+
+# Random states whose regressors span what any motion can show, for each parameter of a chain.
+_STATES = 3
+_SEED = 7
+
+
+def torque_regressor(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
+) -> Array:
+    """Compute the matrix Y by which the bodies' parameters give the torques.
+
+    :func:`inverse_dynamics` is ``Y p``, with p the rows of :func:`body_parameters` one after the
+    other, plus the rotors' reflected inertias times qdd.  The chain needs no bodies for it.
+
+    Parameters
+    ----------
+    chain, q, qd, qdd, gravity, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics`.
+
+    Returns
+    -------
+    ndarray, shape (n, 10 n) or (..., n, 10 n)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
+
+    References
+    ----------
+    Atkeson, An, Hollerbach, Int. J. Robotics Research 5, 1986.
+    """
+    q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
+    if chain.n > MOST_JOINTS:
+        raise BadValueError("number of joints", chain.n, f"at most {MOST_JOINTS}")
+    around = surroundings(q.shape, gravity, None, base_twist, base_twist_rate)
+    rows = as_rows(q)
+    Y = np.empty((len(rows), chain.n, 10 * chain.n))
+    status = kernels.torque_regressor(chain.packed, rows, as_rows(qd), as_rows(qdd), around, Y)
+    if status:
+        raise_outcome(chain, status, q=q, qd=qd, qdd=qdd)
+    return Y.reshape(*q.shape, 10 * chain.n)
+
+
+@dataclass(frozen=True, eq=False)
+class BaseParameters:
+    """The combinations of the bodies' parameters that motions can show.
+
+    Attributes
+    ----------
+    columns : ndarray of int, shape (r,)
+        Columns of the regressor that are independent, the first ones that are.
+    combination : ndarray, shape (r, 10 n)
+        The base parameters are this matrix times the parameters of :func:`body_parameters`; its
+        columns ``columns`` are those of the unit matrix.
+    """
+
+    columns: NDArray[np.int64]
+    combination: Array
+
+    @property
+    def rank(self) -> int:
+        """Number r of base parameters."""
+        return len(self.columns)
+
+
+def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> BaseParameters:
+    """Find which combinations of the bodies' parameters the torques depend on.
+
+    A column of the regressor that depends on those before it, in all states, adds its parameter to
+    theirs; one that is always zero has a parameter of no effect.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+
+    Returns
+    -------
+    BaseParameters
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`torque_regressor`.
+
+    References
+    ----------
+    Gautier, Numerical calculation of the base inertial parameters of robots, J. Robotic Systems 8,
+    1991.
+    """
+    check_chain(chain)
+    rng = np.random.default_rng(_SEED)
+    q, qd, qdd = rng.uniform(-np.pi, np.pi, (3, 10 * _STATES, chain.n))
+    Y = torque_regressor(chain, q, qd, qdd, gravity=gravity).reshape(-1, 10 * chain.n)
+    scale = np.linalg.norm(Y, axis=0)
+    columns: list[int] = []
+    directions = np.empty((len(Y), 0))
+    for k, size in enumerate(scale):
+        if size <= BASE_PARAMETER * scale.max():
+            continue  # zero but for rounding
+        rest = Y[:, k] / size
+        for _ in range(2):
+            rest = rest - directions @ (directions.T @ rest)
+        left = float(np.linalg.norm(rest))
+        if left > BASE_PARAMETER:
+            columns.append(k)
+            directions = np.column_stack([directions, rest / left])
+    combination: Array = np.linalg.lstsq(Y[:, columns], Y, rcond=None)[0].astype(np.float64)
+    combination[np.abs(combination) < BASE_PARAMETER] = 0.0
+    combination[:, columns] = np.eye(len(columns))
+    return BaseParameters(np.array(columns, dtype=np.int64), combination)

@@ -1,0 +1,1 @@
+"""Motions in time: under given torques, and under a controller."""

@@ -1,0 +1,403 @@
+"""Simulation: the motion of a chain under torques that are given or computed."""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
+from robomech_ros.dynamics.forward import forward_dynamics
+from robomech_ros.dynamics.friction import friction_model
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
+from robomech_ros.dynamics.simulation.crossings import (
+    Event,
+    bounced,
+    first_crossing,
+    limit_events,
+    note,
+)
+from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
+from robomech_ros.dynamics.simulation.record import Record
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
+
+__all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
+
+Array = NDArray[np.float64]
+Torque = Callable[[float, Array, Array], ArrayLike]
+
+SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
+AT_LIMITS = ("ignore", "end", "bounce")
+
+_forward_one = direct(forward_dynamics_one)
+
+_MOST_STEPS = 200_000
+# The longest duration (s), and the least relative tolerance that scipy's solvers take as it is.
+_LONGEST = 1e6
+_LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
+_MOST_BOUNCES = 1000
+_FINISHED = "finished"
+# Squares and quotients of what is larger overflow in the solvers.
+_LARGEST_RATE = 1e100
+# A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
+_REST = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What a chain did.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        The times asked for, or those of the integrator's steps (s), as far as it came; where it
+        ended before, its end is the last of them.
+    q, qd : ndarray, shape (m, n)
+        Joint values (rad or m) and rates (rad/s or m/s).
+    kinetic, potential : ndarray, shape (m,)
+        Energies (J).
+    work, heat : ndarray, shape (m,)
+        What drives and tip wrench have put in, and friction and bounces have taken (J).
+    drift : float
+        Largest magnitude of what the energy balance leaves (J).
+    events : tuple of (float, int)
+        Time and number of each of the user's events, in order.
+    reason : str
+        ``"finished"``, or why it ended before: at which limit, by which event, or because the
+        numbers ran away.  The last state is the last that was good.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    kinetic: Array
+    potential: Array
+    work: Array
+    heat: Array
+    drift: float
+    events: tuple[tuple[float, int], ...]
+    reason: str
+
+
+class _RunAwayError(Exception):
+    """The state, or what acts on it, is no longer finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The equations of motion; a state is q, qd, work and heat."""
+
+    chain: SerialChain
+    torque: Torque
+    options: dict[str, Any]
+    model: Array
+    around: Array
+    friction: Array
+    rest_rate: float
+
+    def friction_torque(self, qd: Array) -> Array:
+        viscous, coulomb, excess, decay = self.friction
+        dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
+        torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
+        return torque
+
+    def asked(self, t: float, q: Array, qd: Array) -> Array:
+        tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
+        if tau.shape != q.shape:
+            raise WrongSizeError("torque", tau.shape, q.shape)
+        return tau
+
+    def drives(self, t: float, q: Array, qd: Array) -> Array:
+        tau = self.asked(t, q, qd)
+        if not np.isfinite(tau).all():
+            raise _RunAwayError(f"the torque at {t:.6g} s is not finite")
+        return tau
+
+    def rates(self, t: float, state: Array) -> Array:
+        n = self.chain.n
+        q, qd = state[:n].copy(), state[n : 2 * n].copy()
+        if not np.isfinite(state).all():
+            raise _RunAwayError(f"the state at {t:.6g} s is not finite")
+        tau, lost = self.drives(t, q, qd), self.friction_torque(qd)
+        qdd = np.empty(n)
+        if _forward_one(self.model, q, qd, tau - lost, self.around, qdd):
+            raise _RunAwayError(f"the accelerations at {t:.6g} s are not finite")
+        power, loss = tau @ qd, lost @ qd
+        wrench = self.options["tip_wrench"]
+        if wrench is not None:
+            power += wrench @ (jacobian(self.chain, q) @ qd)
+        rates = np.concatenate((qd, qdd, [power, loss]))
+        if not np.abs(rates).max() <= _LARGEST_RATE:
+            raise _RunAwayError(f"accelerations or powers at {t:.6g} s exceed {_LARGEST_RATE:g}")
+        return rates
+
+
+def simulate(
+    chain: SerialChain,
+    q0: ArrayLike,
+    qd0: ArrayLike,
+    torque: ArrayLike | Torque | None,
+    duration: float,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike | None = None,
+    method: str = "DOP853",
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    step: float | None = None,
+    rest_rate: float = 1e-2,
+    at_limits: str = "ignore",
+    restitution: float = 0.5,
+    events: Sequence[Event] = (),
+    times: ArrayLike | None = None,
+) -> Simulation:
+    """Integrate the motion of a chain, with the friction of its drives.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    q0, qd0 : array_like, shape (n,)
+        Joint values (rad or m) and rates (rad/s or m/s) at the start.
+    torque : array_like of shape (n,), callable, or None
+        Of the drives (N m or N): constant, ``torque(t, q, qd)``, or none.
+    duration : float
+        In s, up to 1e6; no more than 200,000 steps are done.
+    gravity, tip_wrench
+        As for :func:`inverse_dynamics`; the wrench keeps its direction and goes with the tip.
+    method : str, optional
+        One of SOLVERS: those of scipy's solve_ivp, with a step that keeps the tolerances, or
+        ``"midpoint"``, the implicit midpoint rule in joint values and momenta with a fixed
+        step, which is symplectic: without friction the energy does not drift, however long.
+    rtol, atol : float, optional
+        Relative (at least 2.3e-14) and absolute tolerance of a step; not for ``"midpoint"``.
+    step : float, optional
+        Longest step (s), or the step of ``"midpoint"``, 1e-3 unless given.
+    rest_rate : float, optional
+        Rate (rad/s or m/s) within which dry friction goes over from one direction to the other,
+        as ``tanh(rate / rest_rate)``: joints that it holds creep.  :class:`Servo` has friction
+        that holds.
+    at_limits : str, optional
+        What happens where a joint comes to a position limit: ``"ignore"``, ``"end"`` of the
+        simulation, or ``"bounce"``.
+    restitution : float, optional
+        Part of its rate with which a joint bounces, from 0 to 1.
+    events : sequence of callable, optional
+        ``event(t, q, qd)``; its zeros are noted, and end the simulation where the attribute
+        ``terminal`` is true.
+    times : array_like, shape (m,), optional
+        Where the state is told (s), increasing; default after each step.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`, for the start; or a number or a function is not what it
+        has to be.  Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.3; Hairer, Lubich,
+    Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, section II.1, for the rule.
+    """
+    q, qd = _start(chain, q0, "q0"), _start(chain, qd0, "qd0")
+    duration = positive_number("duration", duration)
+    if duration > _LONGEST:
+        raise BadValueError("duration", duration, f"at most {_LONGEST:g} s")
+    choice = as_choice("method", method, SOLVERS)
+    step = _as_step(choice, step, duration)
+    limits = as_choice("at_limits", at_limits, AT_LIMITS)
+    part = real_number("restitution", restitution, "a number from 0 to 1")
+    if not 0.0 <= part <= 1.0:
+        raise BadValueError("restitution", restitution, "a number from 0 to 1")
+    wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
+    motion = _Motion(
+        chain,
+        _as_torque(chain, torque),
+        {"gravity": gravity, "tip_wrench": wrench},
+        dynamic_model(chain),
+        surroundings((chain.n,), gravity, wrench),
+        friction_model(chain),
+        positive_number("rest_rate", rest_rate),
+    )
+    # The start is refused where it is wrong; what comes later is told.
+    forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
+    watched = _watched(events)
+    record = Record(_as_times(times, duration))
+    state = np.concatenate((q, qd, [0.0, 0.0]))
+    tolerances = (positive_number("rtol", rtol), positive_number("atol", atol))
+    if tolerances[0] < _LEAST_RTOL:
+        raise BadValueError("rtol", rtol, f"at least {_LEAST_RTOL:.2g}")
+    seen: list[tuple[float, int]] = []
+
+    def make(t: float, y: Array) -> Any:
+        return _solver(choice, motion, t, y, duration, step, tolerances)
+
+    # What overflows is found in the states.
+    with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
+        # LSODA warns of what the reason says.
+        warnings.filterwarnings("ignore", "lsoda", UserWarning)
+        reason = _integrate(make, motion, state, limits, part, watched, record, seen)
+    if reason != _FINISHED:
+        record.close()
+    return _told(motion, record, tuple(seen), reason)
+
+
+def _integrate(
+    make: Callable[[float, Array], Any],
+    motion: _Motion,
+    state: Array,
+    limits: str,
+    restitution: float,
+    watched: list[Event],
+    record: "Record",
+    seen: list[tuple[float, int]],
+) -> str:
+    """Step to the end, or to what ends it before; returns the reason."""
+    chain, n = motion.chain, motion.chain.n
+    bounds = [] if limits == "ignore" else list(limit_events(chain))
+    record.add(0.0, state, None)
+    if any(crossing(state) < 0.0 for crossing in bounds):
+        raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
+    bounces = 0
+    try:
+        solver = make(0.0, state)
+        for _ in range(_MOST_STEPS):
+            if solver.status == "finished":
+                return _FINISHED
+            before, y_before = solver.t, solver.y.copy()
+            message = solver.step()
+            if solver.status == "failed":
+                return f"the integration failed at {before:.6g} s: {message}"
+            dense = solver.dense_output()
+            y_after = solver.y
+            _refuse_run_away(solver.t, y_after, n)
+            hits = first_crossing(bounds, dense, (before, y_before), (solver.t, y_after))
+            end, joint = min(hits, default=(solver.t, -1))
+            ended = note(watched, dense, before, end, n, seen)
+            if ended is not None:
+                record.add(ended[0], dense(ended[0]), dense)
+                return f"event {ended[1]} at {ended[0]:.9g} s"
+            record.add(end, dense(end) if hits else y_after, dense)
+            if not hits:
+                continue
+            name, side = chain.joint_names[joint // 2], ("lower", "upper")[joint % 2]
+            if limits == "end":
+                return f"joint '{name}' came to its {side} limit at {end:.9g} s"
+            bounces += 1
+            rate = abs(dense(end)[n + joint // 2])
+            if bounces > _MOST_BOUNCES or rate < _REST:
+                return f"joint '{name}' came to rest at its {side} limit at {end:.9g} s"
+            state = bounced(chain, dense(end), joint // 2, joint % 2, restitution)
+            solver = make(end, state)
+    except _RunAwayError as error:
+        return f"the motion ran away: {error}"
+    return f"{_MOST_STEPS} steps did not reach the end"
+
+
+def _refuse_run_away(t: float, state: Array, n: int) -> None:
+    if not np.isfinite(state).all():
+        raise _RunAwayError(f"the state at {t:.6g} s is not finite")
+    fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
+    if fastest > LARGEST_SERVO_RATE:
+        raise _RunAwayError(
+            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
+            f"{LARGEST_SERVO_RATE:g} is the most"
+        )
+
+
+def _told(
+    motion: _Motion, record: Record, seen: tuple[tuple[float, int], ...], reason: str
+) -> Simulation:
+    chain, n = motion.chain, motion.chain.n
+    rows = np.array(record.states).reshape(-1, 2 * n + 2)
+    q, qd = rows[:, :n].copy(), rows[:, n : 2 * n].copy()
+    work, heat = rows[:, -2].copy(), rows[:, -1].copy()
+    kinetic = kinetic_energy(chain, q, qd)
+    potential = potential_energy(chain, q, gravity=motion.options["gravity"])
+    left = kinetic + potential - work + heat
+    drift = float(np.abs(left - left[0]).max()) if len(left) else 0.0
+    return Simulation(
+        np.array(record.t), q, qd, kinetic, potential, work, heat, drift, seen, reason
+    )
+
+
+def _solver(
+    method: str,
+    motion: _Motion,
+    t: float,
+    state: Array,
+    end: float,
+    step: float | None,
+    tolerances: tuple[float, float],
+) -> Any:
+    if method == "midpoint":
+        assert step is not None
+        return MidpointSolver(motion, t, state, end, step)
+    from scipy import integrate
+
+    rtol, atol = tolerances
+    kind = getattr(integrate, method)
+    longest = np.inf if step is None else step
+    return kind(motion.rates, t, state, end, rtol=rtol, atol=atol, max_step=longest)
+
+
+def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
+    check_chain(chain)
+    array = as_joint_values(chain, value, what)
+    if array.ndim != 1:
+        raise WrongSizeError(what, array.shape, f"({chain.n},)")
+    if not np.isfinite(array).all():
+        raise_not_finite(chain, array, what)
+    return array
+
+
+def _as_torque(chain: SerialChain, torque: ArrayLike | Torque | None) -> Torque:
+    if isinstance(torque, type):
+        raise BadValueError("torque", torque, "an array of real numbers, or a function")
+    if callable(torque):
+        return torque
+    constant = np.zeros(chain.n) if torque is None else _start(chain, torque, "torque")
+    return lambda t, q, qd: constant
+
+
+def _as_step(method: str, step: object, duration: float) -> float | None:
+    """Give the longest step, or the one of the midpoint rule, that comes to the end."""
+    if step is None and method != "midpoint":
+        return None
+    length = 1e-3 if step is None else positive_number("step", step)
+    least = duration / _MOST_STEPS
+    if length < least:
+        raise BadValueError("step", length, f"at least {least:.3g} s, or a shorter duration")
+    return length
+
+
+def _watched(events: Sequence[Event]) -> list[Event]:
+    watched = list(listed("events", events, "a list of functions of t, q and qd"))
+    for event in watched:
+        if not callable(event) or isinstance(event, type):
+            raise BadValueError("one of events", event, "a function of t, q and qd")
+    return watched
+
+
+def _as_times(times: ArrayLike | None, duration: float) -> Array | None:
+    if times is None:
+        return None
+    array = as_finite("times", times, ())
+    if array.ndim != 1:
+        raise WrongSizeError("times", array.shape, "(m,)")
+    if len(array) and (array[0] < 0.0 or array[-1] > duration or (np.diff(array) < 0.0).any()):
+        raise BadValueError("times", array.tolist(), f"increasing times from 0 to {duration:g} s")
+    return array

@@ -1,0 +1,46 @@
+"""Closed forms of kinematics and dynamics, as expressions of SymPy.
+
+Needs SymPy, which is loaded when one of these is first asked for.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.dynamics.symbolic.closed_forms import (
+        EXPRESSIONS,
+        SymbolicModel,
+        symbolic_model,
+    )
+    from robomech_ros.dynamics.symbolic.printing import (
+        FORMS,
+        abbreviated,
+        expression_latex,
+        expression_source,
+        expression_text,
+    )
+
+__all__ = [
+    "EXPRESSIONS",
+    "FORMS",
+    "SymbolicModel",
+    "abbreviated",
+    "expression_latex",
+    "expression_source",
+    "expression_text",
+    "symbolic_model",
+]
+
+_MODULES = {
+    "EXPRESSIONS": "closed_forms",
+    "FORMS": "printing",
+    "SymbolicModel": "closed_forms",
+    "abbreviated": "printing",
+    "expression_latex": "printing",
+    "expression_source": "printing",
+    "expression_text": "printing",
+    "symbolic_model": "closed_forms",
+}
+
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

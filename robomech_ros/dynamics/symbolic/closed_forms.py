@@ -1,0 +1,221 @@
+"""Closed-form kinematics and dynamics of a chain, as expressions of SymPy.
+
+The inertia of what follows each joint is gathered from the tip to the base, in frames that turn
+with the links, and seen by the axes of the joints before it; Christoffel symbols and the gradient
+of the potential energy are exact derivatives.  An optional part: it needs ``pip install
+robomech_ros[symbolic]``.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 4.2, 5.2 and 7.3 to 7.6.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.states import as_vector
+from robomech_ros.dynamics.symbolic.composites import potential_moment, symbolic_mass_rows
+from robomech_ros.dynamics.symbolic.parameters import SymbolicParameters, symbolic_parameters
+from robomech_ros.dynamics.symbolic.poses import symbolic_frames
+from robomech_ros.dynamics.symbolic.terms import Poly
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.numerics.arrays import real_array
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_choice
+
+__all__ = ["EXPRESSIONS", "SymbolicModel", "symbolic_model"]
+
+Array = NDArray[np.float64]
+
+EXPRESSIONS = (
+    "forward_kinematics",
+    "jacobian",
+    "mass_matrix",
+    "coriolis_matrix",
+    "gravity_torque",
+    "torque",
+)
+_KINEMATIC = EXPRESSIONS[:2]
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicModel:
+    """Closed forms of a chain; each is derived when it is first asked for.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        What they are of.
+    parameters : SymbolicParameters
+        Symbols, and what they stand for.
+    """
+
+    chain: SerialChain
+    parameters: SymbolicParameters
+
+    @cached_property
+    def forward_kinematics(self) -> sympy.Matrix:
+        """Pose of the tip in the base, shape (4, 4) (m)."""
+        poses, _ = symbolic_frames(self.parameters)
+        inner = self._matrix(poses[-1])
+        given = self.parameters
+        return (given.base * inner * given.tool).applyfunc(sympy.expand_mul)
+
+    @cached_property
+    def jacobian(self) -> sympy.Matrix:
+        """Joint rates to the tip's twist [omega; v] in the base, shape (6, n) (1 and m)."""
+        given, ring = self.parameters, self.parameters.ring
+        R, point = given.base[:3, :3], self.forward_kinematics[:3, 3]
+        columns = []
+        _, axes = symbolic_frames(given)
+        for axis, variable, turns in zip(axes, given.variables, given.revolute, strict=True):
+            e = R * sympy.Matrix([ring.expression(one) for one in axis])
+            velocity = point.diff(variable)
+            columns.append((e if turns else sympy.zeros(3, 1)).col_join(velocity))
+        return sympy.Matrix.hstack(*columns)
+
+    @cached_property
+    def mass_matrix(self) -> sympy.Matrix:
+        """Generalised inertia, shape (n, n) (kg m^2, kg m, kg), with the rotors'."""
+        return self._matrix(self._mass_rows) + sympy.diag(*self.parameters.rotors)
+
+    @cached_property
+    def coriolis_matrix(self) -> sympy.Matrix:
+        """Matrix C with ``C qd`` the Coriolis and centrifugal torques, by Christoffel symbols."""
+        given, n = self.parameters, self.chain.n
+        D = self._mass_gradient
+        C = sympy.zeros(n, n)
+        for i in range(n):
+            for j in range(n):
+                symbols = [(D[i][j][k] + D[i][k][j] - D[j][k][i]) for k in range(n)]
+                C[i, j] = sympy.Add(
+                    *(
+                        given.ring.expression(one / 2) * rate
+                        for one, rate in zip(symbols, given.rates, strict=True)
+                        if one
+                    )
+                )
+        return C
+
+    @cached_property
+    def gravity_torque(self) -> sympy.Matrix:
+        """Torques that hold the weights, shape (n, 1): the gradient of the potential energy."""
+        given, ring = self.parameters, self.parameters.ring
+        moment = potential_moment(given)
+        energy = sum(
+            (-ring.product(g, h) for g, h in zip(given.gravity, moment, strict=True)),
+            start=ring.number(0),
+        )
+        gradient = [ring.expression(ring.derivative(energy, one)) for one in given.variables]
+        return sympy.Matrix(gradient)
+
+    @cached_property
+    def torque(self) -> sympy.Matrix:
+        """Torques and forces of the drives for a motion, shape (n, 1), with friction."""
+        given = self.parameters
+        rates, accelerations = sympy.Matrix(given.rates), sympy.Matrix(given.accelerations)
+        moved = self.mass_matrix * accelerations + self.coriolis_matrix * rates
+        return moved + self.gravity_torque + sympy.Matrix(given.friction)
+
+    def expression(self, what: str) -> sympy.Matrix:
+        """Give one of :data:`EXPRESSIONS` by name.
+
+        Raises
+        ------
+        BadValueError
+            No such expression.
+        MissingInertiaError
+            It needs masses that are not known.
+        """
+        name = as_choice("expression", what, EXPRESSIONS)
+        if name not in _KINEMATIC:
+            _ = self.chain.packed_bodies  # raises where masses are missing
+        found: sympy.Matrix = getattr(self, name)
+        return found
+
+    def compiled(self, what: str) -> Callable[..., Array]:
+        """Make a function of one of :data:`EXPRESSIONS`, with common terms computed once.
+
+        Returns
+        -------
+        callable
+            ``f(q, qd=0, qdd=0)`` for the chain's own joint values, each (n,) or (..., n); the
+            result has the batch axes first.
+
+        Raises
+        ------
+        BadValueError, MissingInertiaError
+            As for :meth:`expression`.
+        """
+        matrix, given = self.expression(what), self.parameters
+        symbols, values = tuple(given.values), tuple(given.values.values())
+        arguments = (given.variables, given.rates, given.accelerations, symbols)
+        entries = sympy.lambdify(arguments, list(matrix), modules="numpy", cse=True)
+        shape = matrix.shape if matrix.shape[1] > 1 else matrix.shape[:1]
+
+        def evaluate(q: ArrayLike, qd: ArrayLike = 0.0, qdd: ArrayLike = 0.0) -> Array:
+            rows = [real_array(name, one) for name, one in (("q", q), ("qd", qd), ("qdd", qdd))]
+            if rows[0].ndim == 0 or rows[0].shape[-1] != self.chain.n:
+                raise WrongSizeError("q", rows[0].shape, f"(..., {self.chain.n})")
+            rows[0] = rows[0] + given.offsets
+            rows = [np.broadcast_to(one, rows[0].shape) for one in rows]
+            found = entries(*(tuple(np.moveaxis(one, -1, 0)) for one in rows), values)
+            batch = rows[0].shape[:-1]
+            stacked = np.stack([np.broadcast_to(one, batch) for one in found], axis=-1)
+            return np.asarray(stacked, dtype=np.float64).reshape(*batch, *shape)
+
+        return evaluate
+
+    @cached_property
+    def _mass_rows(self) -> list[list[Poly]]:
+        return symbolic_mass_rows(self.parameters)
+
+    @cached_property
+    def _mass_gradient(self) -> list[list[list[Poly]]]:
+        given = self.parameters
+        return [
+            [[given.ring.derivative(one, variable) for variable in given.variables] for one in row]
+            for row in self._mass_rows
+        ]
+
+    def _matrix(self, rows: Sequence[Sequence[Poly]]) -> sympy.Matrix:
+        ring = self.parameters.ring
+        return sympy.Matrix([[ring.expression(one) for one in row] for row in rows])
+
+
+def symbolic_model(
+    chain: SerialChain,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    parameters: str = "names",
+) -> SymbolicModel:
+    """Set up the closed forms of a chain.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of at least one joint.
+    gravity : array_like, shape (3,)
+        In the base (m/s^2).  Along an axis of the first frame it is called g, else g_x, g_y, g_z.
+    parameters : {"names", "numbers"}
+        Symbols a_i, b_i, alpha_i of the Denavit-Hartenberg table, m_i, x_i, y_i, z_i, I_xxi and so
+        on of the bodies in frame i + 1, or their values as exact decimals.  What vanishes is 0 and
+        right angles are exact either way.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        No chain, one without joints, or a gravity that is no vector.
+    """
+    check_chain(chain)
+    by_name = as_choice("parameters", parameters, ("names", "numbers")) == "names"
+    vector = as_vector("gravity", gravity, 3)
+    given = symbolic_parameters(chain, [float(one) for one in vector], by_name=by_name)
+    return SymbolicModel(chain, given)

@@ -1,0 +1,85 @@
+"""Where the robot is, beside where a trajectory begins and ends."""
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["STILL", "apart", "off_goal", "off_start"]
+
+# A robot whose joints move by less than this (rad, m) between two looks stands.
+STILL = 1e-3
+
+
+def apart(first: FloatArray, second: FloatArray, continuous: npt.NDArray[np.bool_]) -> FloatArray:
+    """Give the distance of joint positions, without whole turns of continuous joints.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (n,)
+        rad or m.
+    continuous : ndarray of bool, shape (n,)
+        Which joints turn without limits.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Not negative.
+    """
+    difference = np.asarray(first - second)
+    turned = difference - np.round(difference / (2.0 * np.pi)) * (2.0 * np.pi)
+    distance: FloatArray = np.abs(np.where(continuous, turned, difference))
+    return distance
+
+
+def off_start(
+    delivery: Delivery, positions: FloatArray, continuous: npt.NDArray[np.bool_], tolerance: float
+) -> str:
+    """Say how a robot is off the start of a delivery.
+
+    Parameters
+    ----------
+    delivery : Delivery
+        What is to be executed.
+    positions : ndarray, shape (n,)
+        Where the robot is, rad or m.
+    continuous : ndarray of bool, shape (n,)
+        Which joints turn without limits.
+    tolerance : float
+        What is allowed, rad or m.
+
+    Returns
+    -------
+    str
+        Joint and amount; empty if the robot is there, or need not be.
+    """
+    if delivery.start is None:
+        return ""
+    distance = apart(delivery.start, positions, continuous)
+    worst = int(np.argmax(distance))
+    if distance[worst] <= tolerance:
+        return ""
+    return (
+        f"the trajectory starts with joint '{delivery.names[worst]}' at "
+        f"{delivery.start[worst]:.6g}, but the joint is at {positions[worst]:.6g}: "
+        f"{distance[worst]:.3g} apart, allowed is {tolerance:.3g}"
+    )
+
+
+def off_goal(
+    delivery: Delivery, positions: FloatArray, continuous: npt.NDArray[np.bool_], tolerance: float
+) -> str:
+    """Say how a robot is off the goal of a delivery; parameters as of `off_start`."""
+    distance = apart(delivery.goal, positions, continuous)
+    worst = int(np.argmax(distance))
+    if distance[worst] <= tolerance:
+        return ""
+    text = (
+        f"joint '{delivery.names[worst]}' is at {positions[worst]:.6g}, {distance[worst]:.3g} off "
+        f"its goal {delivery.goal[worst]:.6g}, allowed is {tolerance:.3g}"
+    )
+    start = delivery.start
+    if start is not None and np.max(apart(start, positions, continuous)) <= STILL:
+        text += "; the robot has not moved, the controller's log may say why"
+    return text

@@ -1,0 +1,104 @@
+"""What the joint states tell of a trajectory under way: whether they come, whether it moves."""
+
+import numpy as np
+
+from robomech_ros.execution.client.comparison import STILL
+from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Progress", "curve_from"]
+
+# A trajectory that leads farther than this (rad, m) from where it was should be seen to move.
+NOTICEABLE = 10.0 * STILL
+
+
+class Progress:
+    """Watches a robot that was sent a trajectory.
+
+    Parameters
+    ----------
+    delivery : Delivery
+        What was sent.
+    position : ndarray, shape (n,)
+        Where the robot was then, rad or m.
+    heard : int
+        How often its joints had been heard of.
+
+    Attributes
+    ----------
+    moved : bool
+        Whether the robot has moved at all.
+    stands : bool
+        Whether, since the trajectory should have ended, it was heard of twice at the same place.
+    """
+
+    def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
+        self.moved = self.stands = False
+        self._curve = curve_from(delivery.waypoints, position)
+        self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
+        self._sent_at = self._heard_at = self._now = delivery.sent_at
+        self._heard = heard
+        self._last = self._anchor = position
+        self._left_at = self._expected(delivery.sent_at)
+        self._overdue_since: float | None = None
+
+    @property
+    def silent(self) -> float:
+        """How long the joints were not heard of, s."""
+        return self._now - self._heard_at
+
+    @property
+    def stuck(self) -> float:
+        """How long the robot is known to stand although the trajectory should have moved it, s."""
+        return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
+
+    def look(self, now: float, position: FloatArray | None, heard: int) -> None:
+        """Take note of the present positions.
+
+        Parameters
+        ----------
+        now : float
+            The time, s.
+        position : ndarray, shape (n,), or None
+            Where the joints are, rad or m, where that is known.
+        heard : int
+            How often all of them were heard of.
+        """
+        self._now = now
+        if position is None or heard == self._heard:
+            return
+        self._heard, self._heard_at = heard, now
+        self.stands = self._over and bool(np.max(np.abs(position - self._last)) <= STILL)
+        self._last, self._over = position, now - self._sent_at >= self._lasts
+        expected = self._expected(now)
+        if np.max(np.abs(position - self._anchor)) > STILL:
+            self.moved = True
+            self._anchor, self._left_at, self._overdue_since = position, expected, None
+        elif self._overdue_since is None and _leads(self._left_at, expected):
+            self._overdue_since = now
+
+    def _expected(self, now: float) -> FloatArray:
+        """Where the trajectory is by now, rad or m."""
+        time = now - self._sent_at - self._delay
+        last = float(self._curve.breaks[-1])
+        return self._curve.sample(min(max(time, 0.0), last)).position
+
+
+def _leads(before: FloatArray, after: FloatArray) -> bool:
+    """Whether a way from one position to another (n,) is one to be noticed."""
+    return bool(np.max(np.abs(after - before)) > NOTICEABLE)
+
+
+def curve_from(waypoints: Waypoints, position: FloatArray) -> PiecewisePolynomial:
+    """Make the curve through waypoints, from a position (rad or m) where they begin later."""
+    if waypoints.times[0] <= 0.0:
+        return waypoints.curve
+    still = np.zeros(len(position))
+    rates = (
+        None if rate is None else np.vstack([still, rate])
+        for rate in (waypoints.velocities, waypoints.accelerations)
+    )
+    times = np.concatenate([[0.0], waypoints.times])
+    return Waypoints(times, np.vstack([position, waypoints.positions]), *rates).curve

@@ -1,0 +1,1 @@
+"""The controller: follows trajectories, joins, holds, slows down; knows neither ROS nor a clock."""

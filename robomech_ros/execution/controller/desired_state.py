@@ -1,0 +1,71 @@
+"""Where a follower wants, or will want, its joints at some time."""
+
+from robomech_ros.execution.controller.follower import Follower, Phase
+from robomech_ros.execution.controller.simulated_joints import at_rest
+from robomech_ros.execution.controller.trajectory_goal import Job
+from robomech_ros.execution.joints import State
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.stopping import slowed_down
+
+__all__ = ["planned_state"]
+
+
+def planned_state(follower: Follower, ahead: float) -> State:
+    """Give the state that is planned for some time from now, if nothing comes between.
+
+    Parameters
+    ----------
+    follower : Follower
+        What follows trajectories; it has been advanced to the present time.
+    ahead : float
+        How far from now, s; negative for the past of the trajectory under way.
+
+    Returns
+    -------
+    State
+        After the end of a trajectory, at rest at its last point.
+
+    Raises
+    ------
+    TrajectoryRefusedError
+        It is before the trajectory under way, or before the robot came to stand: what was planned
+        then is not kept.
+    """
+    waiting = follower.waiting
+    if waiting is not None and follower.now + ahead >= waiting.begin:
+        return _sampled(waiting, follower.now + ahead - waiting.begin)
+    job = follower.active
+    if job is None:
+        held = follower.now - follower.held_since
+        if ahead < -held:
+            raise _too_early(ahead, f"the robot has held since {held:.6g} s ago")
+        return follower.wanted
+    if follower.phase is Phase.STOPPING:
+        if ahead < 0.0:
+            raise _too_early(ahead, "the robot is being stopped")
+        return _while_stopping(follower, job, ahead)
+    time = job.time + follower.pace * ahead
+    if time < 0.0:
+        began = job.time / follower.pace
+        raise _too_early(ahead, f"the trajectory under way began {began:.6g} s ago")
+    return follower.at(job, time)
+
+
+def _sampled(job: Job, time: float) -> State:
+    sample = job.curve.sample(time)
+    return State(sample.position, sample.velocity, sample.acceleration)
+
+
+def _while_stopping(follower: Follower, job: Job, ahead: float) -> State:
+    time, pace, drop = slowed_down(
+        job.curve, job.time, follower.pace, ahead, follower.joints.acceleration
+    )
+    sample = job.curve.sample(time)
+    if pace <= 0.0:
+        return at_rest(sample.position)
+    acceleration = sample.acceleration * pace * pace - sample.velocity * drop
+    return State(sample.position, sample.velocity * pace, acceleration)
+
+
+def _too_early(ahead: float, since: str) -> TrajectoryRefusedError:
+    return TrajectoryRefusedError(f"{-ahead:.6g} s ago is not known any more: {since}")

@@ -1,0 +1,243 @@
+"""From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.controller.smoothing import fading_time, with_braking, with_fading
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.plans.verification import Violation, first_violation
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["join", "join_in_steps"]
+
+# A moving joint may be off the start by the way it covers in this time (s): the client has seen
+# the joint states some time ago.
+LATENCY = 0.1
+# A start off by less than this (rad, m and per s) is no step that would have to be smoothed.
+NO_STEP = 1e-9
+# A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
+# without velocities as it is given, corners included, as ros2_control does.
+STANDING = 1e-6
+# So many points of a late trajectory that cannot be reached in time are passed over, of those that
+# come within LATENCY: who is farther behind would leave the way that was planned.
+_PASSED_OVER = 64
+# Without interpolation the last point is told for this long (s) before the trajectory is over.
+_INSTANT = 1e-9
+# Times that are tried one after the other, in units of the one in which the smoothing takes half
+# the acceleration limit.
+_STRETCHES = (1.0, 2.0, 4.0, 0.5)
+
+
+def join(
+    waypoints: Waypoints,
+    present: State,
+    joints: Joints,
+    start_tolerance: float,
+    late: float = 0.0,
+) -> PiecewisePolynomial:
+    """Make the curve that leads from the present state along a trajectory to its end.
+
+    A first point at time 0 must be where the robot is, within tolerance; what is left of the
+    step, and the difference in velocity if the robot moves, is smoothed out with a quintic within
+    the acceleration limits.  A first point later than that is reached from the present state as
+    the points among each other: linearly, or by a cubic or quintic where it has velocities and
+    accelerations.
+
+    Parameters
+    ----------
+    waypoints : Waypoints
+        m points of n joints.  A joint whose column is NaN stays where it is.
+    present : State
+        Where the robot is when the trajectory begins.
+    joints : Joints
+        Limits; whole turns between the present position and the first point are removed for
+        continuous joints.
+    start_tolerance : float
+        Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
+    late : float
+        How long ago the trajectory should have begun, s; points before that are dropped, and of
+        the next 0.1 s those that cannot be reached in time, if there is one after them that can.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        From t = 0, now, to the end and, where the robot moves there, on until it has braked;
+        within the limits of position and velocity.
+
+    Raises
+    ------
+    StartMismatchError
+        The start is farther from the present position than allowed.
+    TrajectoryOverError
+        The trajectory has ended already.
+    LimitExceededError
+        A position or velocity limit would be exceeded, on the points or between them.
+    """
+    remaining = _remaining(_completed(waypoints, present), present, joints, late)
+    positions = _turned(remaining, present, joints, start_tolerance)
+    if remaining.times[0] <= 0.0:
+        curve = interpolant(
+            remaining.times, positions, remaining.velocities, remaining.accelerations
+        )
+    else:
+        curve = _approached(remaining, positions, present)
+    velocities = remaining.velocities
+    if velocities is not None:
+        curve = with_braking(curve, velocities[-1], joints)
+    step = present.position - curve.sample(0.0).position
+    kick = present.velocity - curve.sample(0.0).velocity
+    if velocities is None or np.isnan(velocities[0]).any():
+        kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
+    return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
+
+
+def join_in_steps(
+    waypoints: Waypoints,
+    present: State,
+    joints: Joints,
+    start_tolerance: float,
+    late: float = 0.0,
+) -> PiecewisePolynomial:
+    """Make the curve of a trajectory that is not interpolated: each point is told at once.
+
+    As with ros2_control's ``interpolation_method: none`` the joints stay where they are until a
+    first point later than now, and between two points they are told the second one.  Velocities
+    and accelerations do not matter.  What the joints would do between the points is refused as by
+    `join`; parameters and errors are those of `join`.
+    """
+    completed = _completed(Waypoints(waypoints.times, waypoints.positions), present)
+    remaining = _remaining(completed, present, joints, late)
+    positions = _turned(remaining, present, joints, start_tolerance)
+    times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
+    if times[0] > 0.0:
+        positions = np.vstack([present.position, positions])
+        times, told = np.append(0.0, times), np.vstack([present.position, told])
+    violation = _violation(interpolant(times, positions), joints)
+    if violation is not None:
+        raise _refusal(violation, float(remaining.times[0]))
+    return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), told[None])
+
+
+def _turned(
+    waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float
+) -> FloatArray:
+    """Take whole turns off the positions, and require a first point at time 0 to be near."""
+    turns = np.round((present.position - waypoints.positions[0]) / math.tau)
+    positions = waypoints.positions + np.where(joints.continuous, turns * math.tau, 0.0)
+    if waypoints.times[0] <= 0.0:
+        _require_near(positions[0], present, joints, start_tolerance)
+    return positions
+
+
+def _completed(waypoints: Waypoints, present: State) -> Waypoints:
+    """Let the joints that the trajectory does not name stay where they are."""
+    missing = np.isnan(waypoints.positions[0])
+    if not missing.any():
+        return waypoints
+    positions = np.where(missing, present.position, waypoints.positions)
+    rates = (_stilled(rate, missing) for rate in (waypoints.velocities, waypoints.accelerations))
+    return Waypoints(waypoints.times, positions, *rates)
+
+
+def _stilled(rate: FloatArray | None, missing: npt.NDArray[np.bool_]) -> FloatArray | None:
+    """Fill the columns of missing joints with 0 in those rows that have numbers at all."""
+    if rate is None:
+        return None
+    there = ~np.all(np.isnan(rate), axis=1, keepdims=True)
+    return np.where(missing & there, 0.0, rate)
+
+
+def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float) -> Waypoints:
+    """Drop what should have happened before now, and what cannot be reached in time."""
+    if late <= 0.0:
+        return waypoints
+    over = int(np.searchsorted(waypoints.times, late, side="right"))
+    if over == len(waypoints.times):
+        raise TrajectoryOverError(late, waypoints.times[-1])
+    left = _part(waypoints, slice(over, None), late)
+    near = int(np.searchsorted(left.times, LATENCY, side="right"))
+    for k in range(min(_PASSED_OVER, near)):
+        point = _part(left, slice(k, k + 1))
+        place = _turned(point, present, joints, 0.0)
+        if _violation(_approached(point, place, present), joints) is None:
+            return _part(left, slice(k, None))
+        if _violation(interpolant([0.0], place), joints) is not None:
+            break  # Nobody should be there at any time.
+    return left
+
+
+def _part(waypoints: Waypoints, part: slice, late: float = 0.0) -> Waypoints:
+    """Give some of the points, sooner by a time (s)."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return Waypoints(
+        waypoints.times[part] - late,
+        waypoints.positions[part],
+        None if velocities is None else velocities[part],
+        None if accelerations is None else accelerations[part],
+    )
+
+
+def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: float) -> None:
+    allowed = tolerance + LATENCY * np.abs(present.velocity)
+    excess = np.abs(start - present.position) - allowed
+    worst = int(np.argmax(excess))
+    if excess[worst] > 0.0:
+        raise StartMismatchError(
+            joints.names[worst],
+            start[worst],
+            present.position[worst],
+            allowed[worst],
+            turns=bool(joints.revolute[worst]),
+        )
+
+
+def _approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
+    """Put the present state before the first point."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return interpolant(
+        np.concatenate([[0.0], waypoints.times]),
+        np.vstack([present.position, positions]),
+        None if velocities is None else np.vstack([present.velocity, velocities]),
+        None if accelerations is None else np.vstack([present.acceleration, accelerations]),
+    )
+
+
+def _smoothed(
+    curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, joints: Joints, first: float
+) -> PiecewisePolynomial:
+    """Smooth out the step at the start, in a time that keeps the limits."""
+    violation = _violation(curve, joints)
+    if violation is not None:
+        raise _refusal(violation, first)
+    if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
+        return curve
+    time = fading_time(step, kick, joints)
+    found = None
+    for stretch in _STRETCHES:
+        candidate = with_fading(curve, step, kick, stretch * time)
+        violation = _violation(candidate, joints)
+        if violation is None:
+            return candidate
+        found = found or violation
+    assert found is not None
+    raise _refusal(found, max(first, time))
+
+
+def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:
+    return first_violation(
+        curve, joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
+    )
+
+
+def _refusal(violation: Violation, joined: float) -> LimitExceededError:
+    what = f"at t = {violation.time:.6g} s the {violation.what}"
+    if violation.time < joined:
+        what = f"on the way from the present state, {what}"
+    return LimitExceededError(what, violation.joint, violation.value, violation.limit)

@@ -1,0 +1,118 @@
+"""One trajectory on its way: accepted, perhaps waiting for its time, moving, ended."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum, auto
+
+import numpy as np
+
+from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Code", "End", "Job", "Outcome"]
+
+
+class Code(IntEnum):
+    """How a motion ended; the numbers of robomech_interfaces/msg/ErrorCode."""
+
+    SUCCESS = 0
+    REJECTED = 221
+    PREEMPTED = 222
+    PATH_TOLERANCE = 223
+    GOAL_TOLERANCE = 224
+
+
+class End(IntEnum):
+    """What became of a trajectory."""
+
+    REACHED = auto()
+    ABORTED = auto()
+    CANCELLED = auto()
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """The end of a motion.
+
+    Attributes
+    ----------
+    end : End
+        What became of it.
+    code : int
+        One of ErrorCode; 0 if the goal was reached.
+    text : str
+        The reason with joint and amount; empty if there is nothing to say.
+    error : ndarray, shape (n,)
+        Last point of the trajectory less actual position at that moment, rad or m.
+    """
+
+    end: End
+    code: int
+    text: str
+    error: FloatArray
+
+
+@dataclass(eq=False)
+class Job:
+    """A trajectory that was accepted.
+
+    Attributes
+    ----------
+    waypoints : Waypoints
+        As they were given, joints in the order of the robot.
+    tolerances : Tolerances
+        What the motion is held to.
+    begin : float
+        When it begins or began, on the clock of the follower (s).
+    curve : PiecewisePolynomial
+        From the state expected at `begin`, replaced by the one from the state found then.
+    on_end : callable
+        Called once with the outcome.
+    outcome : Outcome or None
+        None until it has ended.
+    time : float
+        How far it has come on its curve, s.
+    braking : float
+        How long before the end of the curve the trajectory is over and the robot brakes, s.
+    arrived : bool
+        Whether it was where it should be when the trajectory was over.
+    remark : str
+        What else the outcome is to say.
+    """
+
+    waypoints: Waypoints
+    tolerances: Tolerances
+    begin: float
+    curve: PiecewisePolynomial
+    late: float = 0.0
+    on_end: Callable[[Outcome], None] = field(default=lambda outcome: None)
+    outcome: Outcome | None = None
+    time: float = 0.0
+    braking: float = 0.0
+    arrived: bool = False
+    remark: str = ""
+
+    @property
+    def goal(self) -> FloatArray:
+        """Last position, rad or m, shape (n,)."""
+        return self.curve.sample(self.curve.breaks[-1]).position
+
+    @property
+    def arrival(self) -> float:
+        """When the last point is to be reached, s on the curve."""
+        return self.curve.duration - self.braking
+
+    @property
+    def progress(self) -> float:
+        """Part of the duration that has passed, 0 to 1."""
+        duration = self.arrival
+        return min(self.time / duration, 1.0) if duration > 0.0 else 1.0
+
+    def finish(self, end: End, code: int, text: str, actual: FloatArray) -> None:
+        """Set the outcome and tell it; a second call does nothing."""
+        if self.outcome is None:
+            text = "; ".join(part for part in (text, self.remark) if part)
+            self.outcome = Outcome(end, int(code), text, np.subtract(self.goal, actual))
+            self.on_end(self.outcome)

@@ -1,0 +1,1 @@
+"""Inverse kinematics: all solutions, or the reason why there is none."""

@@ -1,0 +1,158 @@
+"""All solutions of arms whose family has a closed form."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.one_pose import TOTAL, solve_one_pose
+from robomech_ros._kernels.inverse.ranking import rank, winding_count
+from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
+from robomech_ros._kernels.tolerances import MOST_WINDINGS
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.families.selection import Family
+from robomech_ros.kinematics.inverse.reasons import (
+    NO_EXCESS,
+    describe_continuum,
+    explain_limits,
+    explain_nothing,
+    nothing,
+)
+from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.result import (
+    WHOLE_POSE,
+    Draft,
+    InverseKinematicsResult,
+    branches_in,
+    finished,
+    target_in,
+)
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["rank_windings", "solve_closed_form"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# To look these up takes longer than a solution.
+_SUCCESS = Status.SUCCESS
+_empty = np.empty
+
+
+def solve_closed_form(
+    chain: SerialChain, T: Array, request: Request, family: Family
+) -> InverseKinematicsResult:
+    """Find all solutions of a pose, ranked, or explain why there is none.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        Pose (m) as :func:`as_target` gives it; its entries are checked here.
+    request : Request
+    family : Family
+        One that lists all solutions.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        The entries are not those of a pose.
+    """
+    space = _empty(_shape(chain.n))
+    fault, bare, missing, count, singular, unproven = solve_one_pose(
+        family.arm, T, request.seed, request.metric, request.respect_limits, space
+    )
+    if fault:
+        as_targets(T)  # raises, and says what it is
+    if not count:
+        return _explained(chain, target_in(space), space[:bare], family, singular > 0, unproven > 0)
+    reason = ""
+    if singular > missing:
+        reason = describe_continuum(chain, space[:count], branches_in(space, count))
+    if request.max_solutions is not None and not request.include_windings:
+        count = min(count, request.max_solutions)
+    result = finished(
+        Draft(
+            chain,
+            space,
+            space[:count],
+            family.name,
+            not singular and not unproven and family.exact,
+            _SUCCESS,
+            reason,
+            (),
+            NO_EXCESS,
+            WHOLE_POSE,
+            None,
+        )
+    )
+    return _wound(result, request, family) if request.include_windings else result
+
+
+def _wound(
+    result: InverseKinematicsResult, request: Request, family: Family
+) -> InverseKinematicsResult:
+    """Give the result with every winding of its solutions."""
+    q, names, distances = rank_windings(
+        result.chain, family.turns, request, result.q, result.branch_bits
+    )
+    kept = slice(request.max_solutions)
+    return replace(result, q=q[kept], seed_distance=distances[kept], branch_bits=names[kept])
+
+
+@lru_cache(maxsize=8)
+def _shape(n: int) -> tuple[int, int]:
+    """Give the shape of the space for the solutions of n joints and what is written besides."""
+    return MAX_SOLUTIONS + -(-TOTAL // n), n
+
+
+def _explained(
+    chain: SerialChain, T: Array, q: Array, family: Family, singular: bool, unproven: bool
+) -> InverseKinematicsResult:
+    """Say why there is no solution inside the limits; q (k, n) are those without limits."""
+    if len(q):
+        proven = not unproven and family.exact
+        return explain_limits(chain, T, q, family, continuum=singular, proven=proven)
+    if unproven:
+        reason = "the pose is degenerate: no posture was found, which proves nothing"
+        return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
+    return explain_nothing(chain, T, family)
+
+
+def rank_windings(
+    chain: SerialChain, turns: Integers, request: Request, q: Array, names: Integers
+) -> tuple[Array, Integers, Array]:
+    """List the solutions q (k, n) in every winding inside the limits, nearest to the seed first.
+
+    Returns joint values, branches and distances.
+
+    Raises
+    ------
+    BadValueError
+        The limits allow more than MOST_WINDINGS.
+    """
+    room = winding_count(turns, chain.lower, chain.upper, q)
+    if room > MOST_WINDINGS:
+        expected = f"limits with at most {MOST_WINDINGS} windings of all solutions; here are {room}"
+        raise BadValueError("include_windings", True, expected)
+    ranked = np.empty((room, chain.n))
+    marks = np.empty(room, np.int64)
+    distances = np.empty(room)
+    count = rank(
+        turns,
+        chain.lower,
+        chain.upper,
+        request.seed,
+        request.metric,
+        request.respect_limits,
+        True,
+        q,
+        names,
+        ranked,
+        marks,
+        distances,
+    )
+    return ranked[:count], marks[:count], distances[:count]

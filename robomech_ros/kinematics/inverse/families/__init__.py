@@ -1,0 +1,1 @@
+"""Which solver an arm gets, by its geometry."""

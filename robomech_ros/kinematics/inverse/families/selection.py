@@ -1,0 +1,146 @@
+"""Which solver an arm gets: decided once for a chain, by its geometry."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse import short_layout
+from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
+from robomech_ros._kernels.inverse.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
+from robomech_ros._kernels.inverse.solutions import SHORT
+from robomech_ros._kernels.tolerances import CERTAIN_MOBILITY
+from robomech_ros.kinematics.inverse.families import decoupled, general, iterative, redundant, short
+from robomech_ros.kinematics.inverse.families.six_joints import (
+    CLOSED_FORMS,
+    chain_of,
+    reversed_transforms,
+)
+from robomech_ros.kinematics.mobility import arm_size, mobility
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
+
+__all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
+
+Array = NDArray[np.float64]
+
+# Number of the family that has a kernel of its own.
+REDUNDANT = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A solver family with the constants it needs of one chain.
+
+    Parameters
+    ----------
+    name : str
+        ``"decoupled"``, ``"three-parallel"``, ``"general-6r"``, ``"general-6"``, ``"redundant"``,
+        ``"short"`` or ``"iterative"``.
+    number : int
+        The family in the kernels, BACKWARDS added where the data is that of the inverse motion.
+    data : ndarray
+        The constants, as the family's kernel reads them.
+    turns : ndarray of int, shape (n,)
+        1 for revolute joints.
+    limits : ndarray, shape (2, n)
+        Of the joints (rad or m), lower in front.
+    certain : bool
+        Whether the arm is so far from having lost a degree of freedom that rounding hides nothing.
+    """
+
+    name: str
+    number: int
+    data: Array
+    turns: NDArray[np.int64]
+    limits: Array
+    certain: bool
+
+    @cached_property
+    def arm(self) -> Array:
+        """The arm as ``_kernels.inverse.solve`` reads it."""
+        return np.concatenate(([self.number], self.turns, self.limits.ravel(), self.data))
+
+    @property
+    def closed_form(self) -> bool:
+        """Whether the family finds all solutions, of a redundant arm in all samples."""
+        return self.number != ITERATIVE
+
+    @cached_property
+    def lists_all(self) -> bool:
+        """Whether the family finds all solutions of a pose at once, which are finitely many."""
+        return self.closed_form and not self.redundant
+
+    @property
+    def redundant(self) -> bool:
+        """Whether solutions are samples of a self-motion."""
+        return self.number == REDUNDANT
+
+    @cached_property
+    def exact(self) -> bool:
+        """Whether that is certain: also no wrist whose axes meet but for some micrometres."""
+        if not self.certain:
+            return False
+        if self.number == SHORT:
+            return bool(self.data[short_layout.EXACT])
+        return self.number % BACKWARDS != DECOUPLED or bool(self.data[decoupled_layout.EXACT])
+
+
+def _from_tip(chain: SerialChain) -> SerialChain:
+    links = reversed_transforms(unpack_chain(chain.packed))
+    return chain_of(links, chain.types[::-1].tolist())
+
+
+def _match_backwards(chain: SerialChain) -> Array | None:
+    """Recognise an arm whose first three axes meet: read from its tip it has a spherical wrist."""
+    return decoupled.match(_from_tip(chain)) if chain.n == 6 else None
+
+
+def _match_revolute(chain: SerialChain) -> Array | None:
+    return None if chain.types.any() else general.match(chain)
+
+
+_FAMILIES = (
+    *CLOSED_FORMS,
+    ("decoupled", BACKWARDS + DECOUPLED, _match_backwards),
+    ("general-6r", GENERAL, _match_revolute),
+    ("general-6", GENERAL, general.match),
+    ("redundant", REDUNDANT, redundant.match),
+    ("short", SHORT, short.match),
+)
+
+
+@lru_cache(maxsize=128)
+def family_of(chain: SerialChain) -> Family:
+    """Find the first family whose geometry a chain has; the iterative one takes what is left.
+
+    An arm whose wrist axes meet but for some micrometres is a general one, where it can be.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    """
+    for name, number, match in _FAMILIES:
+        data = match(chain)
+        if data is None:
+            continue
+        if number % BACKWARDS == DECOUPLED and not data[decoupled_layout.EXACT]:
+            whole = general.match(chain)
+            if whole is not None:
+                name = "general-6" if chain.types.any() else "general-6r"
+                return _family(chain, name, GENERAL, whole)
+        return _family(chain, name, number, data)
+    return iterative_family(chain, iterative.iterative_data(chain))
+
+
+def iterative_family(chain: SerialChain, data: Array) -> Family:
+    """Give the iterative family with constants made for a request of its own."""
+    turns = (chain.types == REVOLUTE).astype(np.int64)
+    limits = np.stack((chain.lower, chain.upper))
+    return Family("iterative", ITERATIVE, data, turns, limits, certain=False)
+
+
+def _family(chain: SerialChain, name: str, number: int, data: Array) -> Family:
+    certain = number != REDUNDANT and mobility(chain, arm_size(chain)) > CERTAIN_MOBILITY
+    return replace(iterative_family(chain, data), name=name, number=number, certain=certain)

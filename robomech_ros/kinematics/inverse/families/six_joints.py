@@ -1,0 +1,139 @@
+"""Six-joint arms that are solved completely, alone or inside longer and shorter chains."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.general import layout as general_layout
+from robomech_ros._kernels.inverse.six_joints import DECOUPLED, GENERAL, THREE_PARALLEL
+from robomech_ros.kinematics.inverse.families import decoupled, general, three_parallel
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import pack_chain
+
+__all__ = [
+    "CLOSED_FORMS",
+    "SixJointArm",
+    "chain_of",
+    "match_general",
+    "match_six",
+    "reversed_transforms",
+]
+
+Array = NDArray[np.float64]
+
+# Families of six-joint arms, the most special first: name, number in the kernels, recognition.
+CLOSED_FORMS: tuple[tuple[str, int, Callable[[SerialChain], Array | None]], ...] = (
+    ("decoupled", DECOUPLED, decoupled.match),
+    ("three-parallel", THREE_PARALLEL, three_parallel.match),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SixJointArm:
+    """How six joints are solved.
+
+    Parameters
+    ----------
+    family : int
+        The family in the kernels.
+    backwards : bool
+        Whether the constants are those of the inverse motion, from the tip to the base.
+    data : ndarray
+        The constants, as the family's kernel reads them.
+    """
+
+    family: int
+    backwards: bool
+    data: Array
+
+
+def match_six(transforms: Array, types: Sequence[int]) -> SixJointArm | None:
+    """Find the closed form of six joints.
+
+    Parameters
+    ----------
+    transforms : ndarray, shape (7, 4, 4)
+        C_0 .. C_6 of :class:`SerialChain` (m).
+    types : sequence of 6 int
+        0 revolute, 1 prismatic.
+
+    Returns
+    -------
+    SixJointArm or None
+        The first family that matches, each asked forwards and then backwards: an arm whose first
+        three axes meet is decoupled when it is read from its tip.
+    """
+    forwards = chain_of(transforms, types)
+    backwards = chain_of(reversed_transforms(transforms), types[::-1])
+    for _, number, match in CLOSED_FORMS:
+        for reverse, chain in ((False, forwards), (True, backwards)):
+            data = match(chain)
+            if data is not None:
+                return SixJointArm(number, reverse, data)
+    return None
+
+
+def match_general(
+    candidates: Iterable[tuple[Array, Sequence[int]]],
+) -> tuple[int, SixJointArm] | None:
+    """Find the best of some arms of six joints for elimination, which assumes no special geometry.
+
+    Parameters
+    ----------
+    candidates : iterable of transforms, shape (7, 4, 4), and types
+        As for :func:`match_six`.
+
+    Returns
+    -------
+    tuple of int and SixJointArm, or None
+        Which candidate, and how it is solved: the first one of which every random pose is solved
+        with nothing in doubt, else the one with most of them.
+    """
+    best: tuple[float, int, SixJointArm] | None = None
+    for number, (transforms, types) in enumerate(candidates):
+        data = general.match(chain_of(transforms, types))
+        if data is None:
+            continue
+        clean = float(data[general_layout.CLEAN])
+        if best is None or clean > best[0]:
+            best = clean, number, SixJointArm(GENERAL, False, data)
+        if clean == 1.0:
+            break
+    return None if best is None else best[1:]
+
+
+def reversed_transforms(transforms: Array) -> Array:
+    """Give the constant transforms of the inverse motion, from the tip to the base."""
+    inverse: Array = np.linalg.inv(transforms[::-1]).astype(np.float64)
+    return inverse
+
+
+def chain_of(transforms: Array, types: Sequence[int]) -> SerialChain:
+    """Make a chain without names and limits.
+
+    Parameters
+    ----------
+    transforms : ndarray, shape (n + 1, 4, 4)
+        C_0 .. C_n (m).
+    types : sequence of n int
+        0 revolute, 1 prismatic.
+    """
+    n = len(types)
+    kinds = np.array(types, dtype=np.int64)
+    missing = np.full(n, np.nan)
+    return SerialChain(
+        name="part",
+        base="base",
+        tip="tip",
+        joint_names=tuple(f"joint_{i + 1}" for i in range(n)),
+        types=kinds,
+        packed=pack_chain(transforms, kinds),
+        lower=np.full(n, -np.inf),
+        upper=np.full(n, np.inf),
+        velocity=missing,
+        acceleration=missing,
+        jerk=missing,
+        effort=missing,
+    )

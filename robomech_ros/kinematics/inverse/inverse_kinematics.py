@@ -1,0 +1,264 @@
+"""Inverse kinematics of any serial chain: all solutions, or the reason why there is none."""
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
+from robomech_ros._kernels.tolerances import MOST_SAMPLED
+from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
+from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, iterative_data
+from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
+from robomech_ros.kinematics.inverse.iterative_search import solve_by_search
+from robomech_ros.kinematics.inverse.least_squares import with_nearest
+from robomech_ros.kinematics.inverse.reach import out_of_reach
+from robomech_ros.kinematics.inverse.redundant_solutions import sample_many, solve_sampled
+from robomech_ros.kinematics.inverse.request import (
+    Request,
+    as_cap,
+    as_flag,
+    as_metric,
+    as_request,
+    as_seed,
+)
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.target import as_target, as_targets
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["family_within", "inverse_kinematics", "inverse_kinematics_batch", "solve_many"]
+
+Array = NDArray[np.float64]
+
+_SUCCESS = Status.SUCCESS  # to look it up takes longer than an argument is checked
+
+
+def inverse_kinematics(
+    chain: SerialChain,
+    T: ArrayLike,
+    *,
+    seed: ArrayLike | None = None,
+    respect_limits: bool = True,
+    include_windings: bool = False,
+    metric: str = "linf",
+    max_solutions: int | None = None,
+    task_mask: Sequence[bool] | None = None,
+    position_tolerance: float | None = None,
+    orientation_tolerance: float | None = None,
+    timeout: float | None = None,
+) -> InverseKinematicsResult:
+    """Find the joint values that bring the tip to a pose, nearest to the seed first.
+
+    An arm with a spherical wrist, whatever its first three joints, and an arm with three
+    parallel axes next to each other get all their real solutions in closed form, any other arm of
+    six revolute joints from a determinant in one of them; a redundant arm gets samples of its
+    self-motion, in closed form for each value of its redundancy parameter, and the first of them
+    is the nearest to the seed; any other chain is searched iteratively (``complete`` is False for
+    both). Arms of fewer than six joints get all their solutions in closed form wherever they can
+    be completed to one with a closed form; where a pose cannot be taken, as is the rule for them,
+    the result says which posture comes nearest. At a pose where joints can move while the tip
+    stays, each branch is represented by one posture, with the free joint at the seed's value
+    where that is possible, and the result is marked as a continuum.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : array_like, shape (4, 4)
+        Wanted ``T_base_tip`` (m); a rotation off by rounding is made orthogonal.
+    seed : array_like, shape (n,), optional
+        Where distances are measured from and searches begin (rad or m); default mid-range.
+    respect_limits : bool, optional
+        Whether solutions outside the joint limits are left out.
+    include_windings : bool, optional
+        Whether a joint whose range exceeds a turn is listed in every winding inside its limits;
+        else each solution stands once, in the winding nearest to the seed.
+    metric : {"linf", "l2"}, optional
+        Distance from the seed: the largest move of a joint, or the root of the sum of squares.
+    max_solutions : int, optional
+        Keep at most so many, the nearest.
+    task_mask : sequence of six bool, optional
+        Which of x, y, z, rx, ry, rz matter, along and about the axes of the target pose; default
+        (and all False) the full pose. A partial task is searched iteratively.
+    position_tolerance, orientation_tolerance : float, optional
+        Errors (m, rad) that are accepted; default those of the solvers, 1e-9.
+    timeout : float, optional
+        Time (s) after which an iterative search ends; default none.
+
+    Returns
+    -------
+    InverseKinematicsResult
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A target or option that is none, or more windings than can be listed.
+    SeedOutsideLimitsError
+        A joint of the seed is outside its limits, and limits are respected.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.
+    """
+    given = as_target(T)
+    request = as_request(
+        chain,
+        seed,
+        respect_limits,
+        include_windings,
+        metric,
+        max_solutions,
+        task_mask,
+        position_tolerance,
+        orientation_tolerance,
+        timeout,
+    )
+    started = time.monotonic()
+    family = family_of(chain)
+    if family.lists_all and request.task == FULL_TASK:
+        result = solve_closed_form(chain, given, request, family)
+        if result.status is _SUCCESS:
+            return result
+        if request.is_loose or result.status is Status.NOT_CONVERGED:
+            near = solve_by_search(chain, result.target, request, started)
+            result = near if len(near) else result
+    else:
+        result = _sampled_or_searched(chain, as_targets(given)[0], request, family, started)
+    return with_nearest(chain, result.target, request, result, started)
+
+
+def _sampled_or_searched(
+    chain: SerialChain, T: Array, request: Request, family: Family, started: float
+) -> InverseKinematicsResult:
+    """Solve a request of which the solutions are a continuum, or cannot be listed."""
+    if family.redundant and request.task == FULL_TASK:
+        sampled = solve_sampled(chain, T, request, family)
+        if sampled is not None:
+            return sampled
+    return solve_by_search(chain, T, request, started)
+
+
+def inverse_kinematics_batch(
+    chain: SerialChain,
+    T: ArrayLike,
+    *,
+    seed: ArrayLike | None = None,
+    respect_limits: bool = True,
+    metric: str = "linf",
+    max_solutions: int | None = None,
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Solve many poses in one compiled loop.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : array_like, shape (m, 4, 4)
+        Wanted ``T_base_tip`` (m).
+    seed, respect_limits, metric, max_solutions
+        As for :func:`inverse_kinematics`; the seed (n,) serves every pose.
+
+    Returns
+    -------
+    q : ndarray, shape (m, 16, n)
+        Solutions (rad or m), nearest to the seed first, NaN after the last. The second axis is
+        ``max_solutions`` long where that is less than 16; for a redundant arm 64 takes the place
+        of 16.
+    count : ndarray of int, shape (m,)
+        How many each pose has.
+    status : ndarray of int, shape (m,)
+        :class:`Status` of each. A pose without a solution takes some milliseconds, to tell
+        whether its position or its orientation is out of reach.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
+        As for :func:`inverse_kinematics`; of a target at fault the message names the index.
+    """
+    targets = as_targets(T, batch=True)
+    respect_limits = as_flag("respect_limits", respect_limits)
+    start = as_seed(chain, seed, respect_limits)
+    number, cap = as_metric(metric), as_cap(max_solutions)
+    family = family_of(chain)
+    if family.redundant:
+        room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
+        q, count, _, _ = sample_many(chain, targets, family, start, number, respect_limits, room)
+    else:
+        family = family_within(chain, respect_limits)
+        room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
+        q, count, _ = solve_many(chain, targets, family, start, number, respect_limits, room)
+    status = np.zeros(len(targets), np.int64)
+    for index in np.flatnonzero(count <= 0):
+        one = targets[index]
+        outcome = _outcome_of_none(chain, one, family, start, number, respect_limits)
+        if outcome is None:
+            found = inverse_kinematics(
+                chain,
+                one,
+                seed=start,
+                respect_limits=respect_limits,
+                metric=metric,
+                max_solutions=room,
+            )
+            outcome = found.status
+            count[index] = len(found)
+            q[index, : len(found)] = found.q
+        status[index] = outcome
+    np.maximum(count, 0, out=count)
+    return q, count, status
+
+
+def family_within(chain: SerialChain, respect_limits: bool) -> Family:
+    """Give the family of a chain; an iterative one searches with limits or without."""
+    family = family_of(chain)
+    if family.closed_form:
+        return family
+    return iterative_family(chain, iterative_data(chain, respect_limits=respect_limits))
+
+
+def solve_many(
+    chain: SerialChain,
+    targets: Array,
+    family: Family,
+    seed: Array,
+    metric: int,
+    respect_limits: bool,
+    room: int,
+) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
+    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
+
+    Counts below 1 are those of ``_kernels.inverse.solve``.
+    """
+    q = np.empty((len(targets), room, chain.n))
+    count = np.empty(len(targets), np.int64)
+    state = solve(
+        family.arm,
+        targets,
+        seed,
+        metric,
+        respect_limits,
+        np.empty((MAX_SOLUTIONS, chain.n)),
+        q,
+        np.empty(MAX_SOLUTIONS),
+        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
+        count,
+    )
+    return q, count, state
+
+
+def _outcome_of_none(
+    chain: SerialChain, T: Array, family: Family, seed: Array, metric: int, respect_limits: bool
+) -> Status | None:
+    """Tell why a closed form gave nothing for a pose of a batch; None where a search has to."""
+    if family.redundant or not family.closed_form:
+        return None
+    _, _, state = solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
+    bare, _, _, singular, unproven = state
+    if bare:
+        return Status.SINGULAR_CONTINUUM if singular else Status.LIMITS_EXCLUDE_ALL
+    if unproven:
+        return None
+    reachable = out_of_reach(chain, T) == 0.0
+    return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH

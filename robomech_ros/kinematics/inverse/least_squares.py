@@ -1,0 +1,70 @@
+"""The posture of an arm with too few joints that comes nearest to a pose it cannot take."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.iterative import layout as at
+from robomech_ros._kernels.tolerances import (
+    LEAST_SQUARES_ITERATIONS,
+    LEAST_SQUARES_STALL,
+    LEAST_SQUARES_STARTS,
+)
+from robomech_ros.kinematics.inverse.families.iterative import iterative_search, task_data
+from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["with_nearest"]
+
+Array = NDArray[np.float64]
+
+_HOPELESS = (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE, Status.NOT_CONVERGED)
+# Tolerances far below what any attempt leaves, so that the search goes on to the best of all.
+_NEVER = 1e-15
+
+
+def with_nearest(
+    chain: SerialChain, T: Array, request: Request, result: InverseKinematicsResult, started: float
+) -> InverseKinematicsResult:
+    """Add the posture nearest to the pose to a result without solutions.
+
+    Of the local minima of angle^2 + (distance / half of the arm's length)^2 inside the limits, it
+    is the one whose larger part is least.  Only arms with fewer joints than conditions get one, for
+    which a pose that cannot be taken is the rule, and only while the time asked for lasts.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        Target (m).
+    request : Request
+    result : InverseKinematicsResult
+    started : float
+        When the request came, by ``time.monotonic`` (s).
+    """
+    if len(result) or chain.n >= sum(request.task) or result.status not in _HOPELESS:
+        return result
+    left = None
+    if request.timeout is not None:
+        left = request.timeout - (time.monotonic() - started)
+        if left <= 0.0:
+            return result
+    data, target = task_data(
+        chain, T, task=request.task, respect_limits=request.respect_limits, wanted=1
+    )
+    data = data.copy()
+    half = 1.0 / float(np.sqrt(data[at.UNIT]))
+    data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = _NEVER * half, _NEVER
+    data[at.ITERATIONS], data[at.RESTARTS] = LEAST_SQUARES_ITERATIONS, LEAST_SQUARES_STARTS
+    data[at.STALL] = LEAST_SQUARES_STALL
+    search = iterative_search(data, target, request.seed, timeout=left)
+    reason = (
+        f"{result.reason}; {chain.n} joints for {sum(request.task)} conditions: the posture "
+        f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "
+        f"{search.orientation_error:.6g} rad"
+    )
+    return replace(result, reason=reason, nearest=search.best)

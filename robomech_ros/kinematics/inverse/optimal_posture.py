@@ -1,0 +1,162 @@
+"""Which posture of a redundant arm is best, by a criterion, among all that reach a pose."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.kinetostatics.indices import COUNT, MANIPULABILITY, indices
+from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_POSTURE
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
+from robomech_ros.kinematics.inverse.reasons import NO_EXCESS
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.self_motion import (
+    SelfMotionBranch,
+    Tracer,
+    margins,
+    self_motion,
+)
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import as_choice
+
+__all__ = ["CRITERIA", "optimal_posture"]
+
+Array = NDArray[np.float64]
+Criterion = Callable[[SerialChain, Array], Array]
+
+_GOLDEN = 0.6180339887498949
+
+
+def _manipulability(chain: SerialChain, q: Array) -> Array:
+    """Product of the singular values of the Jacobian in SI units, shape (k,)."""
+    out = np.empty((len(q), COUNT))
+    indices(chain.packed, np.ascontiguousarray(q), np.ones(6), np.arange(6), 2.0, out)
+    return out[:, MANIPULABILITY]
+
+
+CRITERIA: dict[str, Criterion] = {"limit_margin": margins, "manipulability": _manipulability}
+
+
+def optimal_posture(
+    chain: SerialChain, T: ArrayLike, *, criterion: str = "limit_margin"
+) -> InverseKinematicsResult:
+    """Find the posture of a seven-joint arm that reaches a pose and is best by a criterion.
+
+    The whole self-motion inside the joint limits is looked at, and its best places are refined.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of seven joints.
+    T : array_like, shape (4, 4)
+        ``T_base_tip`` (m).
+    criterion : {"limit_margin", "manipulability"}, optional
+        What is made as large as possible: the distance (rad or m) of the joint nearest to a limit,
+        or the root of the determinant of J J^T in SI units.
+
+    Returns
+    -------
+    InverseKinematicsResult
+        With that one posture; where there is none, that of :func:`inverse_kinematics`.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        An unknown criterion, a limit margin of a chain without limits, a chain with another number
+        of joints, or a target that is none.
+    """
+    criterion = as_choice("criterion", criterion, tuple(CRITERIA))
+    if criterion == "limit_margin" and np.isinf(chain.upper - chain.lower).all():
+        raise BadValueError("criterion", criterion, "a chain with a joint that has two limits")
+    motion = self_motion(chain, T)
+    tracer = Tracer(chain, motion.target)
+    value = CRITERIA[criterion]
+    starts = [start for branch in motion.branches for start in _starts(branch, chain, value)]
+    starts.sort(key=lambda start: -start[0])
+    found = [_refined(tracer, value, *start) for start in starts[:BEST_STARTS]]
+    if not found:
+        return inverse_kinematics(chain, T)
+    worth, posture = max(found, key=lambda one: one[0])
+    q = _placed(chain, posture)
+    return InverseKinematicsResult(
+        chain=chain,
+        target=motion.target,
+        q=q[None],
+        seed_distance=np.array([np.abs(q - chain.midrange()).max()]),
+        family=family_of(chain).name,
+        complete=False,
+        status=Status.SUCCESS,
+        reason=f"best by {criterion}: {worth:.6g}",
+        blocking_joints=(),
+        blocking_excess=NO_EXCESS,
+        branch_bits=_branch(chain, motion.target, q),
+    )
+
+
+def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:
+    """Give the bits that the solver of the chain's family gives a posture (n,), shape (1,)."""
+    nearest = inverse_kinematics(chain, T, seed=q, max_solutions=1)
+    if len(nearest) and nearest.seed_distance[0] < SAME_POSTURE:
+        return nearest.branch_bits
+    return np.array([bit.SELF_MOTION | bit.UNNAMED])
+
+
+def _starts(
+    branch: SelfMotionBranch, chain: SerialChain, value: Criterion
+) -> list[tuple[float, float, float, Array]]:
+    """Give the peaks among a branch's samples: worth, neighbouring parameters, posture."""
+    inside = margins(chain, branch.q) >= 0.0
+    if not inside.any():
+        return []
+    worth = np.where(inside, value(chain, branch.q), -np.inf)
+    last = len(worth) - 1
+    peaks = []
+    for k in np.flatnonzero(inside).tolist():
+        before, after = max(k - 1, 0), min(k + 1, last)
+        if worth[k] >= max(worth[before], worth[after]):
+            low, high = float(branch.parameter[before]), float(branch.parameter[after])
+            peaks.append((float(worth[k]), low, high, branch.q[k]))
+    return peaks
+
+
+def _refined(
+    tracer: Tracer, value: Criterion, worth: float, low: float, high: float, posture: Array
+) -> tuple[float, Array]:
+    """Climb to the top of a peak by golden sections, inside the limits."""
+    best = (worth, posture)
+
+    def climb(parameter: float) -> float:
+        nonlocal best
+        q = tracer.near(parameter, best[1])
+        if q is None or margins(tracer.chain, q)[0] < 0.0:
+            return -np.inf
+        height = float(value(tracer.chain, q[None])[0])
+        if height > best[0]:
+            best = (height, q)
+        return height
+
+    x, y = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    fx, fy = climb(x), climb(y)
+    for _ in range(BEST_SECTIONS):
+        if fx > fy:
+            high, y, fy = y, x, fx
+            x = high - _GOLDEN * (high - low)
+            fx = climb(x)
+        else:
+            low, x, fx = x, y, fy
+            y = low + _GOLDEN * (high - low)
+            fy = climb(y)
+    return best
+
+
+def _placed(chain: SerialChain, q: Array) -> Array:
+    """Put every joint into the winding that is farthest inside its limits."""
+    middle = chain.midrange()
+    turned = middle + np.remainder(q - middle + np.pi, 2.0 * np.pi) - np.pi
+    placed: Array = np.where(chain.types == PRISMATIC, q, turned)
+    return placed

@@ -1,0 +1,114 @@
+"""Why a pose cannot be had: how far its position is out of reach, or its orientation."""
+
+import math
+import time
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.chain.reach import least_distance
+from robomech_ros._kernels.tolerances import REACH_ITERATIONS, REACH_STARTS, REACHED
+from robomech_ros.kinematics.inverse.families.iterative import (
+    FULL_TASK,
+    Task,
+    least_orientation_error,
+    packed_chain,
+    task_data,
+)
+from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["NO_TIME", "ReachGap", "out_of_reach", "reach_gap"]
+
+Array = NDArray[np.float64]
+
+
+class ReachGap(NamedTuple):
+    """How much of a pose cannot be had, position limits of the joints ignored.
+
+    Parameters
+    ----------
+    distance : float
+        Least distance (m) of the tip from the target position in any orientation, 0 where the
+        position is reached or the task asks for none, NaN where the time ran out.
+    orientation_error : float
+        Least angle (rad) to the target orientation among the postures that reach the position;
+        NaN where none does or the time ran out, 0 where the task asks for no orientation.
+    """
+
+    distance: float
+    orientation_error: float
+
+
+# What is known where the time has run out.
+NO_TIME = ReachGap(math.nan, math.nan)
+# Starts of the search for the least distance between two looks at the clock, times joints.
+_CHUNK = 64
+
+
+def reach_gap(
+    chain: SerialChain, T: Array, task: Task = FULL_TASK, deadline: float = math.inf
+) -> ReachGap:
+    """Find how far the target position is out of reach, else the least orientation error there.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Its position limits are ignored, those of prismatic joints, too.
+    T : ndarray, shape (4, 4)
+        Target pose of the tip in the base (m).
+    task : tuple of six bool
+        Which of x, y, z, rx, ry, rz, along and about the axes of the target, count.
+    deadline : float
+        When to give up, by ``time.monotonic`` (s).
+
+    Returns
+    -------
+    ReachGap
+        The distance to about 1e-7 m; the orientation error is the least of many local minima,
+        attained at the position to about 1e-6 of the arm's length.
+    """
+    data, target = task_data(chain, T, task=task, respect_limits=False, wanted=1)
+    distance, best = _nearest_posture(packed_chain(data), target, task, deadline)
+    if distance != 0.0 or not chain.n:
+        return ReachGap(distance, math.nan)
+    if not any(task[3:]):
+        return ReachGap(0.0, 0.0)
+    angle = least_orientation_error(data, target, best, deadline)
+    return NO_TIME if math.isnan(angle) else ReachGap(0.0, angle)
+
+
+def out_of_reach(chain: SerialChain, T: Array) -> float:
+    """Give the distance of :func:`reach_gap` alone."""
+    return _nearest_posture(chain.packed, T, FULL_TASK)[0]
+
+
+def _nearest_posture(
+    packed: Array, T: Array, task: Task, deadline: float = math.inf
+) -> tuple[float, Array]:
+    """Find the least distance (m) of the tip from T's position, and its posture.
+
+    It is 0 for rounding, and NaN where the time ran out.
+    """
+    n = len(packed) - 1
+    best = np.zeros(n)
+    weights = np.array(task[:3], dtype=float)
+    if n == 0:
+        return float(np.linalg.norm(weights * (T[:3, 3] - packed[0, 10:]))), best
+    if not weights.any():
+        return 0.0, best
+    point = np.ascontiguousarray(T[:3, 3])
+    strides = low_discrepancy_strides(n)
+    count = REACH_STARTS if deadline == math.inf else max(1, _CHUNK // n)
+    distance = math.inf
+    for first in range(0, REACH_STARTS, count):
+        if first and time.monotonic() >= deadline:
+            return math.nan, best
+        starts = min(count, REACH_STARTS - first)
+        distance = least_distance(
+            packed, point, weights, strides, first, starts, REACH_ITERATIONS, distance, best
+        )
+        if distance <= REACHED:
+            return 0.0, best
+    return distance, best

@@ -1,0 +1,176 @@
+"""Why there is no solution, or no complete list of them, in words and numbers."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.chain.serial import jacobian_one
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.inverse.ranking import excesses
+from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
+from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.families.selection import Family
+from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
+from robomech_ros.kinematics.inverse.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = [
+    "NO_EXCESS",
+    "NO_GAP",
+    "describe_continuum",
+    "explain_limits",
+    "explain_nothing",
+    "nothing",
+    "reach_outcome",
+]
+
+Array = NDArray[np.float64]
+
+# Orientation errors up to this (rad) explain nothing: a search at a singularity leaves as much.
+NO_GAP = 1e-6
+
+# Singular values of a Jacobian below this (of the largest) are those of motions that keep the tip
+# at rest: the posture that stands for a continuum may be off by the root of its rounding.
+STILL = 1e-7
+
+NO_EXCESS = np.empty(0)
+NO_EXCESS.setflags(write=False)
+
+
+def nothing(
+    chain: SerialChain,
+    T: Array,
+    family: Family,
+    status: Status,
+    reason: str,
+    blocking: tuple[tuple[str, ...], Array] = ((), NO_EXCESS),
+    *,
+    complete: bool = False,
+) -> InverseKinematicsResult:
+    """Give the result without solutions, ``complete`` where it is certain that there are none."""
+    return InverseKinematicsResult(
+        chain=chain,
+        target=T,
+        q=np.empty((0, chain.n)),
+        seed_distance=np.empty(0),
+        family=family.name,
+        complete=complete,
+        status=status,
+        reason=reason,
+        blocking_joints=blocking[0],
+        blocking_excess=blocking[1],
+        branch_bits=np.empty(0, np.int64),
+        task=WHOLE_POSE,
+    )
+
+
+def explain_limits(
+    chain: SerialChain, T: Array, q: Array, family: Family, *, continuum: bool, proven: bool
+) -> InverseKinematicsResult:
+    """Say which joints keep the solutions q (k, n) from being inside the limits, and by how much.
+
+    Of a continuum only representatives were tried, so that limits may still admit another; else it
+    is ``proven`` whether q are all.
+    """
+    excess = np.empty_like(q)
+    best = excesses(family.turns, chain.lower, chain.upper, q, excess)
+    outside = np.flatnonzero(excess[best]).tolist()
+    joints = tuple(chain.joint_names[i] for i in outside)
+    amounts = excess[best, outside]
+    parts = [
+        f"joint '{name}' by {amount:.6g} {_unit(chain, i)}"
+        for name, amount, i in zip(joints, amounts, outside, strict=True)
+    ]
+    noun = "1 solution exists" if len(q) == 1 else f"{len(q)} solutions exist"
+    reason = f"{noun}, none inside the limits; the least offending is outside with {_and(parts)}"
+    status = Status.LIMITS_EXCLUDE_ALL
+    if continuum:
+        status = Status.SINGULAR_CONTINUUM
+        reason = f"a continuum of postures exists, none found inside the limits: {reason}"
+    complete = proven and not continuum
+    return nothing(chain, T, family, status, reason, (joints, amounts), complete=complete)
+
+
+def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
+    """Say how far the target is out of reach, or by how much its orientation is."""
+    status, reason = reach_outcome(chain, T, reach_gap(chain, T))
+    missed = status is Status.ORIENTATION_UNREACHABLE and family.exact
+    complete = status is Status.OUT_OF_REACH or missed
+    return nothing(chain, T, family, status, reason, complete=complete)
+
+
+def reach_outcome(
+    chain: SerialChain, T: Array, gap: ReachGap, task: Task = FULL_TASK
+) -> tuple[Status, str]:
+    """Put a gap of reach into a status and words."""
+    position = ", ".join(f"{value:.6g}" for value in T[:3, 3])
+    part = "" if all(task) else f"; only {_components(task)} of the target count"
+    if gap.distance > 0.0:
+        return Status.OUT_OF_REACH, (
+            f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is out of reach "
+            f"by {gap.distance:.6g} m{part}"
+        )
+    if gap.orientation_error <= NO_GAP:
+        return Status.NOT_CONVERGED, (
+            f"the pose at ({position}) m of '{chain.tip}' in '{chain.base}' is in reach to "
+            f"{gap.orientation_error:.3g} rad, but no posture was found"
+        )
+    if part:
+        return Status.ORIENTATION_UNREACHABLE, (
+            f"the orientation of '{chain.tip}' in '{chain.base}' at ({position}) m cannot be had: "
+            f"the nearest attainable one is {gap.orientation_error:.6g} rad away{part}"
+        )
+    return Status.ORIENTATION_UNREACHABLE, (
+        f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is in reach, but not in "
+        f"this orientation: the nearest attainable one there is {gap.orientation_error:.6g} rad "
+        "away"
+    )
+
+
+def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) -> str:
+    """Say which joints of the solutions q (k, n) move while the tip stays, and in what ratio.
+
+    The direction is that of the first solution that stands for a continuum.
+    """
+    ways = [_still_motions(chain, q[k]) for k in np.flatnonzero(branch & bit.CONTINUUM)]
+    moving = np.flatnonzero(np.concatenate(ways).any(axis=0)).tolist()
+    joints = [f"'{chain.joint_names[i]}'" for i in moving]
+    directions = _and([f"({', '.join(f'{x:.6g}' for x in one)})" for one in ways[0]])
+    return (
+        f"singular: joints {_and(joints)} can move while the tip stays, those of the nearest such "
+        f"solution in the direction {directions}; every branch of this continuum is represented "
+        "by one posture"
+    )
+
+
+def _still_motions(chain: SerialChain, q: Array) -> Array:
+    """Give unit vectors, shape (k, n), that span the joint motions that keep the tip at rest.
+
+    At least the least moving one; what is rounding is zero, the largest entry of each positive.
+    """
+    J = np.empty((6, chain.n))
+    jacobian_one(chain.packed, q, J, np.empty((4, 4)))
+    _, values, rows = np.linalg.svd(J)
+    lost = values < STILL * values[0]
+    lost[-1] = True
+    still = rows[: len(values)][lost]
+    still[np.abs(still) < MOVES_IN_CONTINUUM] = 0.0
+    largest = np.abs(still).argmax(axis=1)
+    ways: Array = still * np.sign(np.take_along_axis(still, largest[:, None], axis=1))
+    return ways + 0.0  # no zeros with a sign
+
+
+def _components(task: Task) -> str:
+    names = ("x", "y", "z", "rx", "ry", "rz")
+    return _and([name for name, counts in zip(names, task, strict=True) if counts])
+
+
+def _unit(chain: SerialChain, joint: int) -> str:
+    return "m" if chain.types[joint] == PRISMATIC else "rad"
+
+
+def _and(parts: list[str]) -> str:
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"

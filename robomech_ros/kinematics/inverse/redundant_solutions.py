@@ -1,0 +1,100 @@
+"""Solutions of redundant arms: samples of the self-motion, nearest to the seed first."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
+from robomech_ros._kernels.tolerances import APPROACHED, MOST_SAMPLED
+from robomech_ros.kinematics.inverse.closed_form import rank_windings
+from robomech_ros.kinematics.inverse.families.selection import Family
+from robomech_ros.kinematics.inverse.reasons import NO_EXCESS
+from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["parameter_name", "sample_many", "solve_sampled"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def solve_sampled(
+    chain: SerialChain, T: Array, request: Request, family: Family
+) -> InverseKinematicsResult | None:
+    """Sample the self-motion at the pose T (4, 4); None where no sample is inside the limits."""
+    room = min(request.max_solutions or MOST_SAMPLED, MOST_SAMPLED)
+    ranked, counts, names, distances = sample_many(
+        chain, T[None], family, request.seed, request.metric, request.respect_limits, room
+    )
+    count = int(counts[0])
+    if count <= 0:
+        return None
+    q, names, distances = ranked[0, :count], names[:count], distances[:count]
+    if request.include_windings:
+        q, names, distances = rank_windings(chain, family.turns, request, q, names)
+    kept = slice(request.max_solutions)
+    reason = (
+        f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
+        f"samples, along {parameter_name(chain, family.data)}"
+    )
+    return InverseKinematicsResult(
+        chain=chain,
+        target=T,
+        q=q[kept],
+        seed_distance=distances[kept],
+        family=family.name,
+        complete=False,
+        status=Status.SUCCESS,
+        reason=reason,
+        blocking_joints=(),
+        blocking_excess=NO_EXCESS,
+        branch_bits=names[kept],
+        task=WHOLE_POSE,
+    )
+
+
+def sample_many(
+    chain: SerialChain,
+    T: Array,
+    family: Family,
+    seed: Array,
+    metric: int,
+    respect_limits: bool,
+    room: int,
+) -> tuple[Array, Integers, Integers, Array]:
+    """Sample the self-motion at the poses T (m, 4, 4).
+
+    Returns the ranked solutions (m, room, n), their numbers (m,) as :func:`solve_redundant` gives
+    them, and of the last pose the branches and distances (room,).
+    """
+    spare = max(room, APPROACHED + 1)
+    ranked = np.empty((len(T), spare, chain.n))
+    names, distances = np.empty(spare, np.int64), np.empty(spare)
+    counts = np.empty(len(T), np.int64)
+    solve_redundant(
+        family.data,
+        T,
+        family.turns,
+        chain.lower,
+        chain.upper,
+        seed,
+        metric,
+        respect_limits,
+        room == 1,
+        ranked,
+        names,
+        distances,
+        counts,
+    )
+    return ranked[:, :room], np.minimum(counts, room), names[:room], distances[:room]
+
+
+def parameter_name(chain: SerialChain, data: Array) -> str:
+    """Name what is sampled: the arm angle, or the joints that are locked."""
+    if data[at.KIND] == at.ARM_ANGLE:
+        return "the arm angle"
+    first = int(data[at.FIRST])
+    locked = chain.joint_names[:first] + chain.joint_names[first + 6 :]
+    return " and ".join(f"joint '{name}'" for name in locked)

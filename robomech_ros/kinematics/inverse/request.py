@@ -1,0 +1,225 @@
+"""What a caller of inverse kinematics asks for, checked."""
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.inverse.ranking import INSIDE, first_outside
+from robomech_ros._kernels.tolerances import (
+    ORIENTATION_TOLERANCE,
+    POSITION_SLACK,
+    POSITION_TOLERANCE,
+)
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    SeedOutsideLimitsError,
+    WrongSizeError,
+)
+from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, Task
+from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import listed, real_number
+
+__all__ = [
+    "METRICS",
+    "Request",
+    "as_cap",
+    "as_flag",
+    "as_metric",
+    "as_request",
+    "as_seed",
+    "as_tolerance",
+]
+
+Array = NDArray[np.float64]
+
+METRICS = {"linf": 0, "l2": 1}
+
+# For arrays that are known to be float64, contiguous and of one length.
+_first_outside = direct(first_outside)
+
+
+class Request(NamedTuple):
+    """A checked request; the fields are those of :func:`inverse_kinematics`."""
+
+    seed: Array
+    respect_limits: bool
+    include_windings: bool
+    metric: int
+    max_solutions: int | None
+    task: Task
+    position_tolerance: float
+    orientation_tolerance: float
+    timeout: float | None
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether more error is accepted than the closed forms leave."""
+        return (
+            self.position_tolerance > POSITION_TOLERANCE
+            or self.orientation_tolerance > ORIENTATION_TOLERANCE
+        )
+
+
+def as_request(
+    chain: SerialChain,
+    seed: ArrayLike | None,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+    task_mask: Sequence[bool] | None,
+    position_tolerance: float | None,
+    orientation_tolerance: float | None,
+    timeout: float | None,
+) -> Request:
+    """Check what is asked of a chain; the parameters are those of :func:`inverse_kinematics`."""
+    options = (chain, respect_limits, include_windings, metric, max_solutions)
+    try:
+        usual = _usual(*options)
+    except TypeError:  # one cannot be the key of a cache
+        usual = _usual.__wrapped__(*options)
+    if (
+        task_mask is None
+        and position_tolerance is None
+        and orientation_tolerance is None
+        and timeout is None
+    ):
+        if seed is None:
+            return usual
+        return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
+    return usual._replace(
+        seed=as_seed(chain, seed, usual.respect_limits),
+        task=_as_task(task_mask),
+        position_tolerance=as_tolerance(
+            "position_tolerance", position_tolerance, POSITION_TOLERANCE
+        ),
+        orientation_tolerance=as_tolerance(
+            "orientation_tolerance", orientation_tolerance, ORIENTATION_TOLERANCE
+        ),
+        timeout=None if timeout is None else _positive("timeout", timeout),
+    )
+
+
+@lru_cache(maxsize=256, typed=True)
+def _usual(
+    chain: SerialChain,
+    respect_limits: bool,
+    include_windings: bool,
+    metric: str,
+    max_solutions: int | None,
+) -> Request:
+    """Check a request for the full pose from mid-range, with the default tolerances."""
+    respect_limits = as_flag("respect_limits", respect_limits)
+    return Request(
+        seed=as_seed(chain, None, respect_limits),
+        respect_limits=respect_limits,
+        include_windings=as_flag("include_windings", include_windings),
+        metric=as_metric(metric),
+        max_solutions=as_cap(max_solutions),
+        task=FULL_TASK,
+        position_tolerance=POSITION_TOLERANCE,
+        orientation_tolerance=ORIENTATION_TOLERANCE,
+        timeout=None,
+    )
+
+
+def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) -> Array:
+    """Check a seed, shape (n,); None is mid-range.
+
+    Raises
+    ------
+    SeedOutsideLimitsError
+        A joint is outside its limits, and limits are respected.
+    BadValueError
+        A joint is beyond 1e5 rad or 1e6 m, where solutions near it would lose digits; or there is
+        no chain.
+    """
+    if seed is None and isinstance(chain, SerialChain):
+        return chain.midrange()
+    q = as_joint_values(chain, seed, "seed")
+    if q.ndim != 1:
+        raise WrongSizeError("seed", q.shape, f"({chain.n},)")
+    if not q.flags.writeable:
+        q = q.copy()  # as the kernels want it
+    if _first_outside(*_seeds(chain), q, 0.0) == INSIDE:
+        return q
+    i = _first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
+    if i != INSIDE:
+        if not np.isfinite(q).all():
+            raise_not_finite(chain, q, "seed")
+        if respect_limits:
+            raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
+    i = _first_outside(-chain.largest, chain.largest, q, 0.0)
+    if i != INSIDE:
+        unit = "m" if chain.types[i] == PRISMATIC else "rad"
+        expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
+        raise BadValueError(f"seed of joint '{chain.joint_names[i]}'", float(q[i]), expected)
+    return q
+
+
+@lru_cache(maxsize=128)
+def _seeds(chain: SerialChain) -> tuple[Array, Array]:
+    """Give the least and the greatest seed that every request allows."""
+    low = np.maximum(chain.lower - POSITION_SLACK, -chain.largest)
+    return low, np.minimum(chain.upper + POSITION_SLACK, chain.largest)
+
+
+def as_flag(what: str, value: object) -> bool:
+    """Check a truth value; 0 and 1 are taken as such."""
+    if value is True or value is False:
+        return value
+    if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):
+        return bool(value)
+    raise BadValueError(what, value, "True or False")
+
+
+def as_metric(metric: str) -> int:
+    """Give the number of a metric in the kernels."""
+    number = METRICS.get(metric) if isinstance(metric, str) else None
+    if number is None:
+        raise BadValueError("metric", metric, " or ".join(repr(name) for name in METRICS))
+    return number
+
+
+def _as_task(mask: Sequence[bool] | None) -> Task:
+    """Check a task mask; None and all False are the full pose."""
+    if mask is None:
+        return FULL_TASK
+    given = listed("task_mask", mask, "six of True or False: x, y, z, rx, ry, rz")
+    if len(given) != 6:
+        raise WrongSizeError("task_mask", len(given), "6: x, y, z, rx, ry, rz")
+    x, y, z, rx, ry, rz = entries = [as_flag(f"task_mask[{i}]", one) for i, one in enumerate(given)]
+    return (x, y, z, rx, ry, rz) if any(entries) else FULL_TASK
+
+
+def as_tolerance(what: str, value: float | None, default: float) -> float:
+    """Check a tolerance; None is the default."""
+    return default if value is None else _positive(what, value)
+
+
+def as_cap(max_solutions: int | None) -> int | None:
+    """Check a cap on the number of solutions."""
+    if max_solutions is None:
+        return None
+    if isinstance(max_solutions, bool) or not isinstance(max_solutions, int | np.integer):
+        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
+    if max_solutions < 1:
+        raise BadValueError("max_solutions", max_solutions, "a whole number of at least 1")
+    return int(max_solutions)
+
+
+def _positive(what: str, value: float) -> float:
+    number = real_number(what, value, "a positive number")
+    if math.isnan(number):
+        raise NonFiniteError(what, number)
+    if number <= 0.0:
+        raise BadValueError(what, number, "a positive number")
+    return number

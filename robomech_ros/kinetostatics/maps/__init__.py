@@ -1,0 +1,1 @@
+"""Maps of reach and dexterity over a grid."""

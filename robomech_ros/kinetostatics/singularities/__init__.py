@@ -1,0 +1,1 @@
+"""Singular postures: what is lost there, how far they are, where there are none."""

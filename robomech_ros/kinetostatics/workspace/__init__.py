@@ -1,0 +1,1 @@
+"""The workspace: its boundary, sections, and the orientations at a point."""

@@ -1,0 +1,308 @@
+"""The boundary of what the positioning part of an arm reaches."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
+from robomech_ros.kinetostatics.workspace.pieces import Piece, divide
+from robomech_ros.kinetostatics.workspace.postures import PointPostures
+from robomech_ros.kinetostatics.workspace.section import Section, raise_on_surface, section_of
+from robomech_ros.kinetostatics.workspace.sheets import LimitedBoundary
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["BoundaryCurve", "Workspace", "workspace_boundary"]
+
+Array = NDArray[np.float64]
+Role = Literal["outer", "inner", "interior"]
+
+# Ends of curves nearer to each other than this, over the arm's size, are joined.
+_JOINED = 1e-5
+# Points nearer to the plane of a planar arm than this, over the arm's size, are in it.
+_IN_PLANE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryCurve:
+    """A smooth piece of a curve that divides the section of a workspace.
+
+    Parameters
+    ----------
+    role : {"outer", "inner", "interior"}
+        Whether it bounds what is reached towards the outside, towards a void, or divides it.
+    cause : str
+        ``"singular"``, or the joint and its limit, such as ``"joint_2 lower"``.
+    points : ndarray, shape (k, 2)
+        rho and z, or x and y (m); the side with more postures is on the left.
+    q : ndarray, shape (k, 2)
+        Values of joints 2 and 3 there, of a planar arm of joints 1 and 2 (rad or m).
+    more, fewer : int
+        Postures on either side, the first of three joints being free.
+    """
+
+    role: Role
+    cause: str
+    points: Array
+    q: Array
+    more: int
+    fewer: int
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """What the first joints of an arm reach with the point that they place.
+
+    Points are given in the base of the chain (m). Make one with :func:`workspace_boundary`.
+
+    Parameters
+    ----------
+    name : str
+        The robot.
+    coordinates : tuple of two str
+        ``("rho", "z")``: distance from axis 1 and height along it; ``("x", "y")`` across the
+        slide where the first joint is one, all in the frame of joint 1; or in the plane of a planar
+        arm, from joint 1, with the axes of :func:`planar_rows`.
+    curves : tuple of BoundaryCurve
+        They divide the section into regions with different numbers of postures.
+    cusps, nodes : ndarray, shape (k, 2)
+        Where curves of singular postures have cusps, and where curves cross (m).
+    least_reach, greatest_reach : float
+        Least and greatest distance of the point from the origin of joint 1, whose limits left
+        aside (m); along a slide they are measured across it.
+    section : Section
+        The geometry.
+    """
+
+    name: str
+    coordinates: tuple[str, str]
+    curves: tuple[BoundaryCurve, ...]
+    cusps: Array
+    nodes: Array
+    least_reach: float
+    greatest_reach: float
+    section: Section
+
+    def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
+        """Count the postures of these joints, inside all limits, at points (..., 3) (m)."""
+        rows = as_finite("points", points, (3,))
+        flat = rows.reshape(-1, 3)
+        counts: NDArray[np.int64] = self._postures.count(flat)
+        counts[self._beyond(self.section.in_frame(flat)) > 0.0] = 0
+        return counts.reshape(rows.shape[:-1])
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Tell which of points (..., 3) can be reached (m)."""
+        inside: NDArray[np.bool_] = self.solution_count(points) > 0
+        return inside
+
+    def section_count(self, coordinates: ArrayLike) -> NDArray[np.int64]:
+        """Count postures at points (..., 2) of the section, the first of three being free (m)."""
+        rows = as_finite("coordinates", coordinates, (2,))
+        points = self.section.on_section(rows.reshape(-1, 2))
+        counts: NDArray[np.int64] = self._free_postures.count(points)
+        return counts.reshape(rows.shape[:-1])
+
+    def distance(self, points: ArrayLike) -> Array:
+        """Give the distance from the nearest boundary, positive inside and negative outside.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 3)
+            m.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            m; limits of all these joints included.  Exact to a millionth of the arm's size; but
+            where the first joint has limits, to some thousandths inside, if the nearest point is
+            on an edge, and to a thousandth at a few places outside.  What is beside the plane of
+            a planar arm is outside.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not points.
+        """
+        rows = as_finite("points", points, (3,))
+        flat = rows.reshape(-1, 3)
+        local = self.section.in_frame(flat)
+        inside = self._postures.count(flat) > 0
+        if self.section.round[0]:
+            found, *_ = self.nearest.find(self.section.coordinates(local))
+        else:
+            found = self._limited.distance(local, inside)
+        signed: Array = np.where(inside, found, -found)
+        beyond = self._beyond(local)
+        away = -np.hypot(beyond, np.minimum(signed, 0.0))
+        return np.where(beyond > 0.0, away, signed).reshape(rows.shape[:-1])
+
+    def swept(self, azimuth: float, *, curve: BoundaryCurve) -> Array:
+        """Give a curve's points (k, 3) in the base, turned by an azimuth (rad) or slid (m)."""
+        x, y = curve.points.T
+        if self.section.slides[0]:
+            local = np.column_stack((x, y, np.full(len(x), azimuth)))
+        else:
+            local = np.column_stack((np.cos(azimuth) * x, np.sin(azimuth) * x, y))
+        return self.section.in_base(local)
+
+    def _beyond(self, local: Array) -> Array:
+        """Give how far points (m, 3) in the frame of joint 1 are from a planar arm's plane (m)."""
+        height = np.abs(local[:, 2])
+        inside = height <= _IN_PLANE * self.section.size
+        return np.where(inside | (not self.section.flat), 0.0, height)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the curves and features as plain numbers, lists and text, fit for JSON or YAML."""
+        return {
+            "name": self.name,
+            "coordinates": list(self.coordinates),
+            "least_reach": self.least_reach,
+            "greatest_reach": self.greatest_reach,
+            "cusps": self.cusps.tolist(),
+            "nodes": self.nodes.tolist(),
+            "curves": [
+                {
+                    "role": curve.role,
+                    "cause": curve.cause,
+                    "more": curve.more,
+                    "fewer": curve.fewer,
+                    "points": curve.points.tolist(),
+                    "q": curve.q.tolist(),
+                }
+                for curve in self.curves
+            ],
+        }
+
+    @cached_property
+    def nearest(self) -> NearestOnCurves:
+        """Search for nearest points of the curves beside which nothing is reached."""
+        pieces = [piece for piece in self._pieces if piece.fewer == 0]
+        return NearestOnCurves(self.section, pieces)
+
+    @cached_property
+    def _pieces(self) -> list[Piece]:
+        return [
+            Piece(_joint_of(curve), "", curve.q, curve.points, curve.more, curve.fewer)
+            for curve in self.curves
+        ]
+
+    @cached_property
+    def _postures(self) -> PointPostures:
+        return PointPostures(self.section, first_free=False)
+
+    @cached_property
+    def _free_postures(self) -> PointPostures:
+        return PointPostures(self.section, first_free=True)
+
+    @cached_property
+    def _limited(self) -> LimitedBoundary:
+        return LimitedBoundary(self.section, self._pieces, self._postures)
+
+
+def _joint_of(curve: BoundaryCurve) -> int:
+    """Give 1 or 2 where the value of joint 2 or 3 is constant along a curve, else 0."""
+    still = np.ptp(curve.q, axis=0) == 0.0
+    return int(np.argmax(still)) + 1 if still.any() else 0
+
+
+def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Workspace:
+    """Find the boundary of what the positioning part of an arm reaches.
+
+    The part is the first three joints, and the point is what they place: the centre of a
+    spherical wrist, or the tip of an arm of three joints.  Its singular postures, and those with
+    a joint at a limit, are curves in the plane section that the first joint sweeps.  Of a planar
+    arm two joints place its tip, or the axis of a third, and the section is its plane.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        An arm with a spherical wrist after any three joints, or one of three joints; also arms of
+        four and five joints whose later axes pass through one point; planar arms of two joints, or
+        of three of which the last turns.
+    respect_limits : bool, optional
+        Whether the limits of turning joints count; those of slides always do, but for the one
+        that moves a section.
+
+    Returns
+    -------
+    Workspace
+
+    Raises
+    ------
+    BadValueError
+        The arm has no such part, or the part moves on a surface only.
+    MissingLimitsError
+        A slide has no end, and so has the workspace.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
+    """
+    section = section_of(chain, respect_limits=respect_limits)
+    pieces, cusps, nodes = _divided(section)
+    if not pieces:
+        raise_on_surface(chain)
+    roles = _roles(pieces, section.size)
+    curves = tuple(
+        BoundaryCurve(role, _cause(section, piece), piece.points, piece.q, piece.more, piece.fewer)
+        for role, piece in zip(roles, pieces, strict=True)
+    )
+    least, greatest = _reach(section, pieces)
+    coordinates = ("x", "y") if section.slides[0] else ("rho", "z")
+    return Workspace(chain.name, coordinates, curves, cusps, nodes, least, greatest, section)
+
+
+def _divided(section: Section) -> tuple[list[Piece], Array, Array]:
+    """Divide a section in units of the arm's size: steps and tolerances suit one of some metres."""
+    unit = section.size
+    pieces, cusps, nodes = divide(section.over(unit))
+    units = np.where(section.slides[1:], unit, 1.0)
+    bounds = section.lower[1:], section.upper[1:]
+    placed = []
+    for piece in pieces:
+        q = piece.q * units
+        # Slides are at their ends to the last digit, and not beyond.
+        q = np.where(section.round[1:], q, np.clip(q, *bounds))
+        if piece.limit:
+            bound = bounds[piece.limit == "upper"]
+            q[:, piece.joint - 1] = bound[piece.joint - 1]
+        placed.append(replace(piece, q=q, points=section.image(q[:, 0], q[:, 1])))
+    return placed, cusps * unit, nodes * unit
+
+
+def _cause(section: Section, piece: Piece) -> str:
+    return f"{section.names[piece.joint]} {piece.limit}" if piece.limit else "singular"
+
+
+def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:
+    """Give the least and the greatest distance from the origin of the section."""
+    found, *_ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
+    inside = PointPostures(section, first_free=True).count(section.on_section(np.zeros((1, 2))))[0]
+    points = np.concatenate([piece.points for piece in pieces])
+    return (0.0 if inside else float(found[0])), float(np.linalg.norm(points, axis=1).max())
+
+
+def _roles(pieces: list[Piece], size: float) -> list[Role]:
+    """Tell outer boundaries from those of voids, by the way loops of boundaries go round."""
+    roles: list[Role] = ["interior"] * len(pieces)
+    unused = [k for k, piece in enumerate(pieces) if piece.fewer == 0]
+    while unused:
+        loop = [unused.pop(0)]
+        while True:
+            end = pieces[loop[-1]].points[-1]
+            gaps = [np.abs(pieces[k].points[0] - end).max() for k in unused]
+            if not gaps or min(gaps) > _JOINED * size:
+                break
+            loop.append(unused.pop(int(np.argmin(gaps))))
+        path = np.concatenate([pieces[k].points for k in loop])
+        start = pieces[loop[0]].points[0]
+        # What is open ends on axis 1, where the way back adds nothing.
+        closed = np.concatenate((path, start[None]))
+        area = 0.5 * ((closed[1:, 0] + closed[:-1, 0]) * np.diff(closed[:, 1])).sum()
+        for k in loop:
+            roles[k] = "outer" if area > 0.0 else "inner"
+    return roles

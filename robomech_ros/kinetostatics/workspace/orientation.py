@@ -1,0 +1,107 @@
+"""Which orientations the tip can take at a point."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics import inverse_kinematics_batch
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics.rotation_sets import even_rotations
+from robomech_ros.kinetostatics.workspace.postures import solved
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["OrientationWorkspace", "orientation_workspace"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class OrientationWorkspace:
+    """Orientations evenly all over, and which of them the tip can take at a point.
+
+    Parameters
+    ----------
+    position : ndarray, shape (3,)
+        The point, in the base (m).
+    rotations : ndarray, shape (m, 3, 3)
+        ``R_base_tip`` of the samples.
+    solution_count : ndarray of int, shape (m,)
+        How many postures take each.
+    share : float
+        Of all orientations those that can be taken, 0 to 1: 1 in the dexterous workspace.
+    """
+
+    position: Array
+    rotations: Array
+    solution_count: NDArray[np.int64]
+    share: float
+
+    @property
+    def reachable(self) -> NDArray[np.bool_]:
+        """Which of the samples can be taken, shape (m,)."""
+        result: NDArray[np.bool_] = self.solution_count > 0
+        return result
+
+    @property
+    def approach_directions(self) -> Array:
+        """The z axes of the tip in the samples that can be taken, shape (k, 3), in the base.
+
+        They cover the service sphere of the point as far as it can be approached.
+        """
+        directions: Array = self.rotations[self.reachable][:, :, 2]
+        return directions
+
+
+def orientation_workspace(
+    chain: SerialChain,
+    position: ArrayLike,
+    *,
+    samples: int = 4096,
+    respect_limits: bool = True,
+) -> OrientationWorkspace:
+    """Find which orientations the tip can take at a point.
+
+    The samples are those of :func:`even_rotations`, the same every time; the error of the share
+    falls about as ``samples ** (-2 / 3)``.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of six joints or more, as those of fewer take single orientations.
+    position : array_like, shape (3,)
+        Of the tip in the base (m).
+    samples : int, optional
+        From 1 to 1,000,000.
+    respect_limits : bool, optional
+        Whether solutions outside the joint limits count.
+
+    Returns
+    -------
+    OrientationWorkspace
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a chain of six joints or more, not a point, or a number of samples out of range.
+    """
+    check_chain(chain)
+    if chain.n < 6:
+        raise BadValueError("number of joints", chain.n, "6 or more")
+    point = as_finite("position", position, (3,))
+    if point.ndim != 1:
+        raise WrongSizeError("position", point.shape, (3,))
+    rotations = even_rotations(samples)
+    T = np.zeros((len(rotations), 4, 4))
+    T[:, :3, :3] = rotations
+    T[:, :3, 3] = point
+    T[:, 3, 3] = 1.0
+    family = family_of(chain)
+    if family.lists_all:
+        _, count = solved(family, T, chain.midrange(), bounded=respect_limits)
+    else:
+        _, count, _ = inverse_kinematics_batch(chain, T, respect_limits=respect_limits)
+    return OrientationWorkspace(point, rotations, count, float((count > 0).mean()))

@@ -1,0 +1,136 @@
+"""All values of three joints that bring a point somewhere, for many points.
+
+A spherical wrist of right angles and without limits is put at the point: the closed form of arms
+with such a wrist then lists the postures of any three joints, in one compiled loop.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.families.selection import Family, family_of
+from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
+
+__all__ = ["PointPostures", "solved"]
+
+Array = NDArray[np.float64]
+
+# The orientation asked for: none that symmetry would make singular for the wrist.
+_ORIENTATION = np.array((
+    (0.36, 0.48, -0.8),
+    (-0.8, 0.6, 0.0),
+    (0.48, 0.64, 0.6),
+))  # fmt: skip
+_QUARTER = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
+_PORTION = 4096
+
+
+def solved(
+    family: Family, T: Array, seed: Array, *, bounded: bool
+) -> tuple[Array, NDArray[np.int64]]:
+    """Solve poses without asking why there is no solution.
+
+    Parameters
+    ----------
+    family : Family
+        One that lists all solutions.
+    T : ndarray, shape (m, 4, 4)
+        m.
+    seed : ndarray, shape (n,)
+        Joint values that free joints take (rad or m).
+    bounded : bool
+        Whether limits hold.
+
+    Returns
+    -------
+    q : ndarray, shape (m, 16, n)
+        NaN after the last.
+    counts : ndarray of int, shape (m,)
+    """
+    n = len(seed)
+    q = np.empty((len(T), MAX_SOLUTIONS, n))
+    counts = np.empty(len(T), np.int64)
+    solve(
+        family.arm,
+        T,
+        seed,
+        0,
+        bounded,
+        np.empty((MAX_SOLUTIONS, n)),
+        q,
+        np.empty(MAX_SOLUTIONS),
+        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
+        counts,
+    )
+    return q, np.maximum(counts, 0)
+
+
+class PointPostures:
+    """Solver for the postures of a section's three joints.
+
+    Parameters
+    ----------
+    section : Section
+    first_free : bool
+        Whether the first joint may turn, or slide, without limits.
+    """
+
+    def __init__(self, section: Section, *, first_free: bool) -> None:
+        # In units of the arm's size, as tolerances suit arms of some metres.
+        self._unit = section.size
+        section = section.over(self._unit)
+        types = np.array([*(PRISMATIC if s else REVOLUTE for s in section.slides), 0, 0, 0])
+        bounds = np.stack((section.lower, section.upper))
+        bounds[:, section.round] = ((-np.inf,), (np.inf,))
+        if first_free:
+            bounds[:, 0] = -np.inf, np.inf
+        transforms = np.tile(np.eye(4), (7, 1, 1))
+        transforms[0], transforms[1], transforms[2] = section.base, section.first, section.second
+        transforms[3, :3, 3] = section.point
+        transforms[4, :3, :3], transforms[5, :3, :3] = _QUARTER, _QUARTER.T
+        free = np.full((2, 3), ((-np.inf,), (np.inf,)))
+        missing = np.full(6, np.nan)
+        lower, upper = np.concatenate((bounds, free), axis=1)
+        chain = SerialChain(
+            name="positioning part",
+            base="base",
+            tip="point",
+            joint_names=tuple(f"joint_{k + 1}" for k in range(6)),
+            types=types,
+            packed=pack_chain(transforms, types),
+            lower=lower,
+            upper=upper,
+            velocity=missing,
+            acceleration=missing,
+            jerk=missing,
+            effort=missing,
+        )
+        self._family: Family = family_of(chain)
+        if not self._family.lists_all:
+            raise BadValueError("positioning part", "singular", "three joints that move a point")
+        self._seed = chain.midrange()
+
+    def count(self, points: Array) -> NDArray[np.int64]:
+        """Count the postures at points (m, 3) of the base (m)."""
+        counts = np.empty(len(points), np.int64)
+        for first in range(0, len(points), _PORTION):
+            part = slice(first, first + _PORTION)
+            counts[part] = self._unflipped(points[part])[1].sum(axis=1)
+        return counts
+
+    def _unflipped(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Solve for points (m, 3) of the base (m); give solutions (m, 16, 6) in units of the size.
+
+        Also which of them, (m, 16), stand for one posture each.
+        """
+        T = np.zeros((len(points), 4, 4))
+        T[:, :3, :3] = _ORIENTATION
+        T[:, :3, 3] = points / self._unit
+        T[:, 3, 3] = 1.0
+        q, counts = solved(self._family, T, self._seed, bounded=True)
+        within = np.arange(MAX_SOLUTIONS) < counts[:, None]
+        # Of the two ways of the wrist the one that is bent to the positive side.
+        return q, within & (q[:, :, 4] >= 0.0)

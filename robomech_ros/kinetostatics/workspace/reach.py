@@ -1,0 +1,117 @@
+"""Least and greatest distance of the tip of any arm from its first joint."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinematics.posture_samples import spread_postures
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
+
+__all__ = ["extreme_reach"]
+
+Array = NDArray[np.float64]
+
+_STARTS = 256
+_SWEEPS = 300
+# Sweeps end when no distance changes by more, over the arm's reach.
+_SETTLED = 1e-13
+
+
+def extreme_reach(chain: SerialChain) -> tuple[float, float]:
+    """Find how near to its first joint an arm can bring its tip, and how far away.
+
+    The square of the distance is of first order in cosine and sine of every angle, and of second
+    in a displacement, so that the best value of one joint inside its limits is found at once; one
+    joint after the other is moved there, from many postures.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of one joint or more.
+
+    Returns
+    -------
+    least, greatest : float
+        Distances between the origins of the first joint's frame and of the tip (m), inside the
+        joint limits; the greatest is infinite where a slide has no end.
+
+    Raises
+    ------
+    BadValueError
+        Not a chain, or none with joints.
+    """
+    check_chain(chain)
+    if not chain.n:
+        raise BadValueError("number of joints", 0, "at least 1")
+    endless = (chain.types == PRISMATIC) & ~np.isfinite(chain.upper - chain.lower)
+    least = _descended(chain, 1.0)
+    return least, np.inf if endless.any() else _descended(chain, -1.0)
+
+
+def _descended(chain: SerialChain, sign: float) -> float:
+    """Give the least distance (sign 1) or the greatest (-1)."""
+    C = unpack_chain(chain.packed)
+    turns = chain.types != PRISMATIC
+    q = spread_postures(chain, _STARTS)
+    distance = np.full(_STARTS, np.inf)
+    for _ in range(_SWEEPS):
+        before = distance
+        # Of every joint the tip as it stands beyond the joint, then the origin as seen before it.
+        tips = [np.broadcast_to(C[-1][:3, 3], (_STARTS, 3))]
+        for j in range(chain.n - 1, 0, -1):
+            moved = _moved(turns[j], q[:, j], tips[0])
+            tips.insert(0, moved @ C[j][:3, :3].T + C[j][:3, 3])
+        origin = np.zeros((_STARTS, 3))
+        for j in range(chain.n):
+            if j:
+                origin = (origin - C[j][:3, 3]) @ C[j][:3, :3]
+            limits = chain.lower[j], chain.upper[j]
+            q[:, j] = (_angle if turns[j] else _slide)(q[:, j], origin, tips[j], limits, sign)
+            origin = _moved(turns[j], -q[:, j], origin)
+        distance = np.linalg.norm(origin - tips[-1], axis=1)
+        scale = distance.max() + 1e-300
+        if np.abs(distance - before).max() <= _SETTLED * scale:
+            break
+    return float((sign * distance).min() * sign)
+
+
+def _moved(turns: bool, value: Array, points: Array) -> Array:
+    x, y, z = points.T
+    if not turns:
+        return np.column_stack((x, y, z + value))
+    c, s = np.cos(value), np.sin(value)
+    return np.column_stack((c * x - s * y, s * x + c * y, z))
+
+
+def _angle(
+    now: Array, origin: Array, tip: Array, limits: tuple[float, float], sign: float
+) -> Array:
+    """Give the angles that bring the tips nearest to the origins, or farthest away."""
+    along = origin[:, 0] * tip[:, 0] + origin[:, 1] * tip[:, 1]
+    across = origin[:, 1] * tip[:, 0] - origin[:, 0] * tip[:, 1]
+    best = np.arctan2(sign * across, sign * along)
+    best = np.where(np.hypot(along, across) > 0.0, best, now)
+    lower, upper = limits
+    if not upper - lower < 2.0 * np.pi:
+        return best
+    middle = 0.5 * (lower + upper)
+    best = middle + np.remainder(best - middle + np.pi, 2.0 * np.pi) - np.pi
+    ends = np.array((lower, upper))
+    # What an end of the range gives falls with the angle between it and the best.
+    nearest = np.cos(ends[:, None] - best).argmax(axis=0)
+    inside = (best >= lower) & (best <= upper)
+    return np.where(inside, best, ends[nearest])
+
+
+def _slide(
+    now: Array, origin: Array, tip: Array, limits: tuple[float, float], sign: float
+) -> Array:
+    """Give the displacements that do so."""
+    best = origin[:, 2] - tip[:, 2]
+    lower, upper = limits
+    if sign > 0.0:
+        return np.clip(best, lower, upper)
+    far_up = np.abs(upper - best) >= np.abs(lower - best)
+    return np.where(far_up, upper, lower)

@@ -1,0 +1,230 @@
+"""The present state of the joints, by name, from the topic ``joint_states``.
+
+Messages are taken from the middleware only when somebody asks: a node that listens to a fast
+robot spends nothing while it is idle.
+"""
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+
+from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
+from robomech_ros.nodes.common.polled_subscription import Unattended
+from robomech_ros.nodes.process.pauses import pause
+
+__all__ = ["JointStateMonitor"]
+
+TOPIC = "joint_states"
+# Enough for several publishers of different rates between two looks.
+_DEPTH = 50
+_QOS = QoSProfile(
+    depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+# How often somebody who waits for the first state looks for it, s.
+_LOOK = 0.02
+# Joints that are remembered, whoever publishes them.
+_MOST_JOINTS = 1000
+_MOST_LISTED = 10
+
+
+class _Seen(NamedTuple):
+    """What a message says of a joint: rad or m, and per s; NaN where it gives no velocity."""
+
+    position: float
+    velocity: float
+
+
+class JointStateMonitor:
+    """Knows the latest state of every joint that was ever published on ``joint_states``.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._states: dict[str, _Seen] = {}
+        self._looks = 0
+        self._heard_in: dict[str, int] = {}
+        self._fault = ""
+        self._subscription = node.create_subscription(
+            JointState, TOPIC, self._store, _QOS, callback_group=Unattended(), raw=True
+        )
+
+    def positions(self, joint_names: Sequence[str]) -> NDArray[np.float64] | None:
+        """Give the present positions (rad or m), shape (n,); None while one is not known."""
+        self._take_all(joint_names)
+        try:
+            states = [self._states[name].position for name in joint_names]
+        except KeyError:
+            return None
+        return np.array(states, dtype=np.float64)
+
+    def velocities(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+        """Give the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
+
+        A joint whose velocity is not known stands.
+        """
+        unknown = _Seen(math.nan, math.nan)
+        speeds = np.array([self._states.get(name, unknown).velocity for name in joint_names])
+        return np.where(np.isfinite(speeds), speeds, 0.0)
+
+    def heard(self, joint_names: Sequence[str]) -> int:
+        """Give a number that has grown when every one of the joints was heard of anew.
+
+        It counts as of the last look at positions.
+        """
+        return min((self._heard_in.get(name, 0) for name in joint_names), default=0)
+
+    def require(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
+        """Give the present positions (rad or m), shape (n,).
+
+        Raises
+        ------
+        NoStateError
+            The position of a joint is not known; it is named.
+        """
+        positions = self.positions(joint_names)
+        if positions is None:
+            missing = [name for name in joint_names if name not in self._states]
+            raise NoStateError(missing, self._subscription.topic_name, self._what_came())
+        return positions
+
+    def _what_came(self) -> str:
+        """Say what was received where something is missing."""
+        refused = f" (and what could not be used: {self._fault})" if self._fault else ""
+        if not self._states:
+            return f"nothing received{refused}"
+        names = list(self._states)
+        more = ", ..." if len(names) > _MOST_LISTED else ""
+        return f"only {', '.join(names[:_MOST_LISTED])}{more} received{refused}"
+
+    def require_rest(self, joint_names: Sequence[str], tolerance: float) -> NDArray[np.float64]:
+        """Give the present positions (rad or m), shape (n,), of a robot that stands.
+
+        Parameters
+        ----------
+        joint_names : sequence of str
+            The n joints.
+        tolerance : float
+            Speed up to which a joint stands, rad/s or m/s.  A joint whose velocity is not
+            published stands.
+
+        Raises
+        ------
+        NoStateError
+            The position of a joint is not known.
+        RobotMovesError
+            A joint moves; the fastest is named with its speed.
+        """
+        positions = self.require(joint_names)
+        joint, speed = self._fastest(joint_names)
+        if speed > tolerance:
+            raise RobotMovesError(joint, speed, tolerance)
+        return positions
+
+    async def wait_for(
+        self, joint_names: Sequence[str], seconds: float, tolerance: float = math.inf
+    ) -> None:
+        """Wait until all of the joints were heard of and stand.
+
+        Parameters
+        ----------
+        joint_names : sequence of str
+            The n joints.
+        seconds : float
+            How long at the most.
+        tolerance : float, optional
+            Speed up to which a joint stands, rad/s or m/s; default any.
+        """
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            known = self.positions(joint_names) is not None
+            if known and self._fastest(joint_names)[1] <= tolerance:
+                return
+            await pause(self._node, _LOOK)
+
+    def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
+        """Find the fastest of joints that are known, and its speed (rad/s or m/s)."""
+        speeds = np.abs([self._states[name].velocity for name in joint_names])
+        speeds = np.where(np.isnan(speeds), 0.0, speeds)
+        fastest = int(np.argmax(speeds))
+        return joint_names[fastest], float(speeds[fastest])
+
+    def _take_all(self, joint_names: Sequence[str]) -> None:
+        # Newest first, until every joint ever heard of was seen: most messages stay packed.
+        wanted = {*joint_names, *self._states}
+        seen: dict[str, _Seen] = {}
+        newest_fault = ""
+        for data in reversed(list(self._waiting())):
+            states, fault = _read(data)
+            newest_fault = newest_fault or fault
+            for name, state in states.items():
+                seen.setdefault(name, state)
+            if seen.keys() >= wanted:
+                break
+        self._keep(seen, newest_fault)
+
+    def _waiting(self) -> Iterator[bytes]:
+        subscription = self._subscription
+        with subscription.handle:
+            for _ in range(_DEPTH):
+                taken = subscription.handle.take_message(JointState, True)
+                if taken is None:
+                    return
+                yield taken[0]
+
+    def _store(self, data: bytes) -> None:
+        """Keep one message; serves executors that do not honour callback groups."""
+        self._keep(*_read(data))
+
+    def _keep(self, seen: dict[str, _Seen], fault: str) -> None:
+        self._looks += 1
+        self._fault = fault or self._fault
+        for name, state in seen.items():
+            if name in self._states or len(self._states) < _MOST_JOINTS:
+                self._states[name], self._heard_in[name] = state, self._looks
+
+
+def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
+    """Give the states in a message, of joints with a finite position, and what is wrong with it."""
+    message = deserialize_message(data, JointState)
+    if fault := _fault_of(message):
+        return {}, fault
+    states = _states_in(message)
+    usable = {name: state for name, state in states.items() if math.isfinite(state.position)}
+    for name in states.keys() - usable.keys():
+        fault = f"the position of '{name}' is {states[name].position}"
+    return usable, fault
+
+
+def _fault_of(message: JointState) -> str:
+    """Say what keeps a message from being understood; empty where nothing does."""
+    names, positions = message.name, message.position
+    if len(names) != len(positions):
+        return f"{len(positions)} positions for {len(names)} names"
+    if len(set(names)) < len(names):
+        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        return f"'{twice}' is in it twice"
+    return ""
+
+
+def _states_in(message: JointState) -> dict[str, _Seen]:
+    """Read the states of all joints in a message."""
+    positions, velocities = message.position, message.velocity
+    if len(velocities) != len(positions):
+        velocities = [math.nan] * len(positions)
+    return {
+        name: _Seen(position, velocity)
+        for name, position, velocity in zip(message.name, positions, velocities, strict=True)
+    }

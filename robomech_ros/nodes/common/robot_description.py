@@ -1,0 +1,164 @@
+"""The robot of a node: from a parameter, or from the latched topic ``robot_description``."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+from robomech_ros.errors import RobomechError, UnknownLinkError
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.robots import RobotDescription, SerialChain, load_description
+
+__all__ = ["RobotModel", "RobotSettings", "when_robot_known"]
+
+Array = NDArray[np.float64]
+
+TOPIC = "robot_description"
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True)
+class RobotSettings:
+    """Parameters that every node with a robot has."""
+
+    robot_description: str = parameter(
+        "",
+        "The robot: the name of one in config/robots, the path of a URDF or YAML file, or URDF "
+        "text. Empty = wait for the latched topic robot_description",
+    )
+    base_link: str = parameter("", "First link of the chain. Empty = the root of the description")
+    tip_link: str = parameter(
+        "", "Last link of the chain. Empty = the one leaf that joints move, else tool0 or flange"
+    )
+
+
+class RobotModel:
+    """A robot and the chain in it that a node works with.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        The whole robot.
+    base_link, tip_link : str
+        Ends of the chain; empty for the defaults of the description.
+    """
+
+    def __init__(self, description: RobotDescription, base_link: str = "", tip_link: str = ""):
+        self.description = description
+        self.chain: SerialChain = description.chain(base_link, tip_link)
+        self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
+        self._chains = {self.chain.tip: self.chain, "": self.chain}
+        self.fixed_frames = _fixed_frames(description, self.chain.base)
+
+    def chain_to(self, link: str) -> SerialChain:
+        """Give the chain from the base to any link of the robot; "" is the configured tip.
+
+        Raises
+        ------
+        UnknownLinkError
+            The robot has no such link.
+        RobotDescriptionError
+            There is no chain to it: it is above the base, or a joint between follows another.
+        """
+        if link not in self._chains:
+            self._chains[link] = self._new_chain(link)
+        return self._chains[link]
+
+    def _new_chain(self, link: str) -> SerialChain:
+        if link not in self.description.links:
+            raise UnknownLinkError(link, self.description.links)
+        try:
+            return self.chain.with_tip(link)
+        except UnknownLinkError:
+            return self.description.chain(self.chain.base, link)
+
+    def frame_in_base(self, frame: str) -> Array | None:
+        """Give the pose, shape (4, 4) (m), of a frame fixed to the base; None for the base itself.
+
+        Raises
+        ------
+        FrameUnavailableError
+            A link that moves, or no link of the robot.
+        """
+        if not frame or frame == self.chain.base:
+            return None
+        if frame in self.fixed_frames:
+            return self.fixed_frames[frame]
+        why = "it moves with the joints" if frame in self.description.links else ""
+        raise FrameUnavailableError(frame, self.fixed_frames, why)
+
+
+def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:
+    """Find all links that fixed joints, up or down the tree, hold to the base."""
+    found = {base: np.eye(4)}
+    waiting = [base]
+    fixed = [joint for joint in description.joints if joint.type == "fixed"]
+    while waiting:
+        link = waiting.pop()
+        for joint in fixed:
+            step = joint.origin @ joint.after
+            if joint.parent == link and joint.child not in found:
+                found[joint.child] = found[link] @ step
+                waiting.append(joint.child)
+            elif joint.child == link and joint.parent not in found:
+                found[joint.parent] = found[link] @ np.linalg.inv(step)
+                waiting.append(joint.parent)
+    return found
+
+
+def when_robot_known(
+    node: Node,
+    settings: RobotSettings,
+    on_robot: Callable[[RobotModel], None],
+    completed: Callable[[RobotDescription], RobotDescription] | None = None,
+) -> None:
+    """Call back with the robot: at once when the parameter names it, else when the topic has it.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    settings : RobotSettings
+        Its parameters.
+    on_robot : callable
+        Called once, and again after a RobomechError, with which it refuses a robot of the topic.
+    completed : callable, optional
+        Gives the robot what its description lacks.
+
+    Raises
+    ------
+    RobomechError
+        The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
+        logged, and the node goes on waiting for a better one.
+    """
+    base, tip = settings.base_link, settings.tip_link
+
+    def model_of(robot: str) -> RobotModel:
+        description = load_description(robot)
+        return RobotModel(completed(description) if completed else description, base, tip)
+
+    if settings.robot_description:
+        on_robot(model_of(settings.robot_description))
+        return
+    known: list[RobotModel] = []
+
+    def receive(message: String) -> None:
+        if known:
+            text = "a new robot description is ignored; restart the node to change its robot"
+            node.get_logger().warning(text)
+            return
+        try:
+            model = model_of(message.data)
+            on_robot(model)
+        except RobomechError as error:
+            node.get_logger().error(f"unusable robot on '{subscription.topic_name}': {error}")
+            return
+        known.append(model)
+
+    subscription = node.create_subscription(String, TOPIC, receive, LATCHED)
+    node.get_logger().info(f"waiting for the robot on topic '{subscription.topic_name}'")

@@ -1,1 +1,0 @@
-"""Parts of the node joint_trajectory_controller, the simulated robot."""

@@ -1,0 +1,208 @@
+"""Decoding of requests about dynamics, and encoding of torque summaries."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Inertia, Vector3, WrenchStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+
+from robomech_ros.dynamics import TorqueSummary
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.execution.received_trajectory import joint_order
+from robomech_ros.nodes.common.conversions import duration_from_seconds, floats, positions_by_name
+from robomech_ros.nodes.common.reference_axes import reference_axes
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.robots import Body, SerialChain
+from robomech_ros.spatial import inverse_pose
+
+__all__ = [
+    "Motions",
+    "encode_summary",
+    "gravity_vector",
+    "motions",
+    "payload_body",
+    "positions_of",
+    "rates",
+    "tip_wrench",
+]
+
+Array = NDArray[np.float64]
+
+# Largest number in a vector, in SI units: products with masses stay far from overflow.
+_LARGEST = 1e12
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """States of n joints, in the order of the chain.
+
+    Attributes
+    ----------
+    order : list of int
+        Where each joint of the chain is among the names of the request.
+    q, qd, qdd : ndarray, shape (m, n)
+        Positions (rad or m), rates and accelerations per s and s^2.
+    """
+
+    order: list[int]
+    q: Array
+    qd: Array
+    qdd: Array
+
+    def as_asked(self, rows: Array) -> Array:
+        """Put columns in the order of the request's names."""
+        result = np.empty_like(rows)
+        result[..., self.order] = rows
+        return result
+
+
+def motions(points: Any, joint_names: Any, chain: SerialChain) -> Motions:
+    """Read trajectory points as states.
+
+    Parameters
+    ----------
+    points : sequence of JointTrajectoryPoint
+        Velocities and accelerations may be empty, which is 0.
+    joint_names : sequence of str
+        The order of the numbers; empty = that of the chain.
+    chain : SerialChain
+        Of n joints.
+
+    Raises
+    ------
+    UnknownJointError, WrongSizeError, NonFiniteError
+        With the point and the joint at fault.
+    """
+    names = list(joint_names) or list(chain.joint_names)
+    order = joint_order(names, chain.joint_names)
+    rows = [
+        _rows(points, field, names)[:, order]
+        for field in ("positions", "velocities", "accelerations")
+    ]
+    return Motions(order, *rows)
+
+
+def _rows(points: Any, field: str, names: list[str]) -> Array:
+    rows = np.zeros((len(points), len(names)))
+    for k, point in enumerate(points):
+        values = getattr(point, field)
+        if not len(values) and field != "positions":
+            continue
+        if len(values) != len(names):
+            expected = f"{len(names)} for {', '.join(names)}"
+            raise WrongSizeError(f"points[{k}].{field}", len(values), expected)
+        rows[k] = values
+        if not np.isfinite(rows[k]).all():
+            worst = names[int(np.flatnonzero(~np.isfinite(rows[k]))[0])]
+            raise NonFiniteError(f"points[{k}].{field} of joint '{worst}'", rows[k])
+    return rows
+
+
+def rates(state: JointState, field: str, model: RobotModel) -> Array:
+    """Read velocities or efforts, shape (n,), matched by name as positions are; empty = 0."""
+    chain = model.chain
+    if not len(getattr(state, field)):
+        return np.zeros(chain.n)
+    return positions_by_name(state, chain.joint_names, "state", model.joint_names, field)
+
+
+def positions_of(state: JointState) -> JointState:
+    """Give the positions of a state with their names; without positions it names no joints."""
+    return state if len(state.position) else JointState()
+
+
+def gravity_vector(given: Vector3, configured: Array) -> Array:
+    """Read the acceleration of gravity (m/s^2), shape (3,); all zero = the configured one."""
+    vector = _vector(given, "gravity")
+    return vector if vector.any() else configured
+
+
+def tip_wrench(message: WrenchStamped, model: RobotModel, q: Array) -> Array:
+    """Read the wrench that the surroundings exert on the tip, moment first, in the base's axes.
+
+    Parameters
+    ----------
+    message : WrenchStamped
+        In a frame fixed to the base or one of a link of the chain.
+    model : RobotModel
+        The robot.
+    q : ndarray, shape (m, n)
+        Joint values (rad or m) of the states in which it acts.
+
+    Returns
+    -------
+    ndarray, shape (m, 6)
+        N m and N, at the tip's origin.
+    """
+    force = _vector(message.wrench.force, "tip_wrench.wrench.force")
+    moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
+    wrench = np.tile(np.concatenate((moment, force)), (len(q), 1))
+    for row, values in zip(wrench, q, strict=True):
+        axes = reference_axes(model, message.header.frame_id, model.chain, values)
+        if axes is None:
+            break
+        row[:3], row[3:] = axes @ moment, axes @ force
+    return wrench
+
+
+def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | None:
+    """Read a load, in the frame of the tip; None = no load.
+
+    Raises
+    ------
+    UnknownLinkError, BadValueError, NonFiniteError
+        The frame is not fixed to the tip, or no body has these numbers.
+    """
+    link = chain.link_frame(frame or chain.tip)
+    if link.joints != chain.n:
+        carrying = ", ".join(each.name for each in chain.frames if each.joints == chain.n)
+        raise BadValueError("payload.header.frame_id", frame, f"one of {carrying}")
+    if not np.isfinite(inertia.m):
+        raise NonFiniteError("payload.inertia.m", inertia.m)
+    if inertia.m < 0.0:
+        raise BadValueError("payload.inertia.m", inertia.m, "a mass in kg, not negative")
+    if inertia.m == 0.0:
+        return None
+    xx, xy, xz = inertia.ixx, inertia.ixy, inertia.ixz
+    yy, yz, zz = inertia.iyy, inertia.iyz, inertia.izz
+    moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not np.isfinite(moments).all():
+        raise NonFiniteError("payload.inertia moments", moments)
+    body = Body(inertia.m, _vector(inertia.com, "payload.inertia.com"), moments)
+    if fault := body.fault():
+        raise BadValueError("payload.inertia", moments.tolist(), f"those of a body; {fault}")
+    return body.seen_from(inverse_pose(chain.link_frame(chain.tip).offset) @ link.offset)
+
+
+def _vector(given: Vector3, what: str) -> Array:
+    vector = np.array((given.x, given.y, given.z))
+    if not np.isfinite(vector).all():
+        raise NonFiniteError(what, vector)
+    if np.abs(vector).max() > _LARGEST:
+        raise BadValueError(what, vector.tolist(), f"magnitudes of at most {_LARGEST:g}")
+    return vector
+
+
+def encode_summary(summary: TorqueSummary, chain: SerialChain, response: Any) -> Any:
+    """Fill a SummarizeTorques response."""
+    names = list(chain.joint_names)
+    response.joint_names = names
+    response.peak_effort = floats(summary.peak_effort)
+    response.peak_effort_time = _durations(summary.peak_effort_time)
+    response.rms_effort = floats(summary.rms_effort)
+    response.peak_power = floats(summary.peak_power)
+    response.energy_out = floats(summary.energy_out)
+    response.energy_back = floats(summary.energy_back)
+    response.effort_limit = floats(summary.effort_limit)
+    response.saturation = floats(summary.saturation)
+    over = np.flatnonzero(summary.saturation > 1.0)
+    response.saturated_joints = [names[i] for i in over]
+    response.saturation_time = _durations(summary.saturation_time[over])
+    response.summary = summary.in_words(names)
+    return response
+
+
+def _durations(seconds: Array) -> list[Any]:
+    return [duration_from_seconds(value) for value in seconds.tolist()]

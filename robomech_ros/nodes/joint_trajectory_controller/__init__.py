@@ -1,0 +1,1 @@
+"""The node joint_trajectory_controller, the simulated robot."""

@@ -1,0 +1,51 @@
+"""What joint_trajectory_controller offers by types of control_msgs, where those are installed."""
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+
+__all__ = ["ControlInterfaces"]
+
+
+class ControlInterfaces:
+    """The action follow_joint_trajectory, and topics and services of the controller's state.
+
+    Parameters
+    ----------
+    node : Node
+        Gets them under its own name.
+    robot : SimulatedRobot
+        What executes.
+    clock : MotionClock
+        Its time.
+
+    Attributes
+    ----------
+    servers : list of GoalServer
+        That of the action; empty where control_msgs is not installed.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
+        self.servers: list[GoalServer] = []
+        try:
+            from robomech_ros.nodes.joint_trajectory_controller.follow_action import FollowAction
+            from robomech_ros.nodes.joint_trajectory_controller.state_topics import (
+                ControllerState,
+                SpeedScaling,
+                StateQuery,
+            )
+        except ImportError as error:
+            if getattr(error, "name", "") != "control_msgs":
+                node.get_logger().warning(f"no follow_joint_trajectory: {error}")
+            return
+        self.servers.append(GoalServer(node, robot, FollowAction(robot.joint_names)))
+        self._state = ControllerState(node, robot)
+        SpeedScaling(node, robot)
+        StateQuery(node, robot, clock, lambda: robot.refuse_all)
+
+    def publish(self) -> None:
+        """Publish controller_state."""
+        if self.servers:
+            self._state.publish()

@@ -1,0 +1,155 @@
+"""The simulated robot whose drives move it, through its mass, its friction and what it carries."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics import Servo, gravity_torque, with_payload
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.simulated_joints import Driven, at_rest
+from robomech_ros.execution.joints import State
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.robots import Body, SerialChain
+
+__all__ = ["DynamicPlant", "MotionRanAwayError"]
+
+Array = NDArray[np.float64]
+
+# Longest period of the controller of the drives, and periods that are simulated in one go.
+_PERIOD = 1e-3
+_AT_ONCE = 10
+# Of a longer time, in which the process did not run, the end is simulated, s.
+_LONGEST = 10.0
+# What quotients of times may be off.
+_ROUNDING = 1e-6
+
+
+class MotionRanAwayError(RobomechError):
+    """The simulated motion has left all bounds; the robot stands where it was before."""
+
+
+class DynamicPlant:
+    """Moves joints by drives that a controller of torques commands, a thousand times a second.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move: what the controller of the drives knows.
+    settings : ControllerSettings
+        Which controller, how fast, and the payload that it does not know of.
+    position : ndarray, shape (n,)
+        Where the joints are at first, rad or m.
+
+    Raises
+    ------
+    MissingInertiaError
+        Nothing is known of the mass of some links, which are named.
+    BadValueError
+        No body can have the mass and inertia of one, or the joints are too many.
+    """
+
+    def __init__(self, chain: SerialChain, settings: ControllerSettings, position: Array) -> None:
+        self._model = chain
+        self._settings = settings
+        self._servo = self._servo_with(settings)
+        # The kernels are compiled or loaded now, not in the first cycle.
+        self.put(position)
+        self.drive(at_rest(position), at_rest(position), _PERIOD, None)
+        self.put(position)
+
+    def carry(self, settings: ControllerSettings) -> None:
+        """Have the robot carry the payload of these settings from now on."""
+        if _load(settings) != _load(self._settings):
+            self._servo = self._servo_with(settings)
+        self._settings = settings
+
+    def put(self, position: Array) -> Driven:
+        """Have the joints stand somewhere (rad or m), held against gravity."""
+        self._q = np.array(position, dtype=np.float64)
+        self._qd, self._observed = np.zeros(len(position)), np.zeros(len(position))
+        holding = gravity_torque(self._servo.plant or self._model, self._q, gravity=self._gravity)
+        return Driven(at_rest(self._q), holding, np.zeros(len(position)))
+
+    def drive(
+        self, before: State, command: State, span: float, held: NDArray[np.bool_] | None
+    ) -> Driven:
+        """Let time pass; see :class:`Plant`."""
+        started = self._qd.copy()
+        simulated = min(span, _LONGEST)
+        periods = max(math.ceil(simulated / _PERIOD - _ROUNDING), 1)
+        period = simulated / periods
+        wanted = _between(before, command, simulated, periods)
+        at_limit, effort = np.zeros(len(started)), np.zeros(len(started))
+        for first in range(0, periods, _AT_ONCE):
+            self._limit(wanted[first : first + _AT_ONCE])
+            motion = self._servo.run(
+                self._q,
+                self._qd,
+                wanted[first : first + _AT_ONCE],
+                period=period,
+                held=held,
+                observed=self._observed,
+            )
+            if motion.reason:
+                self._qd[:], self._observed[:] = 0.0, 0.0
+                raise MotionRanAwayError(f"{motion.reason}; the robot stands where it was before")
+            at_limit += period * motion.saturated.sum(axis=0)
+            effort = motion.effort[-1]
+        acceleration = (self._qd - started) / simulated
+        return Driven(State(self._q.copy(), self._qd.copy(), acceleration), effort, at_limit)
+
+    def _limit(self, wanted: Array) -> None:
+        """Keep what is wanted, shape (m, 3, n), so near that no joint is asked to be too fast.
+
+        Errors are corrected at the rate of ``bandwidth / (2 damping)`` times them: where that is
+        beyond the limit of the velocity, after a step or a brake that is released, the drives would
+        come to their limits and lose the hold of an arm whose speed they cannot take off again.
+        """
+        fastest = np.where(np.isfinite(self._model.velocity), self._model.velocity, np.inf)
+        near = fastest * 2.0 * self._settings.dynamic_damping / self._settings.dynamic_bandwidth
+        far = np.abs(wanted[:, 0] - self._q) > near
+        wanted[:, 0] = np.clip(wanted[:, 0], self._q - near, self._q + near)
+        wanted[:, 1] = np.clip(wanted[:, 1], -fastest, fastest)
+        # Who has to catch up is not to be thrown by what was wanted where it should be.
+        wanted[:, 1:][np.broadcast_to(far[:, None], (len(wanted), 2, far.shape[1]))] = 0.0
+
+    @property
+    def _gravity(self) -> Array:
+        return np.array(self._settings.gravity)
+
+    def _servo_with(self, settings: ControllerSettings) -> Servo:
+        mass, com = _load(settings)
+        load = Body(mass, np.array(com), np.zeros((3, 3)))
+        return Servo(
+            self._model,
+            with_payload(self._model, load) if mass else self._model,
+            control=settings.dynamic_control,
+            bandwidth=settings.dynamic_bandwidth,
+            damping=settings.dynamic_damping,
+            observer=settings.dynamic_observer,
+            period=_PERIOD,
+            gravity=settings.gravity,
+        )
+
+
+def _load(settings: ControllerSettings) -> tuple[float, tuple[float, ...]]:
+    return settings.payload_mass, settings.payload_com
+
+
+def _between(before: State, command: State, span: float, periods: int) -> Array:
+    """Give what is wanted at the beginning of each period, shape (periods, 3, n).
+
+    Positions follow cubics with the velocities of both ends, and velocities cubics with their
+    accelerations, so that what a jump of the position adds to the velocity is left out.
+    """
+    s = np.arange(periods)[:, None] / periods
+    first, second = (2.0 * s - 3.0) * s * s + 1.0, s * s * (3.0 - 2.0 * s)
+    out, back = span * s * (1.0 - s) ** 2, span * s * s * (s - 1.0)
+    rows = np.empty((periods, 3, len(before.position)))
+    ends = [(state.position, state.velocity, state.acceleration) for state in (before, command)]
+    for k in range(2):
+        (value, rate), (value_after, rate_after) = (end[k : k + 2] for end in ends)
+        rows[:, k] = first * value + second * value_after + out * rate + back * rate_after
+    rows[:, 2] = (1.0 - s) * before.acceleration + s * command.acceleration
+    return rows

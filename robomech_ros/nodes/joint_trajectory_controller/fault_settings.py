@@ -1,0 +1,38 @@
+"""Faults of the simulated joints, as the parameters of the node ask for them."""
+
+import numpy as np
+
+from robomech_ros.execution.controller.simulated_joints import Faults
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.robots import SerialChain
+
+__all__ = ["faults_of"]
+
+
+def faults_of(settings: ControllerSettings, chain: SerialChain) -> Faults:
+    """Read the faults.
+
+    Raises
+    ------
+    ParameterError
+        A joint that the robot does not have, or not one offset for every joint.
+    """
+    names = list(chain.joint_names)
+    stuck = [name.strip() for name in settings.fault_stuck_joints.split(",") if name.strip()]
+    for name in stuck:
+        if name not in names:
+            allowed = f"names with commas between, of {', '.join(names)}"
+            raise ParameterError("fault_stuck_joints", settings.fault_stuck_joints, allowed)
+    offset = settings.fault_offset
+    if offset and len(offset) != len(names):
+        allowed = f"a list of {len(names)} numbers, for {', '.join(names)}, or empty"
+        raise ParameterError("fault_offset", list(offset), allowed)
+    return Faults(
+        stuck=np.isin(names, stuck),
+        offset=np.array(offset) if offset else np.zeros(len(names)),
+        delay=settings.fault_delay,
+        dropped=settings.fault_dropped_commands,
+        noise=settings.fault_noise,
+        seed=settings.fault_seed,
+    )

@@ -1,0 +1,284 @@
+"""Parameters of the simulated robot."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.execution.controller.follower import FollowerSettings
+from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.robots import SerialChain
+
+__all__ = [
+    "DYNAMIC",
+    "FRAMES_AUTO",
+    "FRAMES_NEVER",
+    "ControllerSettings",
+    "check_simulation",
+    "default_tolerances",
+    "follower_settings",
+    "initial_position",
+]
+
+KINEMATIC, DYNAMIC = "kinematic", "dynamic"
+FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
+SPLINES, NO_INTERPOLATION = "splines", "none"
+
+
+@dataclass(frozen=True)
+class ControllerSettings(RobotSettings):
+    """Parameters of the node."""
+
+    publish_rate: float = parameter(
+        100.0, "How often the robot moves on and joint_states is published", 1.0, 1000.0, "Hz"
+    )
+    action_monitor_rate: float = parameter(
+        20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    state_publish_rate: float = parameter(
+        50.0, "How often controller_state is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    initial_positions: tuple[float, ...] = parameter(
+        (),
+        "Where the joints are at start and after a reset, base to tip, rad or m. Empty = the "
+        "middle of their limits, 0 for joints without",
+    )
+    start_tolerance: float = parameter(
+        0.01,
+        "How far the first point of a trajectory, at time 0, may be from the present position of "
+        "a joint at rest, rad or m",
+        0.0,
+        10.0,
+    )
+    path_tolerance: float = parameter(
+        0.0,
+        "How far a joint may be from its path while moving, rad or m; 0 = any distance",
+        0.0,
+        10.0,
+    )
+    goal_tolerance: float = parameter(
+        0.01,
+        "How far a joint may be from the last point at the end, rad or m; 0 = any distance",
+        0.0,
+        10.0,
+    )
+    stopped_velocity_tolerance: float = parameter(
+        0.01, "How fast a joint may be at the end, rad/s or m/s; 0 = any speed", 0.0, 10.0
+    )
+    goal_time: float = parameter(
+        1.0,
+        "How long after its end a trajectory may still reach its goal; 0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    cmd_timeout: float = parameter(
+        0.0,
+        "How long after its end a trajectory may be under way at all; then the robot holds. "
+        "0 = any time",
+        0.0,
+        3600.0,
+        "s",
+    )
+    allow_partial_joints_goal: bool = parameter(
+        False, "Whether a trajectory may name some of the joints only; the others stay"
+    )
+    allow_trajectory_replacement: bool = parameter(
+        True,
+        "Whether a trajectory with a stamp in the future lets the present motion go on until then; "
+        "else it takes over when it comes, and the robot moves to its first point in that time",
+    )
+    interpolation_method: str = parameter(
+        SPLINES,
+        "How the joints get from point to point: splines = linearly, by cubics or quintics, as the "
+        "fields of the points allow; none = they are told one point after the other",
+        choices=(SPLINES, NO_INTERPOLATION),
+    )
+    allow_nonzero_velocity_at_trajectory_end: bool = parameter(
+        False,
+        "Whether a trajectory may end moving; the robot then brakes beyond its last point",
+    )
+    max_points: int = parameter(
+        10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
+    )
+    max_duration: float = parameter(
+        3600.0,
+        "Longest trajectory, and longest time until one begins; longer ones are refused",
+        0.001,
+        1e6,
+        "s",
+    )
+    simulation: str = parameter(
+        KINEMATIC,
+        "How the robot is simulated: kinematic = the joints are where they are wanted, or behind "
+        "by tracking_lag; dynamic = drives move them, through mass, friction and effort limits",
+        choices=(KINEMATIC, DYNAMIC),
+    )
+    dynamic_control: str = parameter(
+        "computed-torque",
+        "Dynamic: what controls the drives: computed-torque, or pd-gravity = PD with the efforts "
+        "that hold the robot against gravity",
+        choices=("computed-torque", "pd-gravity"),
+    )
+    dynamic_bandwidth: float = parameter(
+        50.0, "Dynamic: natural frequency with which errors decay", 1.0, 200.0, "rad/s"
+    )
+    dynamic_damping: float = parameter(
+        1.0, "Dynamic: damping ratio with which errors decay; 1 = critical", 0.1, 2.0
+    )
+    dynamic_observer: float = parameter(
+        2000.0,
+        "Dynamic: rate at which the controller learns the efforts that its model does not explain, "
+        "such as those of a payload, and adds them; 0 = not at all",
+        0.0,
+        10_000.0,
+        "rad/s",
+    )
+    gravity: tuple[float, ...] = parameter(
+        (0.0, 0.0, -9.81),
+        "Dynamic: acceleration of gravity in the base link of the chain, towards where things fall",
+        -1000.0,
+        1000.0,
+        "m/s^2",
+    )
+    payload_mass: float = parameter(
+        0.0,
+        "Dynamic: mass at the tip that the controller of the drives does not know of",
+        0.0,
+        1000.0,
+        "kg",
+        read_only=False,
+    )
+    payload_com: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Dynamic: where that mass is, as a point in the frame of the tip",
+        -10.0,
+        10.0,
+        "m",
+        read_only=False,
+    )
+    tracking_lag: float = parameter(
+        0.0,
+        "Kinematic: time constant with which the joints follow what is wanted; 0 = exactly",
+        0.0,
+        100.0,
+        "s",
+    )
+    publish_frames: str = parameter(
+        FRAMES_AUTO,
+        "Whether /tf and /tf_static are published, as far as tf2_msgs is installed; auto = unless "
+        "robot_state_publisher is installed, which does it",
+        choices=(FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER),
+    )
+    frame_rate: float = parameter(
+        20.0, "How often /tf is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    fault_stuck_joints: str = parameter(
+        "",
+        "Simulated fault: joints that do not move, names with commas between. Empty = none",
+        read_only=False,
+    )
+    fault_delay: float = parameter(
+        0.0,
+        "Simulated fault: how long commands take to get to the joints",
+        0.0,
+        10.0,
+        "s",
+        read_only=False,
+    )
+    fault_dropped_commands: float = parameter(
+        0.0,
+        "Simulated fault: part of the commands that get lost; joints then keep the one before",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_offset: tuple[float, ...] = parameter(
+        (),
+        "Simulated fault: what the sensors of the joints show too much, base to tip, rad or m. "
+        "Empty = nothing",
+        -10.0,
+        10.0,
+        read_only=False,
+    )
+    fault_noise: float = parameter(
+        0.0,
+        "Simulated fault: standard deviation of the noise on measured positions, rad or m",
+        0.0,
+        1.0,
+        read_only=False,
+    )
+    fault_seed: int = parameter(
+        0,
+        "Seed of the noise, and of which commands get lost",
+        0,
+        2**31 - 1,
+        read_only=False,
+    )
+
+
+def check_simulation(settings: ControllerSettings) -> None:
+    """Check that parameters of the simulation go together.
+
+    Raises
+    ------
+    ParameterError
+        One belongs to the other kind of simulation, or a vector does not have three numbers.
+    """
+    other = "tracking_lag" if settings.simulation == DYNAMIC else "payload_mass"
+    value = getattr(settings, other)
+    if value:
+        raise ParameterError(other, value, f"0 with simulation: {settings.simulation}")
+    for name in ("gravity", "payload_com"):
+        vector = getattr(settings, name)
+        if len(vector) != 3:
+            raise ParameterError(name, list(vector), "a list of 3 numbers: x, y, z")
+
+
+def follower_settings(settings: ControllerSettings) -> FollowerSettings:
+    """Pick what the follower needs."""
+    return FollowerSettings(
+        start_tolerance=settings.start_tolerance,
+        lag=settings.tracking_lag,
+        longest_wait=settings.max_duration,
+        command_timeout=settings.cmd_timeout,
+        interpolate=settings.interpolation_method == SPLINES,
+        wait_for_stamp=settings.allow_trajectory_replacement,
+    )
+
+
+def default_tolerances(settings: ControllerSettings, joints: int) -> Tolerances:
+    """Make the tolerances that hold where a goal brings none."""
+    values = (
+        settings.path_tolerance,
+        settings.goal_tolerance,
+        settings.stopped_velocity_tolerance,
+    )
+    path, goal, velocity = (np.full(joints, value or np.inf) for value in values)
+    return Tolerances(path, goal, velocity, settings.goal_time or np.inf)
+
+
+def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArray[np.float64]:
+    """Give the initial position (rad or m), shape (n,).
+
+    Raises
+    ------
+    ParameterError
+        The parameter does not have one position for every joint, or one is outside its limits.
+    """
+    given = settings.initial_positions
+    if not given:
+        return chain.midrange()
+    position = np.array(given)
+    if len(position) != chain.n:
+        allowed = f"a list of {chain.n} numbers, for {', '.join(chain.joint_names)}, or empty"
+        raise ParameterError("initial_positions", list(given), allowed)
+    for joint, value, low, high in zip(
+        chain.joint_names, given, chain.lower, chain.upper, strict=True
+    ):
+        if not low <= value <= high:
+            allowed = f"from {low:.6g} to {high:.6g} for joint '{joint}'"
+            raise ParameterError("initial_positions", value, allowed)
+    return position

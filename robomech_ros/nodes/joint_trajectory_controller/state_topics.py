@@ -1,0 +1,141 @@
+"""Topics controller_state, speed_scaling_input, and service query_state, as of ros2_control."""
+
+from collections.abc import Callable
+from typing import Any
+
+from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
+from control_msgs.srv import QueryTrajectoryState
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.desired_state import planned_state
+from robomech_ros.execution.joints import State
+from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+
+__all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
+
+_DEPTH = 10
+
+
+class ControllerState:
+    """Publishes where the joints are wanted and where they are, while somebody listens.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publisher.
+    robot : SimulatedRobot
+        What moves.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+        self._robot = robot
+        self._follower = robot.follower
+        self._message = JointTrajectoryControllerState(joint_names=robot.joint_names)
+        self._publisher = node.create_publisher(
+            JointTrajectoryControllerState, "~/controller_state", _DEPTH
+        )
+
+    def publish(self) -> None:
+        """Publish the present state; the robot's lock is to be held."""
+        if not self._publisher.get_subscription_count():
+            return
+        message, wanted, actual = self._message, self._follower.wanted, self._follower.actual
+        job = self._follower.active
+        time = duration_from_seconds(job.time if job is not None else 0.0)
+        message.speed_scaling_factor = self._follower.scale
+        stamp = message.header.stamp
+        stamp.sec, stamp.nanosec = self._robot.stamp()
+        message.reference = _point(wanted, time)
+        message.feedback = _point(actual, time)
+        error = State(
+            wanted.position - actual.position,
+            wanted.velocity - actual.velocity,
+            wanted.acceleration - actual.acceleration,
+        )
+        message.error = _point(error, time)
+        # What the simulated joints are told are positions.
+        message.output.positions = message.reference.positions
+        message.output.time_from_start = time
+        self._publisher.publish(message)
+
+
+class SpeedScaling:
+    """Lets clients say at which part of its speed trajectories are followed.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    robot : SimulatedRobot
+        What moves.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+        self._robot = robot
+        self._logger = node.get_logger()
+        node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
+
+    def _take(self, message: SpeedScalingFactor) -> None:
+        if not 0.0 <= message.factor <= 1.0:
+            text = f"speed scaling factor is {message.factor}, expected from 0 (pause) to 1"
+            self._logger.error(text)
+            return
+        with self._robot.lock:
+            self._robot.advance()
+            self._robot.follower.scale = message.factor
+
+
+class StateQuery:
+    """Answers where the joints are wanted at a time.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the service.
+    robot : SimulatedRobot
+        What moves.
+    clock : MotionClock
+        Its time.
+    running : callable
+        Says why the controller answers no more; empty while it does.
+    """
+
+    def __init__(
+        self, node: Node, robot: SimulatedRobot, clock: MotionClock, running: Callable[[], str]
+    ) -> None:
+        self._robot = robot
+        self._clock = clock
+        self._running = running
+        node.create_service(QueryTrajectoryState, "~/query_state", self._answer)
+
+    def _answer(self, request: Any, response: Any) -> Any:
+        response.name = self._robot.joint_names
+        response.message = self._running()
+        if response.message:
+            return response
+        try:
+            with self._robot.lock:
+                self._robot.advance()
+                ahead = self._clock.until(request.time, self._robot.follower.now)
+                state = planned_state(self._robot.follower, ahead)
+        except RobomechError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        response.position = floats(state.position)
+        response.velocity = floats(state.velocity)
+        response.acceleration = floats(state.acceleration)
+        return response
+
+
+def _point(state: State, time: Any) -> JointTrajectoryPoint:
+    return JointTrajectoryPoint(
+        positions=floats(state.position),
+        velocities=floats(state.velocity),
+        accelerations=floats(state.acceleration),
+        time_from_start=time,
+    )

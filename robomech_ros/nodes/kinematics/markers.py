@@ -1,0 +1,135 @@
+"""Markers of what the tip can do in a posture, and of the boundary of the workspace."""
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Point
+from numpy.typing import NDArray
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robomech_ros.kinetostatics import SingularityReport, Workspace
+from robomech_ros.nodes.common.conversions import pose_from_matrix
+
+__all__ = ["boundary_markers", "marker_array", "posture_markers"]
+
+Array = NDArray[np.float64]
+
+# Half axis of the longest direction of an ellipsoid, and length of an arrow (m).
+_LONGEST, _ARROW = 0.15, 0.25
+# Thickness that an ellipsoid has at least, of its longest axis: a flat one could not be seen.
+_FLAT = 0.01
+_WIDTH = 0.004
+_VELOCITY, _FORCE = (0.1, 0.5, 0.9, 0.45), (0.9, 0.5, 0.1, 0.45)
+_LOST_LINEAR, _LOST_ANGULAR = (0.9, 0.1, 0.1, 1.0), (0.8, 0.1, 0.8, 1.0)
+_OUTER, _VOID = (0.1, 0.1, 0.1, 0.8), (0.8, 0.1, 0.1, 0.8)
+# Half-planes in which the boundary is drawn, and vertices left out between those that are.
+_PLANES, _EVERY = 8, 8
+
+
+def posture_markers(
+    frame: str, position: Array, J: Array, report: SingularityReport
+) -> list[Marker]:
+    """Make the velocity and the force ellipsoid of a point, and arrows of its lost directions.
+
+    The half axes of the first are the singular values of the linear rows of the Jacobian, those
+    of the second their inverses; each is drawn with a longest half axis of 0.15 m.
+
+    Parameters
+    ----------
+    frame : str
+        Base of the chain.
+    position : ndarray, shape (3,)
+        Of the point (m).
+    J : ndarray, shape (6, n)
+        Its Jacobian in the axes of the base, angular rows first.
+    report : SingularityReport
+        Of the posture.
+    """
+    axes, values, _ = np.linalg.svd(J[3:])
+    values = np.concatenate((values, np.zeros(3 - len(values))))
+    largest = max(float(values[0]), 1e-300)
+    velocity = np.maximum(values / largest, _FLAT)
+    force = velocity[-1] / velocity
+    markers = [
+        _ellipsoid(frame, "velocity_ellipsoid", position, axes, velocity, _VELOCITY),
+        _ellipsoid(frame, "force_ellipsoid", position, axes, force, _FORCE),
+    ]
+    number = 0
+    for twist in report.lost_directions:
+        for part, colour in ((twist[3:], _LOST_LINEAR), (twist[:3], _LOST_ANGULAR)):
+            length = float(np.linalg.norm(part))
+            if length > 1e-3 * float(np.linalg.norm(twist)):
+                arrow = _marker(frame, "lost_directions", number, Marker.ARROW, colour)
+                arrow.points = [_point(position), _point(position + _ARROW * part / length)]
+                arrow.scale.x, arrow.scale.y, arrow.scale.z = 0.012, 0.024, 0.03
+                markers.append(arrow)
+                number += 1
+    return markers
+
+
+def boundary_markers(frame: str, space: Workspace) -> list[Marker]:
+    """Make line strips of the boundary, in eight half-planes about axis 1, or along the slide.
+
+    Of a planar arm it is in its plane, once.
+
+    Parameters
+    ----------
+    frame : str
+        Base of the chain.
+    space : Workspace
+    """
+    section = space.section
+    if section.flat:
+        values = np.zeros(1)
+    elif section.slides[0]:
+        values = np.linspace(section.lower[0], section.upper[0], _PLANES)
+    else:
+        span = section.upper[0] - section.lower[0]
+        ends = _PLANES - int(not section.round[0])
+        values = section.lower[0] + span * np.arange(_PLANES) / ends
+    markers: list[Marker] = []
+    for value in values:
+        for curve in space.curves:
+            if curve.role == "interior":
+                continue
+            colour = _OUTER if curve.role == "outer" else _VOID
+            strip = _marker(frame, "workspace", len(markers), Marker.LINE_STRIP, colour)
+            strip.scale.x = _WIDTH
+            points = space.swept(float(value), curve=curve)
+            kept = np.unique(np.append(np.arange(0, len(points), _EVERY), len(points) - 1))
+            strip.points = [_point(point) for point in points[kept]]
+            markers.append(strip)
+    return markers
+
+
+def marker_array(markers: list[Marker]) -> MarkerArray:
+    """Make one message of what replaces all that was shown before."""
+    clear = Marker(action=Marker.DELETEALL)
+    clear.header.frame_id = markers[0].header.frame_id if markers else ""
+    return MarkerArray(markers=[clear, *markers])
+
+
+def _ellipsoid(
+    frame: str, name: str, position: Array, axes: Array, half_axes: Array, colour: tuple[float, ...]
+) -> Marker:
+    marker = _marker(frame, name, 0, Marker.SPHERE, colour)
+    T = np.eye(4)
+    T[:3, :3] = axes if np.linalg.det(axes) > 0.0 else -axes
+    T[:3, 3] = position
+    marker.pose = pose_from_matrix(T)
+    scale = 2.0 * _LONGEST * half_axes
+    marker.scale.x, marker.scale.y, marker.scale.z = (float(value) for value in scale)
+    return marker
+
+
+def _marker(frame: str, name: str, number: int, kind: int, colour: tuple[float, ...]) -> Any:
+    marker = Marker(ns=name, id=number, type=kind, action=Marker.ADD)
+    marker.header.frame_id = frame
+    marker.pose.orientation.w = 1.0
+    marker.color.r, marker.color.g, marker.color.b, marker.color.a = colour
+    return marker
+
+
+def _point(values: Array) -> Point:
+    x, y, z = values.tolist()
+    return Point(x=x, y=y, z=z)

@@ -1,0 +1,1 @@
+"""What concerns processes: how nodes start, run, pause and end."""

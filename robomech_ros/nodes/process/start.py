@@ -1,0 +1,115 @@
+"""Starts a node of this package by name, and answers signals from the very first moment.
+
+A node's module takes a second to import, in which Python would answer a signal with a traceback.
+The executables of the nodes and ``robomech bringup`` start them through here; so this module must
+itself import next to nothing.
+"""
+
+import gc
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from typing import NoReturn
+
+__all__ = [
+    "EXIT_CANNOT_START",
+    "NODE_MODULES",
+    "STOP_SIGNALS",
+    "dynamics_node",
+    "joint_state_simulator_node",
+    "kinematics_node",
+    "leave_on_signals",
+    "main",
+    "servo_node",
+    "trajectory_planner_node",
+    "trajectory_publisher_node",
+]
+
+# Node name to module, in the order in which they are started.
+NODE_MODULES = {
+    "joint_trajectory_controller": "robomech_ros.nodes.joint_trajectory_controller.node",
+    "kinematics": "robomech_ros.nodes.kinematics.node",
+    "dynamics": "robomech_ros.nodes.dynamics.node",
+    "trajectory_planner": "robomech_ros.nodes.trajectory_planner.node",
+    "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher.node",
+    "servo": "robomech_ros.nodes.servo.node",
+}
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+EXIT_CANNOT_START = 2
+
+
+def main(args: Sequence[str] | None = None) -> NoReturn:
+    """Run the node named by the first argument, and end the process."""
+    argv = list(sys.argv[1:] if args is None else args)
+    _run(argv[0] if argv else "", argv)
+
+
+def kinematics_node() -> NoReturn:
+    """Run the node kinematics, and end the process."""
+    _run("kinematics", sys.argv)
+
+
+def dynamics_node() -> NoReturn:
+    """Run the node dynamics, and end the process."""
+    _run("dynamics", sys.argv)
+
+
+def trajectory_planner_node() -> NoReturn:
+    """Run the node trajectory_planner, and end the process."""
+    _run("trajectory_planner", sys.argv)
+
+
+def trajectory_publisher_node() -> NoReturn:
+    """Run the node trajectory_publisher, and end the process."""
+    _run("trajectory_publisher", sys.argv)
+
+
+def joint_state_simulator_node() -> NoReturn:
+    """Run the node joint_trajectory_controller, and end the process."""
+    _run("joint_trajectory_controller", sys.argv)
+
+
+def servo_node() -> NoReturn:
+    """Run the node servo, and end the process."""
+    _run("servo", sys.argv)
+
+
+def leave_on_signals() -> None:
+    """End this process with 0 on SIGINT and SIGTERM: it has nothing to stop as yet."""
+    for number in STOP_SIGNALS:
+        signal.signal(number, _leave)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+
+
+def _run(node: str, argv: Sequence[str]) -> NoReturn:
+    leave_on_signals()
+    if node not in NODE_MODULES:
+        names = ", ".join(NODE_MODULES)
+        print(f"unknown node {node!r}; available: {names}", file=sys.stderr)
+        raise SystemExit(EXIT_CANNOT_START)
+    # Hundreds of thousands of objects are made, and all stay: there is no garbage to look for.
+    gc.disable()
+    module = import_module(NODE_MODULES[node])
+    gc.enable()
+    code = int(module.main(argv))
+    for stream in (sys.stdout, sys.stderr):
+        # Who read it may have gone, or there is none.
+        with suppress(OSError, AttributeError):
+            stream.flush()
+    # All is done and said.  To take the interpreter and its libraries apart would take longer than
+    # the node's own end, and waits for threads of the middleware.
+    os._exit(code)
+
+
+def _leave(number: int, frame: object) -> None:
+    # An exception could end up in one of the many places that pass over whatever is raised.
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,238 @@
+"""Decoding of PlanJoint requests, and encoding of plans."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_interfaces.srv import PlanJoint
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.nodes.common.conversions import (
+    TrajectoryPoints,
+    duration_from_seconds,
+    floats,
+    joint_trajectory,
+    seconds_from_duration,
+)
+from robomech_ros.nodes.common.plan_sampling import check_duration, check_waypoints
+from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
+from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
+
+__all__ = [
+    "OFFERED",
+    "SHORTEST_PERIOD",
+    "encode_plan",
+    "encode_waypoints",
+    "plan_options",
+    "plan_points",
+    "profile_name",
+    "via_points",
+    "wanted_period",
+]
+
+# Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
+SHORTEST_PERIOD = 1e-4
+
+_NAMES = {
+    getattr(PlanJoint.Request, name): name
+    for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
+}
+# The profiles a request may ask for, with their numbers, in words.
+OFFERED = ", ".join(f"{name} ({number})" for number, name in _NAMES.items())
+# The profiles that pass a few points, and any number.
+_MOST_VIAS = {"poly345": MOST_VIAS, "poly4567": MOST_VIAS}
+_ANY_VIAS = [name for name in VIA_PROFILES if name not in _MOST_VIAS]
+# Those that find the instants at which points are passed themselves.
+_OWN_INSTANTS = ("ruckig", "time_optimal")
+_SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
+
+
+def profile_name(number: int) -> str:
+    """Give the name in `PROFILES` of a profile's number in a request.
+
+    Raises
+    ------
+    BadValueError
+        There is no such profile; those there are get listed.
+    """
+    name = _NAMES.get(number)
+    if name is None:
+        raise BadValueError("profile", number, f"one of {OFFERED}")
+    return name.lower()
+
+
+def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
+    """Read what a PlanJoint request wants as keywords of `through_points`.
+
+    Parameters
+    ----------
+    request : PlanJoint.Request
+        Its zeros stand for defaults.
+    max_duration : float
+        Longest trajectory (s).
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        An unknown profile, via points it does not take, a value out of range.
+    """
+    options: dict[str, Any] = {"profile": profile_name(request.profile)}
+    if request.via and options["profile"] not in VIA_PROFILES:
+        able = ", ".join(name.upper() for name in VIA_PROFILES)
+        expected = f"none for {_NAMES[request.profile]}; {able} take some"
+        raise BadValueError("via", f"{len(request.via)} points", expected)
+    if len(request.via) > _MOST_VIAS.get(options["profile"], len(request.via)):
+        able = ", ".join(_NAMES[k] for k in _NAMES if _NAMES[k].lower() in _ANY_VIAS)
+        expected = f"at most {MOST_VIAS} points for {_NAMES[request.profile]}; {able} take more"
+        raise BadValueError("via", f"{len(request.via)} points", expected)
+    options["duration"] = seconds_from_duration(request.duration, "duration") or None
+    check_duration(options["duration"] or 0.0, max_duration)
+    options["at"] = _instants(request, options["profile"], options["duration"])
+    return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
+
+
+def via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
+    """Read the points to pass on the way, shape (m, n).
+
+    Parameters
+    ----------
+    request : PlanJoint.Request
+    limits : Limits
+        Of n joints.
+    most : int
+        How many there may be.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError
+        More than ``most`` points, or one that has not a finite position for each joint.
+    BadValueError
+        A point states velocities, accelerations or efforts: they follow from the profile.
+    LimitExceededError
+        A point is outside the position limits.
+    """
+    check_waypoints("via", len(request.via), most)
+    n = len(limits.joint_names)
+    points = np.empty((len(request.via), n))
+    for k, point in enumerate(request.via):
+        for what in ("velocities", "accelerations", "effort"):
+            if getattr(point, what):
+                raise BadValueError(f"via[{k}].{what}", list(getattr(point, what)), "none")
+        if len(point.positions) != n:
+            raise WrongSizeError(f"via[{k}].positions", len(point.positions), n)
+        points[k] = point.positions
+        if not np.isfinite(points[k]).all():
+            raise NonFiniteError(f"via[{k}].positions", points[k])
+        limits.check_goal(points[k], f"via[{k}].positions")
+        _check_size(points[k], f"via[{k}].positions", limits)
+    return points
+
+
+def plan_points(
+    start: NDArray[np.float64],
+    via: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    limits: Limits,
+) -> NDArray[np.float64]:
+    """Put start (n,), via points (m, n) and goal (n,), rad or m, together.
+
+    Raises
+    ------
+    SeedOutsideLimitsError, LimitExceededError, BadValueError
+        Start or goal is outside the position limits, or beyond all sense.
+    """
+    points = np.concatenate([start[None], via, goal[None]])
+    lowest, highest = limits.ranges
+    if not ((points >= lowest) & (points <= highest)).all():
+        limits.check_start(start)
+        limits.check_goal(goal)
+        _check_size(start, "start", limits)
+        _check_size(goal, "goal", limits)
+    return points
+
+
+def _check_size(values: NDArray[np.float64], what: str, limits: Limits) -> None:
+    """Refuse positions (n,) of joints without limits with which nothing can be computed."""
+    k = int(np.argmax(np.abs(values)))
+    if abs(values[k]) > LARGEST_LENGTH:
+        name, expected = limits.joint_names[k], f"a magnitude of at most {LARGEST_LENGTH:g}"
+        raise BadValueError(f"{what} of joint '{name}'", float(values[k]), expected)
+
+
+def _instants(request: Any, profile: str, duration: float | None) -> list[float] | None:
+    """Read which part of the duration is over at each via point; None where none says."""
+    names = [f"via[{k}].time_from_start" for k in range(len(request.via))]
+    seconds = [
+        seconds_from_duration(point.time_from_start, name)
+        for point, name in zip(request.via, names, strict=True)
+    ]
+    if not any(seconds):
+        return None
+    first = next(k for k, instant in enumerate(seconds) if instant)
+    if profile in _OWN_INSTANTS:
+        expected = f"0: {profile.upper()} finds the instants itself"
+        raise BadValueError(names[first], seconds[first], expected)
+    if duration is None:
+        expected = "0, or a duration of the motion as well"
+        raise BadValueError(names[first], seconds[first], expected)
+    for name, before, instant in zip(names, [0.0, *seconds], seconds, strict=False):
+        if not before < instant < duration:
+            expected = f"more than {before:.9g} s and less than the duration, {duration:.9g} s"
+            raise BadValueError(name, instant, f"{expected}; or 0 at all via points")
+    return [instant / duration for instant in seconds]
+
+
+def wanted_period(request: Any) -> float:
+    """Read the largest time between two points (s) that a PlanJoint request wants; 0 = any.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        It is negative, too short, or no number.
+    """
+    seconds: float = request.sample_period
+    if not math.isfinite(seconds):
+        raise NonFiniteError("sample_period", seconds)
+    if seconds and seconds < SHORTEST_PERIOD:
+        expected = f"at least {SHORTEST_PERIOD:g} s, or 0 for the default"
+        raise BadValueError("sample_period", seconds, expected)
+    return seconds
+
+
+def encode_plan(
+    plan: SampledPlan,
+    limits: Limits,
+    options: dict[str, Any],
+    messages: TrajectoryPoints,
+    response: Any,
+) -> Any:
+    """Fill a PlanJoint response; ratios are relative to the limits of the joints, not scaled."""
+    points, peaks = plan.waypoints, plan.verification
+    response.trajectory = encode_waypoints(points, limits.joint_names, messages)
+    response.duration = duration_from_seconds(float(points.times[-1]))
+    velocity, acceleration, jerk = (options[name] for name in _SCALES)
+    response.peak_velocity_ratio = floats(peaks.peak_velocity_ratio * velocity)
+    response.peak_acceleration_ratio = floats(peaks.peak_acceleration_ratio * acceleration)
+    if np.isfinite(limits.jerk).any():
+        response.peak_jerk_ratio = floats(peaks.peak_jerk_ratio * jerk)
+    return response
+
+
+def encode_waypoints(
+    points: Waypoints, joint_names: Sequence[str], messages: TrajectoryPoints
+) -> JointTrajectory:
+    """Make the trajectory message of waypoints that have velocities and accelerations."""
+    assert points.velocities is not None
+    assert points.accelerations is not None
+    return joint_trajectory(
+        joint_names,
+        points.times,
+        points.positions,
+        points.velocities,
+        points.accelerations,
+        messages,
+    )

@@ -1,0 +1,78 @@
+"""The latched topic with the way that a plan lets the tip take."""
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from numpy.typing import NDArray
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+
+from robomech_ros.kinematics import tip_poses
+from robomech_ros.nodes.common.conversions import fill_pose
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.robots import SerialChain
+
+__all__ = ["PlannedPath"]
+
+# Pose messages that are kept from one path to the next, 2 kB each.
+_POSES_KEPT = 2000
+
+
+class PlannedPath:
+    """Publishes the path of the tip in the base link, for one plan after the other.
+
+    To make and send a path takes longer than to plan: before anybody listens it is not done, and
+    who listens first gets the latest.  From then on every path is published, so that who comes
+    later finds no path of an earlier plan.  Pose messages are used again: to make one takes longer
+    than to fill it, and a message that is published has been copied.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the topic ``planned_path`` under its own name.
+    chain : SerialChain
+        n joints.
+    """
+
+    def __init__(self, node: Node, chain: SerialChain) -> None:
+        self._chain = chain
+        self._poses: list[PoseStamped] = []
+        self._unsent: NDArray[np.float64] | None = None
+        self._heard = False
+        self._publisher = node.create_publisher(
+            Path,
+            "~/planned_path",
+            LATCHED,
+            event_callbacks=PublisherEventCallbacks(matched=self._matched),
+        )
+
+    def show(self, positions: NDArray[np.float64]) -> None:
+        """Publish the path of the latest plan, joint values (rad or m) of shape (m, n)."""
+        self._unsent = positions
+        self._send_if_heard(self._publisher.get_subscription_count())
+
+    def _matched(self, matched: Any) -> None:
+        self._send_if_heard(matched.current_count)
+
+    def _send_if_heard(self, listeners: int) -> None:
+        """Publish the latest path, if that is not done, once somebody has listened."""
+        self._heard = self._heard or listeners > 0
+        if self._heard and self._unsent is not None:
+            self._publisher.publish(self._along(self._unsent))
+            self._unsent = None
+
+    def _along(self, positions: NDArray[np.float64]) -> Path:
+        """Make the path of m poses, of stamp 0; it holds until the next one is made."""
+        transforms = tip_poses(self._chain, positions)
+        new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
+        for message in new:
+            message.header.frame_id = self._chain.base
+        poses = self._poses[: len(transforms)] + new
+        for message, T in zip(poses, transforms, strict=True):
+            fill_pose(message.pose, T)
+        self._poses += new[: max(0, _POSES_KEPT - len(self._poses))]
+        path = Path(poses=poses)
+        path.header.frame_id = self._chain.base
+        return path

@@ -1,0 +1,108 @@
+"""The way to the controller by topic and by action, and to the state of the robot."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.execution.client.comparison import STILL
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
+from robomech_ros.nodes.trajectory_publisher.trajectory_message import trajectory_message
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["ControllerLink"]
+
+_DEPTH = 10
+
+
+class ControllerLink:
+    """Sends trajectories to one controller.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of publisher, client and subscription.
+    controller : str
+        Name of the controller.
+    clock : MotionClock
+        The time of deliveries.
+    action : ActionLink
+        The way by action.
+    """
+
+    def __init__(self, node: Node, controller: str, clock: MotionClock, action: ActionLink) -> None:
+        self._action = action
+        self._monitor = JointStateMonitor(node)
+        self._publisher = node.create_publisher(
+            JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
+        )
+        self._continuous: frozenset[str] | None = None
+        self._acceleration: dict[str, float] = {}
+        self._clock = clock
+
+    def know_robot(self, continuous: Sequence[str], acceleration: Mapping[str, float]) -> None:
+        """Take note of the joints that turn without limits, and of acceleration limits by joint."""
+        self._continuous = frozenset(continuous)
+        self._acceleration = dict(acceleration)
+
+    def missing(self, transport: Transport) -> str:
+        """Say what is not there to send by; empty if all is."""
+        if transport.answers:
+            return "" if self._action.ready else f"action '{self._action.name}'"
+        there = self._publisher.get_subscription_count() > 0
+        return "" if there else f"subscriber of '{self._publisher.topic_name}'"
+
+    def positions(self, names: Sequence[str]) -> NDArray[np.float64] | None:
+        """Give the present positions, rad or m; None if not known."""
+        return self._monitor.positions(names)
+
+    def heard(self, names: Sequence[str]) -> int:
+        """Give a number that has grown when all these joints were heard of anew."""
+        return self._monitor.heard(names)
+
+    def continuous(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Say which joints turn without limits; all may as long as the robot is not known.
+
+        The controller has the last word on a start that is a whole turn away.
+        """
+        known = self._continuous
+        return np.array([known is None or name in known for name in names])
+
+    def acceleration(self, names: Sequence[str]) -> FloatArray | None:
+        """Give the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""
+        if not all(name in self._acceleration for name in names):
+            return None
+        return np.array([self._acceleration[name] for name in names])
+
+    def send(self, delivery: Delivery) -> None:
+        """Send by the transport of the delivery."""
+        message = trajectory_message(delivery, self._clock.stamp(delivery.sent_at))
+        if delivery.transport is Transport.TOPIC:
+            self._publisher.publish(message)
+            return
+        start = self.positions(delivery.names)
+        self._action.send(delivery, message, lambda: self._left(start, delivery.names))
+
+    def runs_before(self, delivery: Delivery) -> bool:
+        """Say whether the controller still executes a goal before the last one."""
+        return self._action.runs
+
+    def cancel(self, delivery: Delivery) -> None:
+        """Ask the controller to give up all that was sent, also what it has not accepted yet."""
+        self._action.cancel()
+
+    def _left(self, start: FloatArray | None, names: Sequence[str]) -> bool:
+        """Whether the robot is elsewhere than at a start, rad or m."""
+        place = self.positions(names)
+        if start is None or place is None:
+            return False
+        return bool(np.max(np.abs(place - start)) > STILL)
+
+    def destroy(self) -> None:
+        """Give up the action client; once is enough."""
+        self._action.destroy()

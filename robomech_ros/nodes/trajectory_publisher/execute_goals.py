@@ -1,0 +1,32 @@
+"""Goals of the action execute_trajectory of robomech_interfaces."""
+
+from typing import Any
+
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_interfaces.action import ExecuteTrajectory
+from robomech_ros.nodes.common.conversions import duration_from_seconds
+from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+
+__all__ = ["ExecuteGoals"]
+
+
+class ExecuteGoals:
+    """Puts goals of ExecuteTrajectory; see `GoalDialect`."""
+
+    kind = ExecuteTrajectory
+    name = "execute_trajectory"
+
+    def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
+        """Make a goal, which names a tolerance for every joint or for none."""
+        count = len(trajectory.joint_names)
+        return ExecuteTrajectory.Goal(
+            trajectory=trajectory,
+            path_position_tolerance=[tolerances.path] * count if tolerances.path else [],
+            goal_position_tolerance=[tolerances.goal] * count if tolerances.goal else [],
+            goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
+        )
+
+    def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
+        """Give code and text, which the result has."""
+        return int(result.error_code), str(result.error_msg)

@@ -1,0 +1,71 @@
+"""Goals of the action follow_joint_trajectory of control_msgs, which ros2_control serves."""
+
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from control_msgs.action import FollowJointTrajectory
+from control_msgs.msg import JointTolerance
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_ros.nodes.common.conversions import duration_from_seconds
+from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+
+__all__ = ["FollowGoals"]
+
+_RESULT = FollowJointTrajectory.Result
+_CODES: dict[int, int] = {
+    _RESULT.SUCCESSFUL: ErrorCode.REJECTED,
+    _RESULT.INVALID_GOAL: ErrorCode.REJECTED,
+    _RESULT.INVALID_JOINTS: ErrorCode.UNKNOWN_JOINT,
+    _RESULT.OLD_HEADER_TIMESTAMP: ErrorCode.REJECTED,
+    _RESULT.PATH_TOLERANCE_VIOLATED: ErrorCode.PATH_TOLERANCE,
+    _RESULT.GOAL_TOLERANCE_VIOLATED: ErrorCode.GOAL_TOLERANCE,
+}
+# Codes that, once a motion has begun, say that something else has ended it.
+_STOPPED = (_RESULT.SUCCESSFUL, _RESULT.INVALID_GOAL)
+_NAMES = {
+    getattr(_RESULT, name): name
+    for name in dir(_RESULT)
+    if name.isupper() and isinstance(getattr(_RESULT, name), int)
+}
+# What joint_trajectory_controller says when there is nothing to say.
+_NOTHING = "Goal successfully reached!"
+
+
+class FollowGoals:
+    """Puts goals of FollowJointTrajectory; see `GoalDialect`."""
+
+    kind = FollowJointTrajectory
+    name = "follow_joint_trajectory"
+
+    def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
+        """Make a goal, which names the joints whose tolerances are not the controller's."""
+        names = trajectory.joint_names
+        return FollowJointTrajectory.Goal(
+            trajectory=trajectory,
+            path_tolerance=_for_each(tolerances.path, names),
+            goal_tolerance=_for_each(tolerances.goal, names),
+            goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
+        )
+
+    def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
+        """Translate a result.
+
+        The same code, INVALID_GOAL, says that a goal is refused and that its motion was ended by
+        another goal or by the controller's end: whether the robot has moved tells which.
+        """
+        given, text = int(result.error_code), str(result.error_string)
+        if status == GoalStatus.STATUS_SUCCEEDED and given == _RESULT.SUCCESSFUL:
+            return ErrorCode.NONE, "" if text == _NOTHING else text
+        name = _NAMES.get(given, f"error code {given}")
+        if status == GoalStatus.STATUS_CANCELED:
+            return ErrorCode.PREEMPTED, text or "the goal was cancelled"
+        code = _CODES.get(given, ErrorCode.REJECTED)
+        if began and given in _STOPPED:
+            code = ErrorCode.PREEMPTED
+        return code, f"{name}: {text}" if text else f"{name}, without a reason"
+
+
+def _for_each(value: float, names: list[str]) -> list[JointTolerance]:
+    return [JointTolerance(name=name, position=value) for name in names] if value else []

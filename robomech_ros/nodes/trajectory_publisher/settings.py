@@ -1,0 +1,168 @@
+"""Parameters of the trajectory publisher."""
+
+from dataclasses import dataclass
+
+from robomech_ros.execution.client.delivery import Transport
+from robomech_ros.execution.client.dispatch_settings import DispatcherSettings
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances, GoalDialect
+from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
+
+__all__ = [
+    "PublisherSettings",
+    "answering_transport",
+    "asked_tolerances",
+    "dispatcher_settings",
+    "goal_dialect",
+]
+
+
+@dataclass(frozen=True)
+class PublisherSettings(RobotSettings):
+    """Parameters of the node."""
+
+    controller: str = parameter(
+        "joint_trajectory_controller",
+        "Name of the controller, before /joint_trajectory, /execute_trajectory and "
+        "/follow_joint_trajectory",
+    )
+    planner_topic: str = parameter(
+        "trajectory_planner/planned_trajectory",
+        "Latched topic of the planner, taken beside planned_trajectory. Empty = none",
+    )
+    auto_execute: bool = parameter(
+        True,
+        "Whether every newly planned trajectory is executed; else only what ~/execute asks for",
+        read_only=False,
+    )
+    program: str = parameter(
+        "",
+        "Path of a YAML file with the program that ~/run_program runs. Empty = none",
+        read_only=False,
+    )
+    transport: str = parameter(
+        Transport.TOPIC.value,
+        "How planned trajectories get to the controller; action = execute_trajectory, which "
+        "~/execute and programs use in any case, unless follow_joint_trajectory is wanted: that "
+        "of control_msgs, which any ros2_control controller serves",
+        choices=tuple(transport.value for transport in Transport),
+    )
+    controller_path_tolerance: float = parameter(
+        0.0,
+        "How far from its path the controller is asked to let a joint be, rad or m; 0 = as it is "
+        "set itself, -1 = any distance. This and the next two hold where an action is used",
+        -1.0,
+        10.0,
+    )
+    controller_goal_tolerance: float = parameter(
+        0.0,
+        "How far from the last point the controller is asked to let a joint be at the end, rad or "
+        "m; 0 = as it is set itself, -1 = any distance",
+        -1.0,
+        10.0,
+    )
+    controller_goal_time: float = parameter(
+        0.0,
+        "How long after its end the controller is asked to let a trajectory reach its goal; 0 = as "
+        "it is set itself",
+        0.0,
+        3600.0,
+        "s",
+    )
+    queue_size: int = parameter(
+        50, "How many trajectories may wait for the present one to end", 1, 10_000, "trajectories"
+    )
+    start_tolerance: float = parameter(
+        0.01,
+        "How far the start of a trajectory may be from the present position, rad or m",
+        0.0,
+        10.0,
+    )
+    goal_tolerance: float = parameter(
+        0.01, "How far from the last point the robot has still arrived, rad or m", 1e-9, 10.0
+    )
+    controller_timeout: float = parameter(
+        3.0,
+        "How long the controller may be away before those who wait for an answer get it",
+        0.1,
+        3600.0,
+        "s",
+    )
+    arrival_timeout: float = parameter(
+        2.0, "How long after its end a motion may take to arrive", 0.1, 3600.0, "s"
+    )
+    standstill_timeout: float = parameter(
+        1.0,
+        "How long the robot may stand away from the goal while a trajectory sent by topic should "
+        "move it; then it counts as stopped",
+        0.1,
+        3600.0,
+        "s",
+    )
+    watch_rate: float = parameter(
+        20.0, "How often the joint states are looked at while something moves", 1.0, 1000.0, "Hz"
+    )
+    max_points: int = parameter(
+        10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
+    )
+    max_duration: float = parameter(
+        3600.0, "Longest trajectory; longer ones are refused", 0.001, 1e6, "s"
+    )
+
+
+def answering_transport(settings: PublisherSettings) -> Transport:
+    """Give the transport by which the controller says how a motion ended."""
+    wanted = Transport(settings.transport)
+    return wanted if wanted.answers else Transport.ACTION
+
+
+def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
+    """Pick what goals ask of the controller.
+
+    Raises
+    ------
+    ParameterError
+        A tolerance between -1 and 0, which means nothing.
+    """
+    asked = AskedTolerances(
+        path=settings.controller_path_tolerance,
+        goal=settings.controller_goal_tolerance,
+        goal_time=settings.controller_goal_time,
+    )
+    for what, value in (("path", asked.path), ("goal", asked.goal)):
+        if -1.0 < value < 0.0:
+            allowed = "-1 (any distance), 0 (as the controller is set), or a number up to 10"
+            raise ParameterError(f"controller_{what}_tolerance", value, allowed)
+    return asked
+
+
+def goal_dialect(transport: Transport) -> GoalDialect:
+    """Give the action of a transport.
+
+    Raises
+    ------
+    ParameterError
+        It is of a package that is not installed.
+    """
+    if transport is not Transport.FOLLOW:
+        return ExecuteGoals()
+    try:
+        from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+    except ImportError as error:
+        allowed = f"'topic' or 'action', since control_msgs cannot be used ({error})"
+        raise ParameterError("transport", transport.value, allowed) from None
+    return FollowGoals()
+
+
+def dispatcher_settings(settings: PublisherSettings) -> DispatcherSettings:
+    """Pick what the dispatcher needs."""
+    return DispatcherSettings(
+        capacity=settings.queue_size,
+        start_tolerance=settings.start_tolerance,
+        goal_tolerance=settings.goal_tolerance,
+        controller_timeout=settings.controller_timeout,
+        arrival_timeout=settings.arrival_timeout,
+        standstill_timeout=settings.standstill_timeout,
+        max_duration=settings.max_duration,
+    )

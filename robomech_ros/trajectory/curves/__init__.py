@@ -1,0 +1,1 @@
+"""Curves as piecewise polynomials: splines, bounds, samples, scaling in time."""

@@ -1,0 +1,56 @@
+"""Piecewise polynomials as they come from a caller, checked."""
+
+import numpy as np
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+
+__all__ = ["checked_pieces"]
+
+
+def checked_pieces(
+    pieces: PiecewisePolynomial, what: str, largest_order: int
+) -> PiecewisePolynomial:
+    """Check the numbers of a curve, and give it with plain arrays.
+
+    Parameters
+    ----------
+    pieces : PiecewisePolynomial
+    what : str
+        Its name in messages.
+    largest_order : int
+        Of its polynomials.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Shapes that do not fit, a higher order, numbers that are not finite, breaks that do not
+        increase, or positions too large.
+    """
+    breaks = real_array(f"breaks of the {what}", pieces.breaks)
+    coefficients = real_array(f"coefficients of the {what}", pieces.coefficients)
+    if breaks.ndim != 1 or not len(breaks):
+        raise WrongSizeError(f"breaks of the {what}", breaks.shape, "(s + 1,)")
+    wanted = max(len(breaks) - 1, 1)
+    shape = coefficients.shape
+    if len(shape) != 3 or shape[1] != wanted or not shape[2] or not shape[0]:
+        raise WrongSizeError(f"coefficients of the {what}", shape, f"(order + 1, {wanted}, n)")
+    if shape[0] > largest_order + 1:
+        raise BadValueError(f"order of the {what}", shape[0] - 1, f"at most {largest_order}")
+    for name, values in (("breaks", breaks), ("coefficients", coefficients)):
+        if not np.isfinite(values).all():
+            raise NonFiniteError(f"{name} of the {what}", values)
+    if not (np.diff(breaks) > 0.0).all():
+        k = int(np.argmin(np.diff(breaks)))
+        expected = f"more than the one before, {float(breaks[k])!r}"
+        raise BadValueError(f"breaks of the {what}[{k + 1}]", float(breaks[k + 1]), expected)
+    curve = PiecewisePolynomial(breaks, coefficients)
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = float(np.abs(hull(curve, 0)).max())
+    if not largest <= tolerances.LARGEST_LENGTH:
+        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
+        raise BadValueError(f"largest position on the {what}", largest, expected)
+    return curve

@@ -1,0 +1,157 @@
+"""Cubic splines by the second derivatives at their knots.
+
+References
+----------
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.6; for ends at rest
+with two more knots L. Biagiotti and C. Melchiorri, *Trajectory Planning for Automatic Machines
+and Robots*, Springer 2008, section 4.4.4.
+"""
+
+from typing import Literal
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CubicEnds", "cubic_spline"]
+
+CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
+
+
+def cubic_spline(
+    x: FloatArray, s: FloatArray, ends: CubicEnds, slopes: FloatArray | None = None
+) -> PiecewisePolynomial:
+    """Interpolate with continuous second derivatives.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Knots, strictly increasing, m >= 2; m >= 3 for parabolic and periodic ends.
+    s : ndarray, shape (m, n)
+        Values there; for periodic ends the last are the first.
+    ends : str
+        ``"natural"``: no second derivative; ``"clamped"``: the given slopes; ``"parabolic"``:
+        a constant second derivative in the outermost segments; ``"rest"``: no first and second
+        derivative, for which the outermost segments are divided into halves; ``"periodic"``:
+        value, slope and second derivative are the same at both.
+    slopes : ndarray, shape (2, n), optional
+        First derivatives at clamped ends.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        Of order 3.
+    """
+    if ends == "periodic":
+        return _periodic(x, s)
+    if ends == "rest" and len(x) == 2:
+        # One segment has no room for two ends at rest: through the middle, at half of the time.
+        x, s = np.insert(x, 1, x.mean()), np.insert(s, 1, s.mean(axis=0), axis=0)
+    rates = np.zeros((2, s.shape[1])) if slopes is None else slopes
+    lower, diagonal, upper, right = _interior(x, s)
+    _end_rows(ends, x[1] - x[0], s, rates[0], (lower, diagonal, upper, right))
+    # The back is the front of the mirrored spline.
+    mirrored = upper[::-1], diagonal[::-1], lower[::-1], right[::-1]
+    _end_rows(ends, x[-1] - x[-2], s[::-1], -rates[1], mirrored)
+    second = _solved(lower, diagonal, upper, right)
+    if ends == "rest":
+        x, s, second = _with_knot_from_rest(x, s, second)
+        turned = _with_knot_from_rest(-x[::-1], s[::-1], second[::-1])
+        x, s, second = -turned[0][::-1], turned[1][::-1], turned[2][::-1]
+    return _pieces(x, s, second)
+
+
+def _periodic(x: FloatArray, s: FloatArray) -> PiecewisePolynomial:
+    spans = np.diff(x)
+    slope = np.diff(s, axis=0) / spans[:, None]
+    before = np.roll(spans, 1)
+    diagonal = 2.0 * (before + spans)
+    right = 6.0 * (slope - np.roll(slope, 1, axis=0))
+    count, corner = len(spans), spans[-1]
+    if count == 2:
+        matrix = np.array([[diagonal[0], before.sum()], [before.sum(), diagonal[1]]])
+        second = np.linalg.solve(matrix, right)
+    else:
+        # Cyclic: a tridiagonal matrix and a product of two vectors (Sherman and Morrison).
+        gamma = -diagonal[0]
+        diagonal[0] -= gamma
+        diagonal[-1] -= corner**2 / gamma
+        vector = np.zeros((count, 1))
+        vector[0], vector[-1] = gamma, corner
+        both = np.concatenate([right, vector], axis=1)
+        solved = _solved(spans[:-1].copy(), diagonal, spans[:-1].copy(), both)
+        y, z = solved[:, :-1], solved[:, -1:]
+        factor = (y[0] + corner / gamma * y[-1]) / (1.0 + z[0] + corner / gamma * z[-1])
+        second = y - z * factor
+    return _pieces(x, s, np.concatenate([second, second[:1]]))
+
+
+def _solved(
+    lower: FloatArray, diagonal: FloatArray, upper: FloatArray, right: FloatArray
+) -> FloatArray:
+    """Solve tridiagonal equations for all columns of the right side."""
+    from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
+
+    return np.asarray(dgtsv(lower, diagonal, upper, right)[3])
+
+
+def _interior(x: FloatArray, s: FloatArray) -> tuple[FloatArray, ...]:
+    """Lay out A s'' = 6 C s, the continuity of the slope at inner knots, with rows for ends."""
+    spans = np.diff(x)
+    right = np.zeros_like(s)
+    right[1:-1] = 6.0 * np.diff(np.diff(s, axis=0) / spans[:, None], axis=0)
+    diagonal = np.ones(len(x))
+    diagonal[1:-1] = 2.0 * (spans[:-1] + spans[1:])
+    return spans.copy(), diagonal, spans.copy(), right
+
+
+def _end_rows(
+    end: CubicEnds,
+    span: float,
+    s: FloatArray,
+    slope: FloatArray,
+    rows: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Fill the equation of the first knot; of an end at rest that of the second, too."""
+    lower, diagonal, upper, right = rows
+    if end == "natural":
+        diagonal[0], upper[0], right[0] = 1.0, 0.0, 0.0
+    elif end == "parabolic":
+        diagonal[0], upper[0], right[0] = 1.0, -1.0, 0.0
+    elif end == "clamped":
+        diagonal[0], upper[0] = 2.0 * span, span
+        right[0] = 6.0 * ((s[1] - s[0]) / span - slope)
+    else:
+        # In place of the second derivative at the end, which is zero, that at the middle of the
+        # segment is unknown; it makes up for the way, and the slope at the second knot is half of
+        # the span times it and a quarter of the span times the second derivative there.
+        diagonal[0], upper[0] = 6.0, 1.0
+        right[0] = 24.0 * (s[1] - s[0]) / span**2
+        lower[0] = 3.0 * span
+        diagonal[1] -= 0.5 * span
+        right[1] += 6.0 * (s[1] - s[0]) / span
+
+
+def _with_knot_from_rest(
+    x: FloatArray, s: FloatArray, second: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Insert the knot in the middle of the first segment, whose second derivative is given."""
+    span, middle = x[1] - x[0], second[:1]
+    knot = s[:1] + middle * span**2 / 24.0
+    return (
+        np.concatenate([x[:1], x[:1] + 0.5 * span, x[1:]]),
+        np.concatenate([s[:1], knot, s[1:]]),
+        np.concatenate([np.zeros_like(middle), middle, second[1:]]),
+    )
+
+
+def _pieces(x: FloatArray, s: FloatArray, second: FloatArray) -> PiecewisePolynomial:
+    """Write A, B, C and D of every segment, the coefficients of its powers."""
+    spans = np.diff(x)[:, None]
+    coefficients = np.empty((4, len(spans), s.shape[1]))
+    coefficients[0] = s[:-1]
+    coefficients[1] = np.diff(s, axis=0) / spans - spans / 6.0 * (second[1:] + 2.0 * second[:-1])
+    coefficients[2] = 0.5 * second[:-1]
+    coefficients[3] = np.diff(second, axis=0) / (6.0 * spans)
+    return PiecewisePolynomial(x, coefficients)

@@ -1,0 +1,163 @@
+"""Curves through waypoints, by the rule of ros2_control's joint_trajectory_controller.
+
+A segment between two waypoints is quintic where both have velocities and accelerations, cubic
+where both have velocities, and linear otherwise.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["interpolant"]
+
+Selection = npt.NDArray[np.bool_] | slice
+
+
+def interpolant(
+    times: npt.ArrayLike,
+    positions: npt.ArrayLike,
+    velocities: npt.ArrayLike | None = None,
+    accelerations: npt.ArrayLike | None = None,
+) -> PiecewisePolynomial:
+    """Interpolate waypoints: linear, cubic or quintic by the data that is there.
+
+    Parameters
+    ----------
+    times : array_like, shape (m,)
+        Instants of the waypoints in s, strictly increasing, m >= 1.
+    positions : array_like, shape (m, n)
+        Joint values, rad or m.
+    velocities : array_like, shape (m, n), optional
+        rad/s or m/s.  A row of NaN says that this waypoint has none.
+    accelerations : array_like, shape (m, n), optional
+        rad/s^2 or m/s^2, with a row of NaN likewise.  They count only where both ends of a
+        segment have velocities as well.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        With ``.sample(t)``; before the first and after the last waypoint the joints rest.  One
+        waypoint alone gives joints that stand still.
+
+    Raises
+    ------
+    WrongSizeError
+        If the shapes do not go together.
+    NonFiniteError
+        If a number is NaN or infinite (other than in a row that is NaN altogether).
+    BadValueError
+        If the times do not increase strictly.
+    """
+    breaks = _times(times)
+    places = _rows("positions", positions, len(breaks), None, may_lack=False)
+    joints = places.shape[1]
+    if len(breaks) == 1:
+        return PiecewisePolynomial(breaks, places[None])
+    rates = _rows("velocities", velocities, len(breaks), joints, may_lack=True)
+    changes = _rows("accelerations", accelerations, len(breaks), joints, may_lack=True)
+    spans = (breaks[1:] - breaks[:-1])[:, None]
+    rise = places[1:] - places[:-1]
+    cubic = _given_at_both_ends(rates)
+    quintic = cubic & _given_at_both_ends(changes)
+    order = 5 if quintic.any() else 3 if cubic.any() else 1
+    coefficients = np.zeros((order + 1, len(spans), joints))
+    coefficients[0] = places[:-1]
+    if not cubic.all():
+        coefficients[1, ~cubic] = rise[~cubic] / spans[~cubic]
+    if not (quintic | ~cubic).all():
+        _fill_cubic(coefficients, _selection(cubic & ~quintic), rise, spans, rates)
+    if quintic.any():
+        _fill_quintic(coefficients, _selection(quintic), rise, spans, rates, changes)
+    return PiecewisePolynomial(breaks, coefficients)
+
+
+def _times(times: npt.ArrayLike) -> FloatArray:
+    breaks = real_array("times", times).copy()
+    if breaks.ndim != 1 or not len(breaks):
+        raise WrongSizeError("times", breaks.shape, "(m,) with at least one instant")
+    if not np.isfinite(breaks).all():
+        raise NonFiniteError("times", breaks)
+    later = breaks[1:] > breaks[:-1]
+    if not later.all():
+        k = int(later.argmin()) + 1
+        earlier = f"more than {breaks[k - 1]:.9g} s, the time of the waypoint before it"
+        raise BadValueError(f"time of waypoint {k}", float(breaks[k]), earlier)
+    return breaks
+
+
+def _rows(
+    what: str, values: npt.ArrayLike | None, count: int, joints: int | None, *, may_lack: bool
+) -> FloatArray:
+    """Check rows of joint values; rows of NaN altogether (or no rows) may stand for none."""
+    if values is None:
+        return np.full((count, joints or 0), math.nan)
+    rows = real_array(what, values).copy()
+    if rows.ndim != 2 or len(rows) != count or (joints is not None and rows.shape[1] != joints):
+        raise WrongSizeError(what, rows.shape, (count, "n" if joints is None else joints))
+    finite = np.isfinite(rows)
+    if finite.all():
+        return rows
+    acceptable = finite.all(axis=1)
+    if may_lack:
+        acceptable |= np.isnan(rows).all(axis=1)
+    if not acceptable.all():
+        row = int(np.flatnonzero(~acceptable)[0])
+        raise NonFiniteError(f"{what} of waypoint {row}", rows[row])
+    return rows
+
+
+def _given_at_both_ends(rows: FloatArray) -> npt.NDArray[np.bool_]:
+    if not rows.shape[1]:
+        return np.zeros(len(rows) - 1, dtype=np.bool_)
+    given = ~np.isnan(rows[:, 0])  # a row that lacks one number lacks all
+    both: npt.NDArray[np.bool_] = given[:-1] & given[1:]
+    return both
+
+
+def _selection(rows: npt.NDArray[np.bool_]) -> Selection:
+    """Index that picks the rows, without a copy where it picks all."""
+    return slice(None) if rows.all() else rows
+
+
+def _fill_cubic(
+    coefficients: FloatArray,
+    where: Selection,
+    rise: FloatArray,
+    spans: FloatArray,
+    rates: FloatArray,
+) -> None:
+    h, d = spans[where], rise[where]
+    v0, v1 = rates[:-1][where], rates[1:][where]
+    coefficients[1, where] = v0
+    coefficients[2, where] = (3.0 * d / h - 2.0 * v0 - v1) / h
+    coefficients[3, where] = (v0 + v1 - 2.0 * d / h) / h**2
+
+
+def _fill_quintic(
+    coefficients: FloatArray,
+    where: Selection,
+    rise: FloatArray,
+    spans: FloatArray,
+    rates: FloatArray,
+    changes: FloatArray,
+) -> None:
+    h = spans[where]
+    v0, v1 = rates[:-1][where], rates[1:][where]
+    a0, a1 = changes[:-1][where], changes[1:][where]
+    # What the parabola through the first end leaves over at the second one, per power of h.
+    square, half = h * h, a0 / 2.0
+    position = rise[where] / (square * h) - (v0 / h + half) / h
+    velocity = (v1 - v0 - a0 * h) / square
+    acceleration = (a1 - a0) / h
+    coefficients[1, where] = v0
+    coefficients[2, where] = half
+    half = acceleration / 2.0
+    coefficients[3, where] = 10.0 * position - 4.0 * velocity + half
+    coefficients[4, where] = (-15.0 * position + 7.0 * velocity - acceleration) / h
+    coefficients[5, where] = (6.0 * position - 3.0 * velocity + half) / square

@@ -1,0 +1,201 @@
+"""When a curve through points passes each of them.
+
+References
+----------
+E. T. Y. Lee, "Choosing nodes in parametric curve interpolation", Computer-Aided Design 21, 1989
+(chord length, centripetal); C.-S. Lin, P.-R. Chang and J. Y. S. Luh, "Formulation and
+optimization of cubic polynomial joint trajectories for industrial robots", IEEE Transactions on
+Automatic Control 28, 1983 (optimal times).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, real_array
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.time_scaling import stretch_needed
+from robomech_ros.trajectory.limits import RATES, Limits
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["SPACINGS", "balanced_knots", "knots_at", "optimal_knots", "spaced_knots"]
+
+# Power of the distance between two points that their distance in time is proportional to.
+_POWERS = {"uniform": 0.0, "centripetal": 0.5, "chord": 1.0}
+SPACINGS = (*_POWERS, "balanced", "optimal")
+# Shortest segment, in parts of the mean one.
+_SHORTEST = 1e-3
+_ITERATIONS = 60
+# How often the spans are balanced, by which power of what they use of the limits, and at least.
+_BALANCED, _BALANCE, _LEAST_USED = 40, 0.6, 0.05
+
+Through = Callable[[FloatArray], PiecewisePolynomial]
+
+
+def spaced_knots(points: FloatArray, spacing: str, scale: FloatArray | float = 1.0) -> FloatArray:
+    """Space knots by the distances between points.
+
+    Parameters
+    ----------
+    points : ndarray, shape (m, n)
+        Joint values, rad or m.
+    spacing : str
+        ``"uniform"``, ``"chord"`` (proportional to the distance) or ``"centripetal"`` (to its
+        root).
+    scale : ndarray, shape (n,), or float
+        What makes joints comparable: distances are measured in it.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        From 0 to 1, strictly increasing; points that coincide are kept apart a little.
+
+    Raises
+    ------
+    BadValueError
+        If there is no such spacing.
+    """
+    power = _POWERS[as_choice("spacing", spacing, tuple(_POWERS))]
+    distances = np.linalg.norm(np.diff(points, axis=0) / scale, axis=1)
+    spans = distances**power
+    spans = np.maximum(spans, _SHORTEST * (spans.mean() or 1.0))
+    knots: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    return knots
+
+
+def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
+    """Check which part of the duration is over at each via point; put the ends to them.
+
+    Parameters
+    ----------
+    at : array_like, shape (count - 2,)
+        Increasing numbers between 0 and 1.
+    count : int
+        Number of points.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        From 0 to 1.
+
+    Raises
+    ------
+    WrongSizeError, BadValueError
+        If they are none.
+    """
+    parts = real_array("at", at)
+    if parts.shape != (count - 2,):
+        raise WrongSizeError("at", parts.shape, (count - 2,))
+    knots = np.concatenate([[0.0], parts, [1.0]])
+    if not (np.diff(knots) > 0.0).all():
+        raise BadValueError("at", parts.tolist(), "increasing numbers between 0 and 1")
+    return knots
+
+
+def balanced_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+    """Shorten again and again the segments that are far from the limits, against the others.
+
+    The effort is proportional to the number of points: for those too many for `optimal_knots`,
+    whose duration it comes near to.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (m,)
+        Where to start from, strictly increasing.
+    through : callable
+        Gives the cubic curve for knots.
+    limits : Limits
+        Those that are finite count.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        The best knots that were met, never worse than those given.
+    """
+    spans, shortest, best = np.diff(knots), np.inf, knots
+    for _ in range(_BALANCED):
+        tried = np.concatenate([[0.0], np.cumsum(spans)])
+        curve = through(tried)
+        factor, _, _ = stretch_needed(curve, limits)
+        if not factor > 0.0:
+            return knots
+        if factor * tried[-1] < shortest:
+            shortest, best = factor * tried[-1], tried
+        segments = np.searchsorted(tried, 0.5 * (curve.breaks[1:] + curve.breaks[:-1])) - 1
+        used = np.full(len(spans), _LEAST_USED * factor)
+        pieces = _peaks(curve, limits).reshape(-1, len(segments)).max(axis=0)
+        np.maximum.at(used, segments, pieces)
+        spans = spans * used**_BALANCE
+        spans = np.maximum(spans, _SHORTEST * spans.mean())
+        spans /= spans.sum()
+    return best
+
+
+def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatArray:
+    """Find the knots with the shortest duration within the limits.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (m,)
+        Where to start from, strictly increasing.
+    through : callable
+        Gives the curve for knots.
+    limits : Limits
+        Those that are finite count.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Knots of a local minimum of the duration, never longer than from those given.
+    """
+    from scipy.optimize import minimize  # a second and 40 MB that few need
+
+    curve = through(knots)
+    factor, _, _ = stretch_needed(curve, limits)
+    if not factor > 0.0:
+        return knots
+    start = np.log(factor * np.diff(knots))
+    least = start.mean() + np.log(_SHORTEST)
+
+    def after(logarithms: FloatArray) -> FloatArray:
+        return np.concatenate([[0.0], np.cumsum(np.exp(logarithms))])
+
+    def spare(logarithms: FloatArray) -> FloatArray:
+        return 1.0 - _peaks(through(after(logarithms)), limits)
+
+    found = minimize(
+        lambda logarithms: float(np.exp(logarithms).sum()),
+        start,
+        jac=np.exp,
+        method="SLSQP",
+        bounds=[(least, None)] * len(start),
+        constraints={"type": "ineq", "fun": spare},
+        options={"maxiter": _ITERATIONS, "ftol": 1e-7},
+    ).x
+    if not np.isfinite(found).all():
+        return knots
+    better = after(found)
+    shortest = stretch_needed(through(better), limits)[0] * better[-1]
+    return better if shortest < factor * (knots[-1] - knots[0]) else knots
+
+
+def _peaks(curve: PiecewisePolynomial, limits: Limits) -> FloatArray:
+    """Largest ratios to the limits in each segment of a cubic curve, as powers of a stretch."""
+    spans = curve.spans[:, None]
+    _, b, c, d = curve.coefficients
+    ends = b, b + spans * (2.0 * c + 3.0 * d * spans)
+    turn = np.divide(-c, 3.0 * d, out=np.zeros_like(c), where=d != 0.0)
+    middle = np.where((turn > 0.0) & (turn < spans), b - c**2 / np.where(d, 3.0 * d, 1.0), 0.0)
+    peaks = (
+        np.maximum(np.maximum(np.abs(ends[0]), np.abs(ends[1])), np.abs(middle)),
+        2.0 * np.maximum(np.abs(c), np.abs(c + 3.0 * d * spans)),
+        6.0 * np.abs(d),
+    )
+    ratios = [
+        ((peak / getattr(limits, rate)) ** (1.0 / order)).max(axis=1)
+        for order, (rate, peak) in enumerate(zip(RATES, peaks, strict=True), 1)
+        if np.isfinite(getattr(limits, rate)).any()
+    ]
+    return np.concatenate(ratios)

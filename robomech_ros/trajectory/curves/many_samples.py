@@ -1,0 +1,45 @@
+"""Sample piecewise polynomials at many instants, by compiled code.
+
+Planners do so; a controller, which samples one instant at a time, does without compiled code and
+has :meth:`PiecewisePolynomial.sample`.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import Sample, checked_times
+
+__all__ = ["sample_many"]
+
+
+def sample_many(curve: PiecewisePolynomial, t: npt.ArrayLike) -> Sample:
+    """Sample positions and derivatives.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints.
+    t : array_like, shape () or (m,)
+        Instants in s, on the clock of its breaks, as for its own `sample`.
+
+    Returns
+    -------
+    Sample
+        Arrays of shape (n,) or (m, n).
+
+    Raises
+    ------
+    NonFiniteError
+        If an instant is NaN or infinite.
+    """
+    times = checked_times(t)
+    if not times.ndim:
+        return curve.sample(times)
+    # Loaded here, since the motions of a planner are also made where nobody samples them.
+    from robomech_ros._kernels.timing.samples import sample_pieces
+
+    rates = np.empty((4, len(times), curve.joints))
+    given = (np.ascontiguousarray(values) for values in (curve.breaks, curve.coefficients))
+    sample_pieces(*given, np.ascontiguousarray(times), rates)
+    return Sample(*rates)

@@ -1,0 +1,119 @@
+"""Motions that are piecewise polynomials and end at rest."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.trajectory.curves.bounds import extremes
+from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Limits
+from robomech_ros.trajectory.sample import FloatArray, Sample
+
+__all__ = ["MotionThrough", "MotionToRest", "check_positions", "check_rates", "settled"]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionToRest:
+    """A curve that ends at rest exactly at its goal, with continuous acceleration unless told.
+
+    Attributes
+    ----------
+    goal : ndarray, shape (n,)
+        Joint values at the end, rad or m.
+    pieces : PiecewisePolynomial
+        The curve, from t = 0 on.
+    """
+
+    goal: FloatArray
+    pieces: PiecewisePolynomial
+
+    ACCELERATION_STEPS: ClassVar[bool] = False
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before 0 the joints rest at the start, from the end on at the goal.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionThrough(MotionToRest):
+    """A motion to rest that passes via points.
+
+    Attributes
+    ----------
+    knots : ndarray, shape (m,)
+        When start, via points and goal are passed, in s.
+    """
+
+    knots: FloatArray
+
+
+def settled(
+    sample: Sample, t: npt.ArrayLike, pieces: PiecewisePolynomial, goal: FloatArray
+) -> Sample:
+    """Put a sample at the end of its curve, or later, at rest at the goal (n,) exactly."""
+    ended = np.asarray(t, dtype=np.float64).ravel() >= pieces.breaks[-1]
+    if sample.position.ndim == 1:
+        ended = ended[0]
+    sample.position[ended] = goal
+    sample.velocity[ended] = 0.0
+    sample.acceleration[ended] = 0.0
+    return sample
+
+
+def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limits) -> None:
+    """Raise `LimitExceededError` where a curve leaves the position limits on its way.
+
+    A start (n,) in rad or m that is outside a limit, within the slack, may stay there.
+    """
+    low, high = (values[0] for values in extremes(pieces))
+    for values, edge, bound in (
+        (-low, -np.minimum(limits.lower, start), limits.lower),
+        (high, np.maximum(limits.upper, start), limits.upper),
+    ):
+        excess = values - edge
+        joint = int(np.argmax(excess)) if len(excess) else 0
+        if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
+            value = float(low[joint] if bound is limits.lower else high[joint])
+            raise LimitExceededError(
+                "position on the way", limits.joint_names[joint], value, float(bound[joint])
+            )
+
+
+def check_rates(pieces: PiecewisePolynomial, limits: Limits) -> None:
+    """Raise `LimitExceededError` where a curve is over a limit of a rate, by more than rounding."""
+    low, high = extremes(pieces)
+    for rate, least, largest in zip(RATES, low[1:], high[1:], strict=True):
+        bound = getattr(limits, rate)
+        over = np.flatnonzero(np.maximum(-least, largest) > bound * (1.0 + tolerances.LIMIT_SLACK))
+        if len(over):
+            k = int(over[0])
+            falling = -least[k] > largest[k]
+            value, limit = (least[k], -bound[k]) if falling else (largest[k], bound[k])
+            name = limits.joint_names[k]
+            raise LimitExceededError(f"{rate} on the way", name, float(value), float(limit))

@@ -1,0 +1,116 @@
+"""Derivatives at the knots that make a spline through given values smooth.
+
+With the first two derivatives there a quintic C4 spline is the Hermite interpolant of its knots.
+"""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.block_tridiagonal import (
+    solve_block_tridiagonal,
+    solve_cyclic_block_tridiagonal,
+)
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Ends", "Side", "matched", "quintic_spline"]
+
+Ends = Literal["natural", "clamped", "periodic"]
+
+
+def quintic_spline(
+    knots: FloatArray, values: FloatArray, ends: Ends, rates: FloatArray | None = None
+) -> PiecewisePolynomial:
+    """Put a quintic C4 spline through values.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (n,)
+        Strictly increasing.
+    values : ndarray, shape (n, d)
+        For periodic ends the last equals the first.
+    ends : str
+        ``natural``: third and fourth derivatives 0; ``clamped``: first and second derivatives
+        `rates`; ``periodic``.
+    rates : ndarray, shape (2, 2, d), optional
+        First and second derivatives at the start, and at the end, where clamped.
+
+    Returns
+    -------
+    PiecewisePolynomial
+    """
+    h = np.diff(knots)
+    rise = np.diff(values, axis=0) / h[:, None]
+    third, fourth = 1.0 / h**2, 1.0 / h**3
+    start = Side(
+        _blocks([[-36.0 * third, -9.0 / h], [192.0 * fourth, 36.0 * third]]),
+        _blocks([[-24.0 * third, 3.0 / h], [168.0 * fourth, -24.0 * third]]),
+        np.stack([60.0 * rise * third[:, None], -360.0 * rise * fourth[:, None]], axis=1),
+    )
+    end = Side(
+        _blocks([[-24.0 * third, -3.0 / h], [-168.0 * fourth, -24.0 * third]]),
+        _blocks([[-36.0 * third, 9.0 / h], [-192.0 * fourth, 36.0 * third]]),
+        np.stack([60.0 * rise * third[:, None], 360.0 * rise * fourth[:, None]], axis=1),
+    )
+    found = matched(start, end, ends, rates)
+    return interpolant(knots, values, found[:, 0], found[:, 1])
+
+
+class Side(NamedTuple):
+    """A derivative at one end of every segment: ``before x[k] + after x[k + 1] + constant``.
+
+    x[k] are the unknown derivatives at knot k, shape (b, d); the blocks are (n - 1, b, b), the
+    constants (n - 1, b, d).
+    """
+
+    before: FloatArray
+    after: FloatArray
+    constant: FloatArray
+
+
+def matched(start: Side, end: Side, ends: Ends, rates: FloatArray | None) -> FloatArray:
+    """Find the unknowns with which a derivative agrees on both sides of every knot.
+
+    Parameters
+    ----------
+    start, end : Side
+        The derivative at the start and at the end of every segment.
+    ends : str
+        ``natural``: it vanishes at both ends; ``clamped``: the unknowns there are `rates`;
+        ``periodic``: it agrees where the spline closes.
+    rates : ndarray, shape (2, b, d), optional
+        Of clamped ends.
+
+    Returns
+    -------
+    ndarray, shape (n, b, d)
+    """
+    segments, b, d = start.constant.shape
+    periodic = ends == "periodic"
+    n = segments if periodic else segments + 1
+    lower, diagonal, upper = (np.zeros((n, b, b)) for _ in range(3))
+    right = np.zeros((n, b, d))
+    # Knot k lies between the segments k - 1 and k; knot 0 of a closed spline is the last one, too.
+    behind = np.arange(-1 if periodic else 0, segments - 1)
+    ahead = behind + 1
+    lower[ahead] = end.before[behind]
+    diagonal[ahead] = end.after[behind] - start.before[ahead]
+    upper[ahead] = -start.after[ahead]
+    right[ahead] = start.constant[ahead] - end.constant[behind]
+    if periodic:
+        found = solve_cyclic_block_tridiagonal(lower, diagonal, upper, right)
+        return np.concatenate([found, found[:1]])
+    if ends == "natural":
+        diagonal[0], upper[0], right[0] = start.before[0], start.after[0], -start.constant[0]
+        lower[-1], diagonal[-1], right[-1] = end.before[-1], end.after[-1], -end.constant[-1]
+    elif rates is not None:
+        diagonal[[0, -1]], right[[0, -1]] = np.eye(b), rates
+        upper[0] = lower[-1] = 0.0
+    return solve_block_tridiagonal(lower, diagonal, upper, right)
+
+
+def _blocks(rows: list[list[FloatArray]]) -> FloatArray:
+    """Stack entries (m,) of a small matrix into matrices (m, b, b)."""
+    return np.moveaxis(np.array(rows), -1, 0)

@@ -1,0 +1,85 @@
+"""Curves in fewer pieces, where neighbouring pieces are nearly one polynomial."""
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["thinned"]
+
+# How far a quintic over two pieces may be off them where they meet, rad or m, and in parts of the
+# acceleration limit.
+_OFF, _OFF_ACCELERATION = 2e-8, 1e-4
+# Passes over all pairs of neighbours; each halves their number at the most.
+_PASSES = 24
+
+
+def thinned(curve: PiecewisePolynomial, limits: Limits) -> PiecewisePolynomial:
+    """Join neighbouring pieces of a motion where one quintic does for both.
+
+    Position, velocity and acceleration stay what they are at every break that is left.  Breaks at
+    which the jerk really steps are left, since the quintic over both sides would have more jerk
+    than either.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints, with continuous acceleration.
+    limits : Limits
+        Of n joints, with acceleration and jerk limits.
+
+    Returns
+    -------
+    PiecewisePolynomial
+        Quintic.
+    """
+    waste = 0
+    for k in range(_PASSES):
+        joined = _pairs_joined(curve, k % 2, limits)
+        waste = waste + 1 if len(joined.breaks) > 0.9 * len(curve.breaks) else 0
+        curve = joined
+        if waste == 2:
+            break
+    return curve
+
+
+def _pairs_joined(curve: PiecewisePolynomial, first: int, limits: Limits) -> PiecewisePolynomial:
+    """Join those pairs of pieces, from number `first` on, that nearly are one quintic."""
+    breaks = curve.breaks
+    ends = np.arange(first, len(breaks), 2)
+    if len(ends) < 2:
+        return curve
+    at, rates = _states(curve)
+    wide = interpolant(breaks[ends], *(values[ends] for values in rates))
+    middle = wide.sample(at[ends[:-1] + 1])
+    off = np.abs(middle.position - rates[0][ends[:-1] + 1])
+    acceleration_off = np.abs(middle.acceleration - rates[2][ends[:-1] + 1])
+    good = (off <= _OFF).all(axis=1)
+    good &= (acceleration_off <= _OFF_ACCELERATION * limits.acceleration).all(axis=1)
+    good &= _jerk_kept(curve, wide, first, limits)
+    dropped = np.zeros(len(breaks), bool)
+    dropped[ends[:-1] + 1] = good
+    kept = ~dropped
+    return interpolant(breaks[kept], *(values[kept] for values in rates))
+
+
+def _states(curve: PiecewisePolynomial) -> tuple[FloatArray, list[FloatArray]]:
+    """List the breaks, and positions, velocities and accelerations there, each (s + 1, n)."""
+    sample = curve.sample(curve.breaks)
+    return curve.breaks, [sample.position, sample.velocity, sample.acceleration]
+
+
+def _jerk_kept(
+    curve: PiecewisePolynomial, wide: PiecewisePolynomial, first: int, limits: Limits
+) -> npt.NDArray[np.bool_]:
+    """Find the wide pieces with no more jerk than its limit, or than both that they replace."""
+    count = wide.coefficients.shape[1]
+    narrow = np.abs(hull(curve, 3)).max(axis=0)[first : first + 2 * count]
+    before = narrow.reshape(count, 2, -1).max(axis=1)
+    after = np.abs(hull(wide, 3)).max(axis=0)
+    kept: npt.NDArray[np.bool_] = (after <= np.maximum(before, limits.jerk)).all(axis=1)
+    return kept

@@ -1,0 +1,82 @@
+"""Curves made slower or faster as a whole, until they fill the limits or last as long as wanted."""
+
+import math
+
+import numpy as np
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError, DurationTooShortError, NonFiniteError
+from robomech_ros.spatial.arrays import real_number
+from robomech_ros.trajectory.curves.bounds import extremes
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
+
+__all__ = ["checked_duration", "fitted", "stretch_needed"]
+
+# Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
+LONGEST_DURATION = 1e9
+
+
+def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, int, Rate]:
+    """Find by which factor a curve must last longer (or may last shorter) to fill its limits.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints.
+    limits : Limits
+        Of n joints; those that are finite count.
+
+    Returns
+    -------
+    tuple of float, int, str
+        The factor, 0 for a curve that stands still, the joint and the limit that bind.
+    """
+    low, high = extremes(curve)
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / limits.rates
+    needed = ratios ** (1.0 / np.arange(1.0, 4.0))[:, None]
+    k, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
+    return float(needed[k, joint]), int(joint), RATES[k]
+
+
+def fitted(
+    curve: PiecewisePolynomial, limits: Limits, duration: float | None = None
+) -> PiecewisePolynomial:
+    """Let a curve last as short as its limits allow, or as long as wanted.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        Of n joints, from t = 0 on.
+    limits : Limits
+        Of n joints; those that are finite count.
+    duration : float, optional
+        Wanted duration in s; None for the shortest.
+
+    Raises
+    ------
+    DurationTooShortError
+        If the wanted duration would break a limit.
+    """
+    factor, joint, rate = stretch_needed(curve, limits)
+    shortest = max(factor * curve.duration, tolerances.SHORTEST_TRAJECTORY)
+    if duration is not None:
+        if duration < shortest - tolerances.DURATION_ROUNDING * (1.0 + shortest):
+            raise DurationTooShortError(duration, shortest, limits.joint_names[joint], rate)
+        shortest = max(shortest, duration)
+    if factor == 0.0:
+        return PiecewisePolynomial(np.array([0.0, shortest]), curve.coefficients[:1, :1].copy())
+    return curve.stretched(shortest / curve.duration)
+
+
+def checked_duration(duration: float | None) -> float | None:
+    """Check a wanted duration (s); None and 0 are the shortest possible, None."""
+    if duration is None:
+        return None
+    expected = f"more than 0 and at most {LONGEST_DURATION:g} s, or 0 for the shortest possible"
+    seconds = real_number("duration", duration, expected)
+    if not math.isfinite(seconds):
+        raise NonFiniteError("duration", seconds)
+    if not 0.0 <= seconds <= LONGEST_DURATION:
+        raise BadValueError("duration", seconds, expected)
+    return seconds or None

@@ -1,0 +1,1 @@
+"""Plans: from point to point, through via points, along paths; and their verification."""

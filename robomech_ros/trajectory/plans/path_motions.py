@@ -1,0 +1,248 @@
+"""Motions whose tool follows a pose path, within the limits of every joint."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError, DurationTooShortError
+from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_positions
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.paths.curve import as_positive
+from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
+from robomech_ros.trajectory.paths.path_tracking import PathTracking, track_path
+from robomech_ros.trajectory.paths.pose_path import PosePath
+from robomech_ros.trajectory.paths.posture import Arm
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
+from robomech_ros.trajectory.timing.path_sections import jump
+from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, Section
+
+__all__ = ["PATH_PROFILES", "PathMotion", "TipSpeeds", "along_joint_path", "along_path"]
+
+# How the path coordinate may be run through from corner to corner.
+PATH_PROFILES = tuple(SECTION_TIMINGS)
+# A step of the second derivative along a path, in parts of the largest, that is no rounding.
+_SMOOTH = 1e-6
+# What slows a curve down is a limit of a joint if it comes as near to it as this part.
+_BINDING = 0.03
+
+
+@dataclass(frozen=True)
+class TipSpeeds:
+    """Largest speeds of the tool.
+
+    Attributes
+    ----------
+    linear : float
+        Of its origin, m/s; infinite for none.
+    angular : float
+        Of its rotation, rad/s; infinite for none.
+    """
+
+    linear: float = np.inf
+    angular: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class PathMotion(MotionToRest):
+    """A motion along a path, from rest to rest, at rest at every corner.
+
+    Attributes
+    ----------
+    tracking : PathTracking
+        How far the path is followed, why not farther, and the joint path.
+    """
+
+    tracking: PathTracking
+
+
+def along_path(
+    path: PosePath,
+    ik: Arm,
+    *,
+    limits: JointLimits | Any,
+    start: npt.ArrayLike,
+    profile: str = "poly345",
+    duration: float | None = None,
+    speeds: TipSpeeds | None = None,
+    condition_limit: float = 1e6,
+) -> PathMotion | PathTracking:
+    """Follow a pose path from rest to rest, as fast as the limits allow.
+
+    The joint path comes from the path's differential geometry (:func:`track_path`).  From corner
+    to corner the path coordinate follows the law of ``poly345``, ``poly4567``, ``cycloidal`` or
+    ``cubic_spline``, or a double-S profile whose shape makes the motion short (``ruckig``: joint
+    jerk limits are needed and kept); or it is everywhere as fast as the limits allow
+    (``time_optimal``, jerk-limited where the joints are, and accelerations take 20 ms to rise).
+
+    Parameters
+    ----------
+    path : PosePath
+    ik : Arm
+        Forward and inverse kinematics and Jacobian of an arm of n joints.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes; velocity and acceleration
+        limits of every joint, and those jerk limits that are there.
+    start : array_like, shape (n,)
+        Joint values (rad or m) that choose the branch.
+    profile : str
+        One of `PATH_PROFILES`.
+    duration : float, optional
+        Wanted duration in s; None for the shortest.
+    speeds : TipSpeeds, optional
+        Largest speeds of the tool.
+    condition_limit : float
+        Condition number of the Jacobian at which the path ends.
+
+    Returns
+    -------
+    PathMotion or PathTracking
+        The motion as far as the path can be followed; the latter where it cannot even begin.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        If the path, the arm, the start, or an option is none.
+    MissingLimitsError
+        If a joint lacks a velocity or acceleration limit.
+    LimitExceededError
+        If the path leaves the position limits.
+    DurationTooShortError
+        If the limits do not allow the wanted duration.
+
+    References
+    ----------
+    Angeles, 4th ed., ch. 11.
+    """
+    tracking = track_path(path, ik, start, condition_limit=condition_limit)
+    if tracking.path is None:
+        return tracking
+    return along_joint_path(
+        path, tracking, limits=limits, profile=profile, duration=duration, speeds=speeds
+    )
+
+
+def along_joint_path(
+    path: PosePath,
+    tracking: PathTracking,
+    *,
+    limits: JointLimits | Any,
+    profile: str = "poly345",
+    duration: float | None = None,
+    speeds: TipSpeeds | None = None,
+    speed_limits: Sequence[SpeedLimit] = (),
+) -> PathMotion:
+    """Run along a joint path that follows a pose path.
+
+    Parameters
+    ----------
+    path, limits, profile, duration, speeds
+        As for `along_path`.
+    tracking : PathTracking
+        With a joint path.
+    speed_limits : sequence of SpeedLimit
+        Further speeds, over the path coordinate.
+
+    Returns
+    -------
+    PathMotion
+
+    Raises
+    ------
+    RobomechError
+        As `along_path` does.
+    """
+    joints = _found(path, tracking)
+    timing = SECTION_TIMINGS[as_choice("profile", profile, PATH_PROFILES)]
+    allowed = Limits.of(limits)
+    allowed.require(*timing.required)
+    others = checked_list("speed_limits", speed_limits, SpeedLimit)
+    slow = (*_speed_limits(path, speeds), *others)
+    curve = _joined(
+        [
+            timing.timed(Section(joints, low, high, allowed, slow))
+            for low, high in _edges(joints, timing.needs_smooth)
+        ]
+    )
+    seconds = checked_duration(duration)
+    if seconds is not None:
+        _check_wanted(seconds, curve, allowed)
+        curve = curve.stretched(max(seconds / curve.duration, 1.0))
+    check_positions(curve, joints.pieces.coefficients[0, 0], allowed)
+    return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
+
+
+def _found(path: PosePath, tracking: PathTracking) -> JointPath:
+    """Give the joint path that has been found along a pose path."""
+    if not isinstance(tracking, PathTracking):
+        raise BadValueError("tracking", tracking, "a PathTracking")
+    if tracking.path is None:
+        raise BadValueError("tracking", tracking.reason, "one that has found a joint path")
+    check_follows(path, tracking.path)
+    return tracking.path
+
+
+def _edges(joints: JointPath, needs_smooth: bool) -> list[tuple[float, float]]:
+    """Give the parts of a joint path between which the motion must rest.
+
+    At its stops the first derivative steps; where the second one does, the acceleration would.
+    """
+    inner = joints.pieces.breaks[1:-1]
+    after = joints.derivatives(inner)[2]
+    before = joints.derivatives(np.nextafter(inner, 0.0))[2]
+    largest = max(float(np.abs(after).max(initial=0.0)), float(np.abs(before).max(initial=0.0)))
+    steps = np.abs(after - before).max(axis=1, initial=0.0) > _SMOOTH * (1.0 + largest)
+    if needs_smooth and len(inner):
+        steps |= jump(joints.pieces, 2)
+    rests = np.unique(np.concatenate([[0.0], joints.stops, inner[steps], [joints.length]]))
+    return list(pairwise(rests.tolist()))
+
+
+def _speed_limits(path: PosePath, most: TipSpeeds | None) -> list[SpeedLimit]:
+    """Express the speeds of the tool that are limited by the path coordinate's."""
+    if most is None:
+        return []
+    if not isinstance(most, TipSpeeds):
+        raise BadValueError("speeds", most, "a TipSpeeds")
+
+    def rate(part: slice) -> Callable[[FloatArray], FloatArray]:
+        def of(s: FloatArray) -> FloatArray:
+            magnitude: FloatArray = np.linalg.norm(path.sample(s).twist[:, part], axis=1)
+            return magnitude
+
+        return of
+
+    kinds = (("linear", most.linear, slice(3, 6)), ("angular", most.angular, slice(0, 3)))
+    return [
+        SpeedLimit(rate(part), as_positive(f"{what} speed", speed))
+        for what, speed, part in kinds
+        if not (isinstance(speed, float) and speed == np.inf)
+    ]
+
+
+def _joined(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
+    """Put motions one after another."""
+    ends = np.cumsum([0.0, *(curve.duration for curve in curves)])
+    breaks = [curve.breaks[1:] + begin for curve, begin in zip(curves, ends, strict=False)]
+    order = max(len(curve.coefficients) for curve in curves)
+    padded = [
+        np.pad(curve.coefficients, ((0, order - len(curve.coefficients)), (0, 0), (0, 0)))
+        for curve in curves
+    ]
+    return PiecewisePolynomial(np.concatenate([[0.0], *breaks]), np.concatenate(padded, axis=1))
+
+
+def _check_wanted(seconds: float, curve: PiecewisePolynomial, limits: Limits) -> None:
+    slack = tolerances.DURATION_ROUNDING * (1.0 + curve.duration)
+    if seconds < curve.duration - slack:
+        factor, joint, rate = stretch_needed(curve, limits)
+        name = limits.joint_names[joint] if factor > 1.0 - _BINDING else "of the tool"
+        raise DurationTooShortError(seconds, curve.duration, name, rate)

@@ -1,0 +1,278 @@
+"""Plans whose samples, too, are verified: what a controller makes of them keeps to the limits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, DurationTooShortError
+from robomech_ros.trajectory.curves.bounds import extremes
+from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
+from robomech_ros.trajectory.curves.time_scaling import checked_duration
+from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
+from robomech_ros.trajectory.plans.point_to_point import (
+    PROFILES,
+    point_to_point,
+    profile_named,
+    scaled_limits,
+)
+from robomech_ros.trajectory.plans.verification import Verification, verify
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import (
+    PiecewiseTrajectory,
+    Waypoints,
+    discretise,
+    position_rounding,
+)
+
+__all__ = ["Planner", "SampledPlan", "sampled_motion", "sampled_point_to_point"]
+
+Planner = Callable[[Limits], PiecewiseTrajectory]
+
+# Rounding may do this to the jerk between two samples that are near to each other because jerk
+# steps are: in parts of the lowest jerk limit, and at most (rad/s^3, m/s^3).  Less would merge
+# steps farther apart, and that costs more.
+_JERK_ERROR, _LARGEST_JERK_ERROR = 0.05, 100.0
+# An excess up to this ratio is taken off the limits themselves (it costs a third of it in time).
+_SMALL_EXCESS = 1.003
+# A greater one comes from jerk steps of several joints that nearly coincide: the jerk limits are
+# staggered by up to this part, joint by joint, which moves the steps apart.
+_STAGGER = 0.004
+# Both settle in a round or two; more would be a defect, which the verification then names.
+_STAGGERED_ROUNDS = 3
+_ROUNDS = 20
+# Where a motion is slowed down for its rounding: how often, by how much more than the last samples
+# ask for (those of the slower one are rounded anew), and by which part of its duration at most,
+# which grows with every plan, as planning many via points anew takes seconds.
+_SLOWED_ROUNDS, _OVERSLOWED, _SLOWER = 6, 1.2, 0.012
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPlan:
+    """A planned motion, its waypoints, and the proof that these keep to the limits.
+
+    Attributes
+    ----------
+    trajectory : PiecewiseTrajectory
+        The motion itself.
+    waypoints : Waypoints
+        Its samples, as a trajectory message takes them.
+    verification : Verification
+        Of the curve that a controller interpolates through the samples; always `ok`.
+    """
+
+    trajectory: PiecewiseTrajectory
+    waypoints: Waypoints
+    verification: Verification
+
+
+def sampled_motion(
+    planner: Planner,
+    start: npt.ArrayLike,
+    limits: JointLimits | Any,
+    *,
+    period: float,
+    max_points: int,
+    free: bool = True,
+) -> SampledPlan:
+    """Plan, sample, and verify the samples.
+
+    Where the interpolation between samples would exceed a limit (two joints change their jerk
+    at almost the same instant), the motion is planned anew within slightly tighter limits.
+
+    Parameters
+    ----------
+    planner : callable
+        Plans a motion from `start` to rest within the limits it is given.
+    start : array_like, shape (n,)
+        Joint values, rad or m.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes, of n joints.
+    period : float
+        Largest time between two samples in s.
+    max_points : int
+        The most samples there may be.
+    free : bool
+        Whether the planner may take more time; else only rounding is forgiven.
+
+    Returns
+    -------
+    SampledPlan
+        First sample the start at t = 0, last the goal at rest.
+
+    Raises
+    ------
+    RobomechError
+        As the planner, `discretise` and `verify` do.
+    """
+    known = Limits.of(limits)
+    first = known.with_margin if free else known
+    factors = np.ones((3, len(known.joint_names)))
+    jerk_error = _jerk_error(known)
+    plan: SampledPlan | None = None
+    for attempt in range(_ROUNDS):
+        try:
+            trajectory = planner(_tightened(first, factors) if attempt else first)
+        except DurationTooShortError:
+            if plan is None or not plan.verification.ok:
+                raise
+            return plan  # over the limits by rounding only, and there is no time to spare
+        waypoints = discretise(trajectory, period, max_points, jerk_error=jerk_error)
+        plan = SampledPlan(trajectory, waypoints, verify(waypoints, known, start=start))
+        ratios = _shown_ratios(plan, known)
+        if (ratios <= 1.0).all():
+            break
+        slowest = 1.0 + _SLOWER * (attempt + 1) if free else 1.0
+        slowed = _slowed(plan, known, slowest, period, max_points)
+        if slowed is not None:
+            return slowed
+        _tighten(factors, ratios, stagger=attempt < _STAGGERED_ROUNDS)
+    assert plan is not None
+    plan.verification.require_ok()
+    return plan
+
+
+def sampled_point_to_point(
+    q0: npt.ArrayLike,
+    q1: npt.ArrayLike,
+    *,
+    limits: JointLimits | Any,
+    profile: str,
+    period: float,
+    max_points: int,
+    duration: float | None = None,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    jerk_scale: float = 1.0,
+    start_velocity: npt.ArrayLike | None = None,
+) -> SampledPlan:
+    """Plan from point to point, sample, and verify the samples against the scaled limits.
+
+    Parameters
+    ----------
+    q0, q1, limits, profile, duration, velocity_scale, acceleration_scale, jerk_scale, \
+    start_velocity
+        As for `point_to_point`, but for profiles whose acceleration steps.
+    period, max_points
+        As for `sampled_motion`.
+
+    Returns
+    -------
+    SampledPlan
+        First sample the start at t = 0, last the goal at rest.
+
+    Raises
+    ------
+    RobomechError
+        As `point_to_point`, `discretise` and `verify` do.
+    """
+    method = profile_named(profile)
+    check_can_be_sampled(profile)
+    allowed = scaled_limits(
+        Limits.of(limits), method, velocity_scale, acceleration_scale, jerk_scale
+    )
+    seconds = checked_duration(duration)
+
+    def planner(tightened: Limits) -> PiecewiseTrajectory:
+        return point_to_point(
+            q0,
+            q1,
+            limits=tightened,
+            profile=profile,
+            duration=seconds,
+            start_velocity=start_velocity,
+        )
+
+    return sampled_motion(
+        planner, q0, allowed, period=period, max_points=max_points, free=seconds is None
+    )
+
+
+def check_can_be_sampled(profile: str) -> None:
+    """Raise BadValueError for a profile whose acceleration steps: samples do not tell when."""
+    if profile_named(profile).ACCELERATION_STEPS:
+        able = sorted(name for name, one in PROFILES.items() if not one.ACCELERATION_STEPS)
+        expected = f"one with continuous acceleration, as samples need it: {', '.join(able)}"
+        raise BadValueError("profile", profile, expected)
+
+
+def _tighten(factors: FloatArray, ratios: FloatArray, *, stagger: bool) -> None:
+    """Reduce the factors (3, n) of the limits after the ratios (3, n) of a plan within them."""
+    if stagger and ratios.max() > _SMALL_EXCESS:
+        joints = factors.shape[1]
+        factors[2] *= 1.0 - _STAGGER * np.arange(1, joints + 1) / joints
+        ratios = np.minimum(ratios, _SMALL_EXCESS)
+    factors /= 1.0 + 1.1 * np.maximum(ratios - 1.0, 0.0) + MARGIN
+
+
+def _tightened(limits: Limits, factors: FloatArray) -> Limits:
+    return limits.scaled(velocity=factors[0], acceleration=factors[1], jerk=factors[2])
+
+
+def _ratios(verification: Verification) -> FloatArray:
+    return np.array(
+        [
+            verification.peak_velocity_ratio,
+            verification.peak_acceleration_ratio,
+            verification.peak_jerk_ratio,
+        ]
+    )
+
+
+def _shown_ratios(plan: SampledPlan, limits: Limits) -> FloatArray:
+    """Find the ratios (3, n) of velocity, acceleration and jerk to their limits, as sampled.
+
+    A verification forgives what may be rounding; who receives the samples need not, so that here
+    it counts where samples are so near to each other that it can be seen.
+    """
+    if not _rounding_shows(plan.waypoints, limits):
+        return _ratios(plan.verification)
+    low, high = extremes(plan.waypoints.curve)
+    ratios: FloatArray = np.maximum(-low, high)[1:] / limits.rates
+    return ratios
+
+
+def _rounding_shows(waypoints: Waypoints, limits: Limits) -> bool:
+    """Say whether rounding of positions can use up the margins of acceleration or jerk."""
+    shortest = float(np.diff(waypoints.times).min(initial=np.inf))
+    rounding = position_rounding(waypoints.positions)
+    acceleration = MARGIN * float(limits.acceleration.min(initial=np.inf))
+    jerk = JERK_MARGIN * float(limits.jerk.min(initial=np.inf))
+    return rounding > shortest**2 * min(acceleration, shortest * jerk)
+
+
+def _slowed(
+    plan: SampledPlan, limits: Limits, slowest: float, period: float, max_points: int
+) -> SampledPlan | None:
+    """Slow a plan down by up to a factor until its rounding, too, is within the limits, if it gets.
+
+    Where rounding is all that is wrong that takes less time than to plan anew.
+    """
+    start, goal = plan.waypoints.positions[[0, -1]]
+    pieces, jerk_error = plan.trajectory.pieces, _jerk_error(limits)
+    factor, ratios = 1.0, _shown_ratios(plan, limits)
+    for _ in range(_SLOWED_ROUNDS):
+        needed = float(((ratios + MARGIN).max(axis=1) ** (1.0 / np.arange(1.0, 4.0))).max())
+        factor *= 1.0 + _OVERSLOWED * (needed - 1.0)
+        if factor > slowest:
+            return None
+        longer, knots = pieces.stretched(factor), getattr(plan.trajectory, "knots", None)
+        motion = (
+            MotionToRest(goal, longer)
+            if knots is None
+            else MotionThrough(goal, longer, factor * knots)
+        )
+        waypoints = discretise(motion, period, max_points, jerk_error=jerk_error)
+        verification = verify(waypoints, limits, start=start)
+        slowed = SampledPlan(motion, waypoints, verification)
+        ratios = _shown_ratios(slowed, limits)
+        if verification.ok and (ratios <= 1.0).all():
+            return slowed
+    return None
+
+
+def _jerk_error(limits: Limits) -> float:
+    """Say what rounding may do to the jerk between samples that are near to each other."""
+    return min(_JERK_ERROR * float(limits.jerk.min(initial=np.inf)), _LARGEST_JERK_ERROR)

@@ -1,0 +1,234 @@
+"""Splines through points in joint space."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline
+from robomech_ros.trajectory.curves.knots import (
+    SPACINGS,
+    balanced_knots,
+    knots_at,
+    optimal_knots,
+    spaced_knots,
+)
+from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.motion_to_rest import check_positions, settled
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
+from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
+from robomech_ros.trajectory.joint_points import joint_points
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.sample import FloatArray, Sample
+
+__all__ = ["Spline", "spline_through"]
+
+_QUINTIC_ENDS = ("natural", "clamped", "rest", "periodic")
+# Spacings that look at the limits.
+_SEARCHES = {"balanced": balanced_knots, "optimal": optimal_knots}
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A spline through points.
+
+    Attributes
+    ----------
+    points : ndarray, shape (m, n)
+        Joint values, rad or m.
+    knots : ndarray, shape (m,)
+        When each point is passed, in s.
+    ends : str
+        The conditions at its ends.
+    pieces : PiecewisePolynomial
+        The curve; between two knots there is one more break beside an end at rest of a cubic one.
+    """
+
+    points: FloatArray
+    knots: FloatArray
+    ends: CubicEnds
+    pieces: PiecewisePolynomial
+
+    @property
+    def duration(self) -> float:
+        """Time from the first knot to the last, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; outside the knots the joints rest.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        sample = sample_many(self.pieces, t)
+        return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
+
+
+def spline_through(
+    points: npt.ArrayLike,
+    *,
+    times: npt.ArrayLike | None = None,
+    limits: JointLimits | Any = None,
+    at: npt.ArrayLike | None = None,
+    spacing: str = "centripetal",
+    ends: CubicEnds = "rest",
+    degree: Literal[3, 5] = 3,
+    slopes: npt.ArrayLike | None = None,
+    duration: float | None = None,
+) -> Spline:
+    """Interpolate points by a spline in time.
+
+    Parameters
+    ----------
+    points : array_like, shape (m, n)
+        Joint values one after another, rad or m, m >= 2.
+    times : array_like, shape (m,), optional
+        When each is passed, in s, strictly increasing.  Without them the knots follow `spacing`,
+        and the motion is as fast as `limits` allow or takes the wanted `duration`.
+    limits : JointLimits, optional
+        A chain model, `Limits`, or anything with the same attributes; needed without `times`:
+        velocity and acceleration limits of every joint, and those jerk limits that are there.
+        With `times` they are left to :func:`verify`.
+    at : array_like, shape (m - 2,), optional
+        Which part of the duration is over at each inner point, strictly between 0 and 1 and
+        increasing, in place of `spacing`.
+    spacing : str
+        ``"uniform"``, ``"chord"`` (times proportional to distances), ``"centripetal"`` (to their
+        roots), ``"balanced"`` (all segments as near to the limits as can be; cubic only) or
+        ``"optimal"`` (the shortest motion within the limits; cubic only, takes long for many
+        points).
+    ends : str
+        ``"rest"``: neither velocity nor acceleration, as a motion of a robot needs it;
+        ``"clamped"``: velocities are `slopes`; ``"natural"``: no acceleration (of a quintic one
+        no third and fourth derivative); ``"parabolic"`` (cubic only): constant acceleration in
+        the first and in the last segment; ``"periodic"``: the motion goes on as it began.
+    degree : int
+        3 for continuous acceleration, 5 for continuous jerk and its derivative.
+    slopes : array_like, shape (2, n), optional
+        Velocities at clamped ends, rad/s or m/s, with `times` only; default zero.
+    duration : float, optional
+        Wanted duration in s, without `times`.
+
+    Returns
+    -------
+    Spline
+        With ``.duration``, ``.sample(t)``, ``.pieces`` and ``.knots``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        If points, times or options are none.
+    MissingLimitsError
+        If a joint lacks a limit that is needed.
+    SeedOutsideLimitsError, LimitExceededError
+        If the first point, or another part of the curve, is outside the position limits.
+    DurationTooShortError
+        If the limits do not allow the wanted duration.
+
+    References
+    ----------
+    Angeles, 4th ed., section 6.6.
+    """
+    places = joint_points(points)
+    _check_options(places, ends, degree, spacing)
+    rates = _slopes(slopes, ends, places.shape[1], times is not None)
+    if times is not None:
+        for what, given in (("duration", duration), ("at", at)):
+            if given is not None:
+                raise BadValueError(what, given, "none, where times are given")
+        knots = _knots(times, len(places))
+        with np.errstate(all="ignore"):
+            spline = _spline(places, knots, ends, degree, rates)
+        if not np.isfinite(spline.pieces.coefficients).all():
+            expected = "instants neither so near nor so far that numbers between them overflow"
+            raise BadValueError("times", knots.tolist(), expected)
+        return spline
+    if limits is None:
+        raise BadValueError("limits", None, "limits of the joints, where no times are given")
+    allowed = Limits.of(limits)
+    if len(allowed.joint_names) != places.shape[1]:
+        raise WrongSizeError("joints of points", places.shape[1], len(allowed.joint_names))
+    allowed.require("velocity", "acceleration")
+    allowed.check_start(places[0])
+    if at is not None:
+        knots = knots_at(at, len(places))
+    elif spacing in _SEARCHES:
+        start = spaced_knots(places, "centripetal", allowed.velocity)
+        knots = _SEARCHES[spacing](
+            start, lambda times: _spline(places, times, ends, degree, rates).pieces, allowed
+        )
+    else:
+        knots = spaced_knots(places, spacing, allowed.velocity)
+    shape = _spline(places, knots, ends, degree, rates)
+    pieces = fitted(shape.pieces, allowed, checked_duration(duration))
+    check_positions(pieces, places[0], allowed)
+    return Spline(places, shape.knots * (pieces.duration / shape.duration), ends, pieces)
+
+
+def _check_options(places: FloatArray, ends: str, degree: int, spacing: str) -> None:
+    if real_number("degree", degree, "3 or 5") not in (3.0, 5.0):
+        raise BadValueError("degree", degree, "3 or 5")
+    as_choice("ends", ends, get_args(CubicEnds) if degree == 3 else _QUINTIC_ENDS)
+    as_choice("spacing", spacing, SPACINGS)
+    if spacing in _SEARCHES and degree != 3:
+        raise BadValueError("spacing", spacing, "another one for degree 5")
+    least = (4 if degree == 5 else 3) if ends in ("parabolic", "periodic") else 2
+    if len(places) < least:
+        raise WrongSizeError("points", places.shape, f"at least {least} points for {ends} ends")
+    if ends == "periodic" and not np.array_equal(places[0], places[-1]):
+        expected = f"the first point again, {places[0].tolist()}"
+        raise BadValueError(f"points[{len(places) - 1}]", places[-1].tolist(), expected)
+
+
+def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> FloatArray:
+    if slopes is None:
+        return np.zeros((2, n))
+    if ends != "clamped" or not timed:
+        raise BadValueError("slopes", slopes, "none, but for clamped ends with times")
+    rates = real_array("slopes", slopes)
+    if rates.shape != (2, n):
+        raise WrongSizeError("slopes", rates.shape, (2, n))
+    if not np.isfinite(rates).all():
+        raise NonFiniteError("slopes", rates)
+    return rates
+
+
+def _knots(times: npt.ArrayLike, count: int) -> FloatArray:
+    knots = real_array("times", times).copy()
+    if knots.shape != (count,):
+        raise WrongSizeError("times", knots.shape, (count,))
+    if not np.isfinite(knots).all():
+        raise NonFiniteError("times", knots)
+    late = np.flatnonzero(np.diff(knots) <= 0.0)
+    if len(late):
+        k = int(late[0]) + 1
+        raise BadValueError(f"times[{k}]", float(knots[k]), f"more than {knots[k - 1]:.9g} s")
+    return knots
+
+
+def _spline(
+    places: FloatArray, knots: FloatArray, ends: CubicEnds, degree: int, slopes: FloatArray
+) -> Spline:
+    if degree == 3:
+        return Spline(places, knots, ends, cubic_spline(knots, places, ends, slopes))
+    rates = np.stack([slopes, np.zeros_like(slopes)], axis=1)
+    kind: Ends = "natural" if ends == "natural" else "clamped"
+    if ends == "periodic":
+        kind = "periodic"
+    return Spline(places, knots, ends, quintic_spline(knots, places, kind, rates))

@@ -1,0 +1,387 @@
+"""Verify the curve that a controller will follow, at the samples and everywhere between them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.bounds import extremes_and_steps, first_above, hull, steps
+from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
+
+__all__ = ["Verification", "Violation", "first_violation", "verify"]
+
+QUANTITIES = ("position", *RATES)
+# Of piecewise polynomials, as they are documented.
+_LARGEST_ORDER = 9
+
+
+@dataclass(frozen=True)
+class Violation:
+    """What is wrong first with a trajectory.
+
+    Attributes
+    ----------
+    what : str
+        ``"position"``, ``"velocity"``, ``"acceleration"``, ``"jerk"``, ``"start time"``,
+        ``"start position"``, ``"final velocity"`` or ``"final acceleration"``.
+    joint : str
+        The joint; empty for ``"start time"``.
+    time : float
+        When, in s on the clock of the trajectory.
+    value, limit : float
+        What it is and what it may be at most (or should be), rad or m and s.
+    """
+
+    what: str
+    joint: str
+    time: float
+    value: float
+    limit: float
+
+    @property
+    def amount(self) -> float:
+        """How far the value is from what is allowed."""
+        return abs(self.value - self.limit)
+
+    def __str__(self) -> str:
+        joint = f" of joint '{self.joint}'" if self.joint else ""
+        limit = "limit" if self.what in QUANTITIES else "wanted value"
+        return (
+            f"{self.what}{joint} is {self.value:.9g} at t = {self.time:.6g} s, "
+            f"off its {limit} {self.limit:.9g} by {self.amount:.3g}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """Outcome of a verification.
+
+    Attributes
+    ----------
+    peak_velocity_ratio, peak_acceleration_ratio, peak_jerk_ratio : ndarray, shape (n,)
+        Largest magnitude anywhere on the curve over the limit, as far as it is certain in spite
+        of the rounding of samples; 0 where there is no limit.
+    violation : Violation or None
+        The first one in time, None if there is none.
+    largest_acceleration_step : ndarray, shape (n,)
+        Largest step of the acceleration between two segments, rad/s^2 or m/s^2, as far as it is
+        certain; rounding where the acceleration is continuous.
+    """
+
+    peak_velocity_ratio: FloatArray
+    peak_acceleration_ratio: FloatArray
+    peak_jerk_ratio: FloatArray
+    violation: Violation | None
+    largest_acceleration_step: FloatArray
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return self.violation is None
+
+    def require_ok(self) -> None:
+        """Raise `LimitExceededError` if something is wrong."""
+        if self.violation is not None:
+            found = self.violation
+            what = f"at t = {found.time:.6g} s {found.what}"
+            raise LimitExceededError(what, found.joint, found.value, found.limit)
+
+
+def verify(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
+    limits: JointLimits | Any,
+    *,
+    start: npt.ArrayLike | None = None,
+    start_tolerance: float = tolerances.POSITION_SLACK,
+    from_zero: bool = True,
+    to_rest: bool = True,
+    rates: Sequence[Rate] = RATES,
+) -> Verification:
+    """Verify that a trajectory begins, ends and stays as it must.
+
+    Parameters
+    ----------
+    trajectory : Waypoints, PiecewiseTrajectory or PiecewisePolynomial
+        Waypoints are interpolated as a controller does (linear, cubic or quintic).  Positions must
+        not step, nor velocities where accelerations are limited, nor accelerations of a motion
+        whose profile promises continuous ones.  Steps of velocity are not looked for where the
+        curve is linear throughout; steps of the acceleration of waypoints and of mere pieces are
+        no violation but told as a figure.
+    limits : JointLimits
+        Position limits and those limits of `rates` that are finite are checked, within
+        tolerances for rounding.
+    start : array_like, shape (n,), optional
+        Where the joints are, rad or m; the first position must be there.
+    start_tolerance : float
+        By how much it may differ, rad or m.
+    from_zero : bool
+        Whether the first instant must be t = 0.
+    to_rest : bool
+        Whether the last velocity and acceleration must be zero.
+    rates : sequence of str
+        Which of ``"velocity"``, ``"acceleration"`` and ``"jerk"`` to check against their limits.
+
+    Returns
+    -------
+    Verification
+        Peak ratios of all rates, and the first violation.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError, WrongSizeError
+        If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
+    """
+    known = Limits.of(limits)
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    low, high, largest = extremes_and_steps(curve, doubts)
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / known.rates
+    checked = [k for k, rate in enumerate(RATES) if rate in rates]
+    found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
+    allowed = _allowed_steps(trajectory, curve, known, rates)
+    good = (
+        (low[0] >= known.lower - tolerances.POSITION_SLACK).all()
+        and (high[0] <= known.upper + tolerances.POSITION_SLACK).all()
+        and (largest[:3] <= allowed).all()
+        and (ratios[checked] <= 1.0 + tolerances.LIMIT_SLACK).all()
+    )
+    if not good:
+        found += _violations(curve, known, doubts, allowed, rates)
+    velocity, acceleration, jerk = ratios
+    return Verification(velocity, acceleration, jerk, _first(found), largest[2])
+
+
+def first_violation(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
+    limits: JointLimits | Any,
+    *,
+    start: npt.ArrayLike | None = None,
+    start_tolerance: float = tolerances.POSITION_SLACK,
+    from_zero: bool = True,
+    to_rest: bool = True,
+    rates: Sequence[Rate] = RATES,
+) -> Violation | None:
+    """Find what is wrong first with a trajectory, if anything is, without compiled code.
+
+    Parameters
+    ----------
+    trajectory, limits, start, start_tolerance, from_zero, to_rest, rates
+        As for `verify`.
+
+    Returns
+    -------
+    Violation or None
+
+    Raises
+    ------
+    BadValueError, NonFiniteError, WrongSizeError
+        As `verify` does.
+    """
+    known = Limits.of(limits)
+    curve, doubts = _curve_and_doubts(trajectory, known)
+    found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
+    allowed = _allowed_steps(trajectory, curve, known, rates)
+    return _first(found + _violations(curve, known, doubts, allowed, rates))
+
+
+def _first(found: list[Violation]) -> Violation | None:
+    return min(found, key=lambda violation: violation.time, default=None)
+
+
+def _curve_and_doubts(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial, limits: Limits
+) -> tuple[PiecewisePolynomial, FloatArray]:
+    """Find the curve, and by how much its rates 0 to 3 may be rounded, (4, s, n)."""
+    curve, rounded = _curve_of(trajectory)
+    if curve.joints != len(limits.joint_names):
+        raise WrongSizeError("joints of the trajectory", curve.joints, len(limits.joint_names))
+    if rounded:
+        return curve, _rounding(curve)
+    return curve, np.zeros((4, *curve.coefficients.shape[1:]))
+
+
+def _violations(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    doubts: FloatArray,
+    allowed: FloatArray,
+    rates: Sequence[Rate],
+) -> list[Violation]:
+    """List what is wrong between start and end, the first of each kind."""
+    found = [
+        *_position_violations(curve, limits),
+        *_step_violations(curve, limits, _steps(curve, doubts), allowed),
+    ]
+    for order, rate in enumerate(RATES, 1):
+        if rate in rates:
+            found += _rate_violations(curve, limits, order, rate, doubts[order])
+    return found
+
+
+def _curve_of(
+    trajectory: Waypoints | PiecewiseTrajectory | PiecewisePolynomial,
+) -> tuple[PiecewisePolynomial, bool]:
+    """Find the curve, and whether it comes from samples and so carries their rounding."""
+    if isinstance(trajectory, Waypoints):
+        return trajectory.curve, True
+    if isinstance(trajectory, PiecewisePolynomial):
+        return checked_pieces(trajectory, "trajectory", _LARGEST_ORDER), True
+    pieces = getattr(trajectory, "pieces", None)
+    if not isinstance(pieces, PiecewisePolynomial):
+        expected = "Waypoints, a PiecewisePolynomial, or a trajectory with pieces"
+        raise BadValueError("trajectory", trajectory, expected)
+    return pieces, False
+
+
+def _ends(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    start: npt.ArrayLike | None,
+    start_tolerance: float,
+    from_zero: bool,
+    to_rest: bool,
+) -> Iterable[Violation]:
+    """Yield what is wrong with the first and the last instant."""
+    begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
+    if from_zero and begin != 0.0:
+        yield Violation("start time", "", begin, begin, 0.0)
+    if start is not None:
+        wanted = real_array("start", start)
+        if wanted.shape != (curve.joints,):
+            raise WrongSizeError("start", wanted.shape, (curve.joints,))
+        first = curve.coefficients[0, 0]
+        yield from _worst(
+            "start position", limits.joint_names, begin, first, wanted, start_tolerance
+        )
+    if to_rest:
+        last = curve.sample(end)
+        slacks, rest = tolerances.LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
+        for what, values, slack in (
+            ("final velocity", last.velocity, slacks[0]),
+            ("final acceleration", last.acceleration, slacks[1]),
+        ):
+            yield from _worst(what, limits.joint_names, end, values, rest, slack)
+
+
+def _worst(
+    what: str,
+    names: Sequence[str],
+    time: float,
+    values: FloatArray,
+    wanted: FloatArray,
+    slack: FloatArray | float,
+) -> Iterable[Violation]:
+    excess = np.abs(values - wanted) - slack
+    joint = int(excess.argmax()) if len(excess) else 0
+    if len(excess) and not excess[joint] <= 0.0:
+        yield Violation(what, names[joint], time, float(values[joint]), float(wanted[joint]))
+
+
+def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
+    coefficients = hull(curve, 0)
+    for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
+        place = first_above(sign * coefficients, sign * bound + tolerances.POSITION_SLACK)
+        if place is not None:
+            yield _described(curve, 0, limits.joint_names, place, sign, bound)
+
+
+def _steps(curve: PiecewisePolynomial, doubts: FloatArray) -> FloatArray:
+    """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
+    rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
+    certain: FloatArray = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
+    return certain
+
+
+def _allowed_steps(
+    trajectory: object, curve: PiecewisePolynomial, limits: Limits, rates: Sequence[Rate]
+) -> FloatArray:
+    """Find how far position, velocity and acceleration may step, shape (3, n)."""
+    allowed = np.empty((3, curve.joints))
+    allowed[0], allowed[1:] = tolerances.POSITION_SLACK, np.inf
+    if "acceleration" not in rates:
+        return allowed
+    limited = np.isfinite(limits.acceleration)
+    if curve.coefficients[2:].any():
+        np.multiply(tolerances.LIMIT_SLACK, limits.scales[0], out=allowed[1], where=limited)
+    if not getattr(trajectory, "ACCELERATION_STEPS", True):
+        np.multiply(tolerances.LIMIT_SLACK, limits.scales[1], out=allowed[2], where=limited)
+    return allowed
+
+
+def _step_violations(
+    curve: PiecewisePolynomial, limits: Limits, certain: FloatArray, allowed: FloatArray
+) -> Iterable[Violation]:
+    """Yield the first step of each derivative that is larger than allowed."""
+    too_large = ~(certain <= allowed[:, None])
+    for order in np.flatnonzero(too_large.any(axis=(1, 2))).tolist():
+        places, joints = np.nonzero(too_large[order])
+        k, joint = int(places[0]), int(joints[0])
+        step = float(steps(curve, (order,))[0, k, joint])
+        what, time = f"step of {QUANTITIES[order]}", float(curve.breaks[k + 1])
+        yield Violation(what, limits.joint_names[joint], time, step, 0.0)
+
+
+def _rate_violations(
+    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray
+) -> Iterable[Violation]:
+    bound = getattr(limits, rate)
+    allowed = bound * (1.0 + tolerances.LIMIT_SLACK) + doubt
+    coefficients = hull(curve, order)
+    for sign in (1.0, -1.0):
+        place = first_above(sign * coefficients, allowed)
+        if place is not None:
+            yield _described(curve, order, limits.joint_names, place, sign, sign * bound)
+
+
+def _rounding(curve: PiecewisePolynomial) -> FloatArray:
+    """Bound what the rounding of samples to floating point does to derivatives 0 to 3, (4, s, n).
+
+    The quintic through samples h apart multiplies errors of position by up to 60 / h^3 in its
+    jerk, errors of velocity by up to 36 / h^2 and so on; the factors here lie above all of them.
+    """
+    bound = np.zeros((4, *curve.coefficients.shape[1:]))
+    if not len(curve.spans):
+        return bound
+    eps, h = float(np.finfo(np.float64).eps), curve.spans[:, None]
+    starts = np.zeros((3, curve.joints))
+    known = np.abs(curve.coefficients[:3]).max(axis=1)
+    starts[: len(known)] = known * np.array([[1.0], [1.0], [2.0]])[: len(known)]
+    late = np.abs(curve.breaks[1:])[:, None]
+    bound[0] = 240.0 * eps * starts[0] + eps * (240.0 * late + 120.0 * h) * starts[1]
+    for order in (1, 2, 3):
+        np.divide(bound[order - 1], h, out=bound[order])
+    third = 20.0 * eps * starts[2]
+    bound[:3] += third
+    bound[3] += third / h
+    return bound
+
+
+def _described(
+    curve: PiecewisePolynomial,
+    order: int,
+    names: Sequence[str],
+    place: tuple[int, int],
+    sign: float,
+    bound: FloatArray,
+) -> Violation:
+    """Describe the worst of one joint in one segment."""
+    segment, joint = place
+    coefficients = curve.derivative(order)[:, segment, joint]
+    span = float(curve.spans[segment]) if len(curve.spans) else 0.0
+    turns = np.roots((coefficients * np.arange(len(coefficients)))[:0:-1])
+    real = turns[np.abs(turns.imag) <= 1e-9 * (1.0 + np.abs(turns.real))].real
+    instants = np.concatenate([[0.0, span], real[(real > 0.0) & (real < span)]])
+    values = np.polyval(coefficients[::-1], instants)
+    worst = int(np.argmax(sign * values))
+    time = float(curve.breaks[segment] + instants[worst])
+    return Violation(
+        QUANTITIES[order], names[joint], time, float(values[worst]), float(bound[joint])
+    )

@@ -1,0 +1,70 @@
+"""Double-S profiles over a way of 1 in a time of 1, by the shape of their ramps."""
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.profiles.velocity_profiles import along_line
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["unit_double_s", "unit_double_s_samples"]
+
+
+def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
+    """Give a double-S profile of one joint over a way of 1 in a time of 1.
+
+    Parameters
+    ----------
+    ramp : float
+        Part of the duration in which the speed rises, and in which it falls, up to 1/2.
+    rounding : float
+        Part of half a ramp in which the jerk acts at each of its ends, above 0 and up to 1.
+    """
+    lengths, jerks = _unit_phases(np.array([ramp]), np.array([rounding]))
+    phases = zip(lengths[0].tolist(), jerks[0].tolist(), strict=True)
+    return along_line(np.zeros(1), np.ones(1), [phase for phase in phases if phase[0] > 0.0], 3)
+
+
+def unit_double_s_samples(
+    ramps: FloatArray, roundings: FloatArray, inside: FloatArray
+) -> FloatArray:
+    """Sample many double-S profiles over a way of 1 in a time of 1.
+
+    Parameters
+    ----------
+    ramps, roundings : ndarray, shape (k,)
+        Of every profile, as for `unit_double_s`.
+    inside : ndarray, shape (p,)
+        Which parts of each of the seven phases are over.
+
+    Returns
+    -------
+    ndarray, shape (4, k, 7 p)
+        Way, velocity, acceleration, jerk.
+    """
+    lengths, jerks = _unit_phases(ramps, roundings)
+    samples = np.empty((4, *lengths.shape, len(inside)))
+    state = np.zeros((3, len(ramps)))
+    for phase in range(lengths.shape[1]):
+        jerk = jerks[:, phase, None]
+        s, v, a = state[:, :, None]
+        for t, out in (
+            (lengths[:, phase, None] * inside, samples[:, :, phase]),
+            (lengths[:, phase, None], state[:, :, None]),
+        ):
+            rates = (
+                s + t * (v + t * (a / 2.0 + t * jerk / 6.0)),
+                v + t * (a + t * jerk / 2.0),
+                a + t * jerk,
+                jerk + 0.0 * t,
+            )
+            out[:] = np.stack(rates[: len(out)])
+    return samples.reshape(4, len(ramps), -1)
+
+
+def _unit_phases(ramps: FloatArray, roundings: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Give lengths and jerks of the seven phases of profiles over a way and a time of 1."""
+    step = 0.5 * ramps * roundings
+    jerk = 1.0 / ((1.0 - ramps) * (ramps - step) * step)
+    up, none = [step, ramps - 2.0 * step, step], np.zeros_like(jerk)
+    lengths = np.stack([*up, 1.0 - 2.0 * ramps, *up], axis=1)
+    return lengths, np.stack([jerk, none, -jerk, none, -jerk, none, jerk], axis=1)

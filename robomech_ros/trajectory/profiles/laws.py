@@ -1,0 +1,190 @@
+"""Laws of motion from rest to rest, over a time and a way of 1.
+
+The cubic spline through both points is one of them: with neither velocity nor acceleration at its
+ends it has two more knots, at a quarter and at three quarters of the time.
+
+All of them are symmetric, s(1 - tau) = 1 - s(tau), and have no velocity and no acceleration at
+their ends.
+
+References
+----------
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3, 6.4 and 6.6.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.bounds import extremes
+from robomech_ros.trajectory.curves.hermite import septic
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Rate
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CUBIC", "CYCLOIDAL", "POLY345", "POLY4567", "Law", "Rates", "law_of"]
+
+# Septic polynomials that stand for the cycloidal motion: they differ from it by 1e-13.
+_CYCLOIDAL_SEGMENTS = 32
+
+
+class Rates(NamedTuple):
+    """First three derivatives of s, shaped like tau."""
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    jerk: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """How the part of the way s that is done depends on the part of the time tau that is over.
+
+    Attributes
+    ----------
+    progress : callable
+        s(tau), accurate relative to s itself for tau up to 1/2.
+    rates : callable
+        Its first three derivatives.
+    peaks : dict
+        Their largest magnitudes.
+    pieces : PiecewisePolynomial
+        s(tau) as one joint.
+    """
+
+    progress: Callable[[FloatArray], FloatArray]
+    rates: Callable[[FloatArray], Rates]
+    peaks: dict[Rate, float]
+    pieces: PiecewisePolynomial
+
+    @cached_property
+    def magnitudes(self) -> tuple[float, float, float]:
+        """Peaks of velocity, acceleration and jerk, in this order."""
+        return self.peaks["velocity"], self.peaks["acceleration"], self.peaks["jerk"]
+
+
+def _pieces(breaks: list[float], *coefficients: list[float]) -> PiecewisePolynomial:
+    return PiecewisePolynomial(np.array(breaks), np.array(coefficients)[:, :, None])
+
+
+def _one_piece(*coefficients: float) -> PiecewisePolynomial:
+    return _pieces([0.0, 1.0], *([one] for one in coefficients))
+
+
+def law_of(pieces: PiecewisePolynomial) -> Law:
+    """Make a law of its pieces: from 0 to 1 in a time of 1, from rest to rest, and symmetric."""
+
+    def progress(tau: FloatArray) -> FloatArray:
+        return pieces.sample(tau).position.reshape(np.shape(tau))
+
+    def rates(tau: FloatArray) -> Rates:
+        # Counted from the nearer end, so that both ends are at rest exactly.
+        back = np.asarray(tau) > 0.5
+        sample = pieces.sample(np.where(back, 1.0 - tau, tau))
+        velocity, acceleration, jerk = (rate.reshape(np.shape(tau)) for rate in sample[1:])
+        return Rates(velocity, np.where(back, -acceleration, acceleration), jerk)
+
+    low, high = extremes(pieces)
+    largest = np.maximum(-low, high)[1:, 0].tolist()
+    peaks: dict[Rate, float] = dict(zip(RATES, largest, strict=True))
+    return Law(progress, rates, peaks, pieces)
+
+
+def _progress345(tau: FloatArray) -> FloatArray:
+    return tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
+
+
+def _rates345(tau: FloatArray) -> Rates:
+    both = tau * (1.0 - tau)
+    return Rates(30.0 * both**2, 60.0 * both * (1.0 - 2.0 * tau), 60.0 - 360.0 * both)
+
+
+def _progress4567(tau: FloatArray) -> FloatArray:
+    return tau**4 * (35.0 + tau * (tau * (70.0 - 20.0 * tau) - 84.0))
+
+
+def _rates4567(tau: FloatArray) -> Rates:
+    both = tau * (1.0 - tau)
+    return Rates(
+        140.0 * both**3,
+        420.0 * both**2 * (1.0 - 2.0 * tau),
+        840.0 * both * (1.0 - 5.0 * both),
+    )
+
+
+def _progress_cycloidal(tau: FloatArray) -> FloatArray:
+    turn = 2.0 * math.pi
+    # The difference loses its digits near zero; there the next term is below rounding.
+    small = (turn * tau) ** 3 / (6.0 * turn) * (1.0 - (turn * tau) ** 2 / 20.0)
+    return np.where(tau < 1e-4, small, tau - np.sin(turn * tau) / turn)
+
+
+def _rates_cycloidal(tau: FloatArray) -> Rates:
+    # Counted from the nearer end, so that both ends are at rest exactly.
+    angle = 2.0 * math.pi * np.where(tau < 0.5, tau, tau - 1.0)
+    return Rates(
+        2.0 * np.sin(0.5 * angle) ** 2,
+        2.0 * math.pi * np.sin(angle),
+        4.0 * math.pi**2 * np.cos(angle),
+    )
+
+
+def _progress_cubic(tau: FloatArray) -> FloatArray:
+    left = 0.5 - tau
+    late = 0.5 - left * (2.0 - 16.0 / 3.0 * left**2)
+    late = np.where(tau > 0.75, 1.0 - 16.0 / 3.0 * (1.0 - tau) ** 3, late)
+    return np.where(tau < 0.25, 16.0 / 3.0 * tau**3, late)
+
+
+def _rates_cubic(tau: FloatArray) -> Rates:
+    # Since the nearer end, or until the middle.
+    since = np.minimum(tau, 1.0 - tau)
+    left = 0.5 - since
+    outer = since < 0.25
+    magnitude = 32.0 * np.where(outer, since, left)
+    return Rates(
+        np.where(outer, 16.0 * since**2, 2.0 - 16.0 * left**2),
+        np.where(tau < 0.5, magnitude, -magnitude),
+        np.where((tau < 0.25) | (tau >= 0.75), 32.0, -32.0),
+    )
+
+
+def _cycloidal_pieces() -> PiecewisePolynomial:
+    tau = np.linspace(0.0, 1.0, _CYCLOIDAL_SEGMENTS + 1)
+    values = np.stack([_progress_cycloidal(tau), *_rates_cycloidal(tau)])
+    return septic(tau, values[:, :, None])
+
+
+POLY345 = Law(
+    _progress345,
+    _rates345,
+    {"velocity": 15.0 / 8.0, "acceleration": 10.0 * math.sqrt(3.0) / 3.0, "jerk": 60.0},
+    _one_piece(0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
+)
+POLY4567 = Law(
+    _progress4567,
+    _rates4567,
+    {"velocity": 35.0 / 16.0, "acceleration": 84.0 * math.sqrt(5.0) / 25.0, "jerk": 52.5},
+    _one_piece(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
+)
+CYCLOIDAL = Law(
+    _progress_cycloidal,
+    _rates_cycloidal,
+    {"velocity": 2.0, "acceleration": 2.0 * math.pi, "jerk": 4.0 * math.pi**2},
+    _cycloidal_pieces(),
+)
+CUBIC = Law(
+    _progress_cubic,
+    _rates_cubic,
+    {"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0},
+    _pieces(
+        [0.0, 0.25, 0.75, 1.0],
+        [0.0, 1.0 / 12.0, 11.0 / 12.0],
+        [0.0, 1.0, 1.0],
+        [0.0, 4.0, -4.0],
+        [16.0 / 3.0, -16.0 / 3.0, 16.0 / 3.0],
+    ),
+)

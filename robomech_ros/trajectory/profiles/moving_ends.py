@@ -1,0 +1,156 @@
+"""Jerk-limited motion between two states of any position, velocity and acceleration."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import DurationTooShortError
+from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.time_scaling import checked_duration
+from robomech_ros.trajectory.joint_points import check_numbers, joint_values
+from robomech_ros.trajectory.limits import RATES, JointLimits, Limits
+from robomech_ros.trajectory.profiles.jerk_limited import binding_rates, check_state, curve_of
+from robomech_ros.trajectory.profiles.ruckig_phases import jerk_phases
+from robomech_ros.trajectory.sample import FloatArray, Sample
+
+__all__ = ["StateToState", "state_to_state"]
+
+
+@dataclass(frozen=True, eq=False)
+class StateToState:
+    """Piecewise constant jerk, all joints arriving together, as fast at the end as was wanted.
+
+    Attributes
+    ----------
+    final : Sample
+        Position, velocity and acceleration at the end, (n,); its jerk is zero.
+    pieces : PiecewisePolynomial
+        The curve, from t = 0 on.
+    """
+
+    final: Sample
+    pieces: PiecewisePolynomial
+
+    ACCELERATION_STEPS: ClassVar[bool] = False
+
+    @property
+    def duration(self) -> float:
+        """Time from start to end, in s."""
+        return self.pieces.duration
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before the start and after the end the joints are at rest there.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        sample = sample_many(self.pieces, t)
+        instants = np.asarray(t, dtype=np.float64).ravel()
+        now, over = instants == self.duration, instants >= self.duration
+        if sample.position.ndim == 1:
+            now, over = now[0], over[0]
+        sample.position[over] = self.final.position
+        sample.velocity[now] = self.final.velocity
+        sample.acceleration[now] = self.final.acceleration
+        return sample
+
+
+def state_to_state(
+    q0: npt.ArrayLike,
+    q1: npt.ArrayLike,
+    *,
+    limits: JointLimits | Any,
+    start_velocity: npt.ArrayLike | None = None,
+    start_acceleration: npt.ArrayLike | None = None,
+    final_velocity: npt.ArrayLike | None = None,
+    final_acceleration: npt.ArrayLike | None = None,
+    duration: float | None = None,
+) -> StateToState:
+    """Plan the fastest jerk-limited motion from one state to another, by Ruckig.
+
+    Parameters
+    ----------
+    q0, q1 : array_like, shape (n,)
+        Start and goal, rad or m.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes; velocity, acceleration and
+        jerk limits of every joint.
+    start_velocity, start_acceleration, final_velocity, final_acceleration : array_like, \
+    shape (n,), optional
+        Rates at both ends, rad or m over s and s^2; zero where not given.
+    duration : float, optional
+        Wanted duration in s; None (or 0) for the shortest.
+
+    Returns
+    -------
+    StateToState
+        With ``.duration`` (s), ``.sample(t)`` and ``.pieces``.
+
+    Raises
+    ------
+    WrongSizeError, NonFiniteError, BadValueError
+        If positions or rates do not have one finite number for each joint, or Ruckig fails.
+    MissingLimitsError
+        If a joint lacks a limit.
+    SeedOutsideLimitsError, LimitExceededError
+        If a state is outside the limits, or the motion between them leaves them: a joint that is
+        as fast as it may be and still accelerates must become faster.
+    DurationTooShortError
+        If the wanted duration is not possible; moving joints may not be able to wait, either.
+
+    References
+    ----------
+    L. Berscheid, T. Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+    States", Robotics: Science and Systems XVII, 2021.
+    """
+    allowed = Limits.of(limits)
+    allowed.require(*RATES)
+    n = len(allowed.joint_names)
+    start, goal = _checked("q0", q0, n), _checked("q1", q1, n)
+    allowed.check_start(start)
+    allowed.check_goal(goal)
+    begin = (
+        _checked("start_velocity", start_velocity, n),
+        _checked("start_acceleration", start_acceleration, n),
+    )
+    end = (
+        _checked("final_velocity", final_velocity, n),
+        _checked("final_acceleration", final_acceleration, n),
+    )
+    check_state("start", allowed, *begin)
+    check_state("final", allowed, *end)
+    wanted = checked_duration(duration)
+    least = max(wanted or 0.0, tolerances.SHORTEST_TRAJECTORY)
+    phases = jerk_phases(goal - start, *begin, allowed, least, *end)
+    pieces = curve_of(phases, start, goal, end[0])
+    if wanted is not None and pieces.duration > least + tolerances.DURATION_ROUNDING * (1 + least):
+        joint = int(np.argmax(phases.alone))
+        names = binding_rates(pieces, allowed, joint)
+        raise DurationTooShortError(wanted, pieces.duration, allowed.joint_names[joint], names)
+    check_rates(pieces, allowed)
+    check_positions(pieces, start, allowed)
+    return StateToState(Sample(goal, *end, np.zeros(n)), pieces)
+
+
+def _checked(what: str, values: npt.ArrayLike | None, n: int) -> FloatArray:
+    """Copy one finite number for each joint, shape (n,), zeros for None."""
+    array = np.zeros(n) if values is None else joint_values(what, values, (n,))
+    check_numbers(what, array)
+    return array

@@ -1,0 +1,141 @@
+"""Motions from rest to rest on a straight line in joint space, along one of the book's laws.
+
+References
+----------
+J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., sections 6.3, 6.4 and 6.6.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.timing import straight as time_straight
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.profiles.from_rest import FromRest
+from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
+from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
+
+__all__ = ["CubicSplineMotion", "Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
+
+
+_M = TypeVar("_M", bound="RestToRest")
+
+_shortest_duration = direct(time_straight.shortest_duration)
+
+
+@dataclass(frozen=True, eq=False)
+class RestToRest(FromRest):
+    r"""From rest to rest, all joints together.
+
+    .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T)
+
+    The joints keep the ratio of their displacements, so that the path is a straight line in joint
+    space.
+
+    Attributes
+    ----------
+    start, goal : ndarray, shape (n,)
+        Joint values in rad or m.
+    duration : float
+        T in s.
+    """
+
+    start: FloatArray
+    goal: FloatArray
+    duration: float
+
+    def __init__(self, start: FloatArray, goal: FloatArray, duration: float) -> None:
+        # What a frozen dataclass does for this takes a sixth of the time of a whole plan.
+        fields = self.__dict__
+        fields["start"], fields["goal"], fields["duration"] = start, goal, duration
+
+    LAW: ClassVar[Law]
+
+    @classmethod
+    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, None]:
+        velocity, acceleration, jerk = cls.LAW.magnitudes
+        least = _shortest_duration(start, goal, limits.inverses, velocity, acceleration, jerk)
+        return least, None
+
+    @classmethod
+    def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
+        shares = np.abs(goal - start) * limits.inverses * np.array(cls.LAW.magnitudes)[:, None]
+        needed = shares ** (1.0 / np.arange(1.0, 4.0))[:, None]
+        order, joint = np.unravel_index(int(np.argmax(needed)), needed.shape)
+        return RATES[order], int(joint)
+
+    @classmethod
+    def _lasting(
+        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: None
+    ) -> _M:
+        return cls(start, goal, duration)
+
+    def sample(self, t: npt.ArrayLike) -> Sample:
+        """Sample positions and derivatives.
+
+        Parameters
+        ----------
+        t : array_like, shape () or (m,)
+            Instants in s; before 0 the joints rest at the start, after T at the goal.
+
+        Returns
+        -------
+        Sample
+            Arrays of shape (n,) or (m, n).
+
+        Raises
+        ------
+        NonFiniteError
+            If an instant is NaN or infinite.
+        """
+        times = checked_times(t)
+        inside = np.minimum(np.maximum(times, 0.0), self.duration)
+        tau = (inside / self.duration)[..., None]
+        rise = self.goal - self.start
+        # The half nearer to an end counts from that end, so that both are met exactly.
+        early = tau < 0.5
+        way = rise * self.LAW.progress(np.where(early, tau, 1.0 - tau))
+        position = np.where(early, self.start + way, self.goal - way)
+        rates = self.LAW.rates(tau)
+        scaled = [rise / self.duration**order * rate for order, rate in enumerate(rates, 1)]
+        return held_outside(Sample(position, *scaled), inside != times)
+
+    @cached_property
+    def pieces(self) -> PiecewisePolynomial:
+        """The same curve in powers of t; its breaks are where the jerk may step."""
+        law, duration = self.LAW.pieces, self.duration
+        if (self.goal == self.start).all():
+            return PiecewisePolynomial(np.array([0.0, duration]), self.start[None, None])
+        powers = duration ** np.arange(len(law.coefficients))
+        coefficients = law.coefficients / powers[:, None, None] * (self.goal - self.start)
+        coefficients[0] += self.start
+        return PiecewisePolynomial(law.breaks * duration, coefficients)
+
+
+class Polynomial345(RestToRest):
+    """Along the 3-4-5 polynomial: the lowest accelerations, and steps of the jerk at the ends."""
+
+    LAW = POLY345
+
+
+class Polynomial4567(RestToRest):
+    """Along the 4-5-6-7 polynomial, whose jerk vanishes at both ends, too."""
+
+    LAW = POLY4567
+
+
+class Cycloidal(RestToRest):
+    """Along the cycloidal motion: uniform, less one turn of a wheel."""
+
+    LAW = CYCLOIDAL
+
+
+class CubicSplineMotion(RestToRest):
+    """Along the cubic spline through both points, at rest at its ends: the jerk steps inside."""
+
+    LAW = CUBIC

@@ -1,0 +1,1 @@
+"""How fast a path can be passed within limits of joints, of the tip and of torques."""

@@ -1,0 +1,99 @@
+"""Paths as joints over a path coordinate: their check, and their sections between corners."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from robomech_ros._kernels import tolerances
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["checked_path", "jump", "sections"]
+
+_LARGEST_ORDER = 5
+_MOST_PIECES = 100_000
+
+
+def checked_path(path: PiecewisePolynomial) -> PiecewisePolynomial:
+    """Check a path, and give it with plain arrays and without powers that nowhere occur.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        If it is no piecewise polynomial up to the fifth order, or not continuous.
+    """
+    if not isinstance(path, PiecewisePolynomial):
+        raise BadValueError("path", path, "a PiecewisePolynomial over the path coordinate")
+    curve = checked_pieces(path, "path", _LARGEST_ORDER)
+    coefficients, pieces = curve.coefficients, curve.coefficients.shape[1]
+    if pieces > _MOST_PIECES:
+        raise BadValueError("number of pieces of the path", pieces, f"at most {_MOST_PIECES}")
+    _check_continuity(curve)
+    used = np.flatnonzero(coefficients.any(axis=(1, 2)))
+    order = int(used[-1]) if len(used) else 0
+    kept = np.ascontiguousarray(coefficients[: max(order, 1) + 1])
+    return PiecewisePolynomial(curve.breaks, kept)
+
+
+def sections(curve: PiecewisePolynomial) -> list[PiecewisePolynomial]:
+    """Divide a path at its corners, and leave out the parts where no joint moves.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        s pieces, continuous.
+
+    Returns
+    -------
+    list of PiecewisePolynomial
+        Each with a continuous first derivative; none if no joint moves at all.
+    """
+    moves = _moves(curve)
+    corners = jump(curve, 1) | (moves[1:] != moves[:-1]) if len(moves) > 1 else np.empty(0, bool)
+    ends = [0, *(np.flatnonzero(corners) + 1).tolist(), len(moves)]
+    return [
+        PiecewisePolynomial(
+            curve.breaks[first : last + 1],
+            np.ascontiguousarray(curve.coefficients[:, first:last]),
+        )
+        for first, last in pairwise(ends)
+        if moves[first]
+    ]
+
+
+def jump(curve: PiecewisePolynomial, order: int) -> np.ndarray:
+    """Find at which inner breaks a derivative steps by more than rounding, shape (s - 1,)."""
+    coefficients = hull(curve, order)
+    step = np.abs(coefficients[-1, :-1] - coefficients[0, 1:])
+    size = np.abs(coefficients).max(axis=(0, 1))
+    # What the rounding of positions does to a derivative over the shorter of both pieces.
+    shorter = np.minimum(curve.spans[1:], curve.spans[:-1])[:, None]
+    rounding = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
+    allowed = tolerances.PATH_STEP * size + 100.0 * rounding / shorter**order
+    stepping: np.ndarray = (step > allowed).any(axis=1)
+    return stepping
+
+
+def _moves(curve: PiecewisePolynomial) -> np.ndarray:
+    """Find in which pieces joints move by more than rounding, shape (s,)."""
+    if len(curve.breaks) < 2:
+        return np.zeros(1, bool)
+    way = np.abs(hull(curve, 1)).max(axis=0) * curve.spans[:, None]
+    rounding: FloatArray = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
+    moving: np.ndarray = (way > np.maximum(rounding, tolerances.PATH_STANDSTILL)).any(axis=1)
+    return moving
+
+
+def _check_continuity(curve: PiecewisePolynomial) -> None:
+    stepping = jump(curve, 0) if len(curve.breaks) > 2 else np.empty(0, bool)
+    if stepping.any():
+        k = int(np.argmax(stepping)) + 1
+        ends = hull(curve, 0)
+        step = np.abs(ends[-1, k - 1] - ends[0, k]).max()
+        where = float(curve.breaks[k])
+        raise BadValueError(
+            f"step of the path at its coordinate {where:.9g}", float(step), "no step: 0"
+        )

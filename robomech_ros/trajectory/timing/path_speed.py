@@ -1,0 +1,385 @@
+"""The largest speed at which a path can be passed within limits, on a grid that refines itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros._kernels.timing import bends as time_bends
+from robomech_ros._kernels.timing import bounds as time_bounds
+from robomech_ros._kernels.timing import optimal as time_optimal
+from robomech_ros._kernels.timing import peaks as time_peaks
+from robomech_ros._kernels.timing import pieces as time_pieces
+from robomech_ros._kernels.timing import rows as time_rows
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+
+__all__ = ["PathLimits", "SpeedProfile", "Timed", "fastest"]
+
+# Cells of the first grid: in a piece of the path, and in a path of few pieces.
+_CELLS_IN_PIECE = 16
+_FEWEST_CELLS = 64
+# Parts of the first and the last cell at which it is divided.
+_TO_ENDS = 8.0 ** np.arange(-5.0, 0.0)
+# What all pieces of a very long path may have together at first, and at last.
+_MOST_CELLS = 40_000
+_MOST_REFINED = 200_000
+# Part of the duration that one cell may cost by its length, before it is divided.
+_CELL_COST = 1e-4
+# The grid is refined at least and at most so many times, and while it gains this part of the time.
+_LEAST_PASSES, _MOST_PASSES = 3, 8
+_WORTHWHILE = 3e-3
+# No cell is shorter than this part of the path.
+_SHORTEST = 1e-7
+# Duration (s) of a whole path at the speed that bounds what nothing else bounds.
+_INSTANT = 1e-9
+
+Bound = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class PathLimits:
+    """What limits the speed along a path of n joints.
+
+    Attributes
+    ----------
+    velocity, acceleration : ndarray, shape (n,)
+        Of the joints, rad or m over s and s^2, infinite for none.
+    speeds : list of SpeedLimit
+        Other speeds.
+    torques : list of TorqueLimits
+        Torques, or what else is linear in the acceleration along the path.
+    square : callable, optional
+        Of path coordinates (m + 1,) of the nodes, the largest squares of the speed there.
+    slowdown : callable, optional
+        Of path coordinates (m,) in the middle of the cells, parts of all accelerations to use.
+    """
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    speeds: list[SpeedLimit] = field(default_factory=list)
+    torques: list[TorqueLimits] = field(default_factory=list)
+    square: Bound | None = None
+    slowdown: Bound | None = None
+
+    @cached_property
+    def velocity_scales(self) -> FloatArray:
+        """One over the velocity limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + tolerances.TIMING_MARGIN) / self.velocity
+
+    @cached_property
+    def acceleration_scales(self) -> FloatArray:
+        """One over the acceleration limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + tolerances.TIMING_MARGIN) / self.acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Squares of the speed along a path, cell by cell.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (m + 1,)
+        Path coordinates where the cells begin and end.
+    local : ndarray, shape (m, n, d + 1)
+        The path in each cell, in powers of the coordinate since its beginning.
+    bends : ndarray, shape (m,)
+        By how much the square of the speed bends inside each cell.
+    squares : ndarray, shape (m + 1,)
+        Squares of the speed at the nodes.
+    binding : ndarray of int, shape (m,)
+        Which row of limits binds in each cell.
+    """
+
+    nodes: FloatArray
+    local: FloatArray
+    bends: FloatArray
+    squares: FloatArray
+    binding: npt.NDArray[np.int64]
+
+    @cached_property
+    def spans(self) -> FloatArray:
+        """Lengths of the cells, shape (m,)."""
+        return np.diff(self.nodes)
+
+    @cached_property
+    def duration(self) -> float:
+        """Duration in s."""
+        return float(time_pieces.total_time(self.spans, self.bends, self.squares))
+
+    def timed(self, scales: FloatArray, accuracy: float) -> "Timed":
+        """Turn the profile into a motion whose accelerations are right within `accuracy`.
+
+        It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
+        """
+        given = self.local, self.spans, self.bends, self.squares
+        counts = np.ones(len(self.spans), np.int64)
+        if not scales.all():
+            rough = self._in_pieces(counts).pieces
+            peaks = 2.0 * np.abs(rough.coefficients[2]).max(axis=0)
+            scales = np.where(scales > 0.0, scales, 1.0 / np.where(peaks > 0.0, peaks, np.inf))
+        time_pieces.piece_counts(*given, scales, accuracy, counts)
+        return self._in_pieces(counts)
+
+    def _in_pieces(self, counts: npt.NDArray[np.int64]) -> "Timed":
+        """Divide each cell into a number of pieces, shape (m,)."""
+        total = int(counts.sum())
+        times, coordinates, speeds = np.empty((3, total + 1))
+        coefficients = np.empty((6, total, self.local.shape[1]))
+        given = self.local, self.spans, self.bends, self.squares
+        time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
+        pieces = PiecewisePolynomial(times, coefficients)
+        return Timed(pieces, coordinates + self.nodes[0], speeds)
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """A motion along a path.
+
+    Attributes
+    ----------
+    pieces : PiecewisePolynomial
+        All joints over time, p pieces.
+    coordinates, speeds : ndarray, shape (p + 1,)
+        Path coordinate, and its rate, where the pieces begin and end.
+    """
+
+    pieces: PiecewisePolynomial
+    coordinates: FloatArray
+    speeds: FloatArray
+
+    def within(self, *limits: FloatArray) -> "Timed":
+        """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
+
+        All peaks are found between the samples as well; what is over by less than half of
+        `tolerances.LIMIT_SLACK` counts as rounding.
+        """
+        slower, floor = 1.0, 1.0 + 0.5 * tolerances.LIMIT_SLACK
+        for order, limit in enumerate(limits, 1):
+            given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
+            peak = float(time_peaks.peak_above(*given, order, floor))
+            if peak > floor:
+                slower = max(slower, peak ** (1.0 / order))
+        return self.stretched(slower)
+
+    def stretched(self, factor: float) -> "Timed":
+        """Take longer by a factor, everywhere."""
+        if factor == 1.0:
+            return self
+        pieces = self.pieces
+        powers = factor ** -np.arange(len(pieces.coefficients), dtype=float)
+        slower = pieces.coefficients * powers[:, None, None]
+        pieces = PiecewisePolynomial(pieces.breaks * factor, slower)
+        return Timed(pieces, self.coordinates, self.speeds / factor)
+
+
+def fastest(
+    path: PiecewisePolynomial, limits: PathLimits, begin: float = 0.0, end: float = 0.0
+) -> SpeedProfile:
+    """Find the largest speed along a path.
+
+    Parameters
+    ----------
+    path : PiecewisePolynomial
+        Joints over the path coordinate, with continuous first derivative.
+    limits : PathLimits
+        What must be kept, all along the path.
+    begin, end : float
+        Speeds at the beginning and the end of the path, in path coordinate over s.
+
+    Returns
+    -------
+    SpeedProfile
+
+    Raises
+    ------
+    BadValueError
+        If a wanted speed at an end is not possible, or torque or speed limits forbid every motion.
+    """
+    nodes = _first_grid(path.breaks)
+    bends = np.zeros(len(nodes) - 1)
+    best: SpeedProfile | None = None
+    for done in range(1, _MOST_PASSES + 1):
+        profile = _profile(path, limits, nodes, bends, begin, end)
+        missed = _missed(profile, begin, end)
+        gain = 1.0 if best is None else 1.0 - profile.duration / best.duration
+        if best is None or (missed, profile.duration) < (_missed(best, begin, end), best.duration):
+            best = profile
+        if done >= _LEAST_PASSES and gain < _WORTHWHILE:
+            break
+        nodes, bends = _refined(profile)
+        if len(bends) > _MOST_REFINED:
+            break
+    assert best is not None
+    _check_ends(best, begin, end)
+    return best
+
+
+def _first_grid(breaks: FloatArray) -> FloatArray:
+    pieces = len(breaks) - 1
+    wanted = max(_CELLS_IN_PIECE, -(-_FEWEST_CELLS // pieces))
+    count = max(min(wanted, _MOST_CELLS // pieces), 1)
+    parts = np.arange(count) / count
+    inner = (breaks[:-1, None] + np.diff(breaks)[:, None] * parts).ravel()
+    # Finer towards both ends, where a motion from rest soon comes to other bounds.
+    first, last = np.diff(breaks)[[0, -1]] / count
+    begin, end = breaks[0] + first * _TO_ENDS, breaks[-1] - last * _TO_ENDS[::-1]
+    return np.concatenate([inner[:1], begin, inner[1:], end, breaks[-1:]])
+
+
+def _refined(profile: SpeedProfile) -> tuple[FloatArray, FloatArray]:
+    cells = len(profile.spans)
+    bends = np.empty(cells)
+    given = profile.squares, profile.spans, profile.binding
+    time_bends.bends(*given, bends)
+    nodes = np.empty(2 * time_bends.PARTS * cells + 1)
+    finer = np.empty(2 * time_bends.PARTS * cells)
+    shortest = _SHORTEST * (profile.nodes[-1] - profile.nodes[0])
+    count = time_bends.refine(*given, profile.nodes, bends, _CELL_COST, shortest, nodes, finer)
+    return nodes[: count + 1], finer[:count]
+
+
+def _profile(
+    path: PiecewisePolynomial,
+    limits: PathLimits,
+    nodes: FloatArray,
+    bends: FloatArray,
+    begin: float,
+    end: float,
+) -> SpeedProfile:
+    """Find the largest speed on one grid with given bends."""
+    spans = np.diff(nodes)
+    size, _, joints = path.coefficients.shape
+    local = np.empty((len(spans), joints, size))
+    time_rows.local_path(path.breaks, path.coefficients, nodes, local)
+    bounds = _bounds(limits, nodes, spans, local, bends)
+    first, second, rest, owners = _rows(limits, nodes, spans, local, bends)
+    rows = first, second, rest, bounds
+    ends = _square(begin, local[0, :, 1]), _square(end, _last_rate(local, spans))
+    squares, fault = _passes(rows, *ends)
+    if fault is not None and end > 0.0:
+        squares, fault = _passes(rows, ends[0], -1.0)  # as fast as possible; refused by the caller
+    if fault is not None:
+        raise _impossible(limits, float(nodes[fault]))
+    binding = np.empty(len(spans), np.int64)
+    time_optimal.binding_rows(*rows, squares, owners, binding)
+    return SpeedProfile(nodes, local, bends, squares, binding)
+
+
+def _square(speed: float, rate: FloatArray) -> float:
+    """Give the wanted square of the speed at an end; any, -1, if the joints rest there anyway."""
+    return -1.0 if speed == 0.0 and not rate.any() else speed * speed
+
+
+def _last_rate(local: FloatArray, spans: FloatArray) -> FloatArray:
+    """Give the derivatives of the joints at the end of the path, zero if only rounding is left."""
+    powers = np.arange(1.0, local.shape[2])
+    terms = local[-1, :, 1:] * powers * spans[-1] ** (powers - 1.0)
+    rate: FloatArray = terms.sum(axis=1)
+    rate[np.abs(rate) <= tolerances.PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
+    return rate
+
+
+def _passes(
+    rows: tuple[FloatArray, FloatArray, FloatArray, FloatArray], begin: float, end: float
+) -> tuple[FloatArray, int | None]:
+    """Find the squares of the speed at the nodes, and the cell that cannot be passed, if any."""
+    lowest, highest, squares = np.empty((3, len(rows[3])))
+    where = np.zeros(1, np.int64)
+    status = time_optimal.speed_profile(*rows, begin, end, lowest, highest, squares, where)
+    for wanted, node, coefficients in ((begin, 0, rows[0][0]), (end, -1, rows[1][-1])):
+        # The range from which the end can be reached begins at the wanted square but for rounding.
+        change = abs(squares[node] - wanted) * np.abs(coefficients).max(initial=0.0)
+        if wanted >= 0.0 and change <= tolerances.ROW_SLACK:
+            squares[node] = wanted
+    return squares, None if status == time_optimal.DONE else int(where[0])
+
+
+def _differences(
+    profile: SpeedProfile, begin: float, end: float
+) -> list[tuple[str, float, float, bool]]:
+    """List for both ends the wanted speed, the one that is possible, and whether they agree."""
+    last = _last_rate(profile.local, profile.spans)
+    found = []
+    for which, wanted, square, rate in (
+        ("initial", begin, profile.squares[0], profile.local[0, :, 1]),
+        ("final", end, profile.squares[-1], last),
+    ):
+        possible = float(np.sqrt(square))
+        free = _square(wanted, rate) < 0.0
+        near = free or abs(possible - wanted) <= tolerances.LIMIT_SLACK * wanted
+        found.append((which, wanted, possible, near))
+    return found
+
+
+def _missed(profile: SpeedProfile, begin: float, end: float) -> float:
+    """By how much the wanted speeds at the ends are missed; 0 where they are met."""
+    return sum(
+        0.0 if near else abs(wanted - possible)
+        for _, wanted, possible, near in _differences(profile, begin, end)
+    )
+
+
+def _check_ends(profile: SpeedProfile, begin: float, end: float) -> None:
+    """Refuse speeds at the ends that the limits do not allow."""
+    for which, wanted, possible, near in _differences(profile, begin, end):
+        if not near:
+            most = "at most" if possible < wanted else "at least"
+            expected = f"{most} {possible:.9g}, which the limits allow"
+            raise BadValueError(f"{which} path speed", wanted, expected)
+
+
+def _bounds(
+    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
+) -> FloatArray:
+    """Bound the squares of the speed at the nodes by the limits of speeds, shape (m + 1,)."""
+    bounds = np.full(len(nodes), ((nodes[-1] - nodes[0]) / _INSTANT) ** 2)
+    rates = np.empty((*local.shape[:2], local.shape[2] - 1))
+    time_bounds.joint_rates(local, spans, limits.velocity_scales, rates)
+    time_bounds.speed_bounds(rates, bends, bounds)
+    if limits.speeds:
+        margin = 1.0 + tolerances.TIMING_MARGIN
+        others = np.stack([speed.powers(nodes) * margin for speed in limits.speeds], axis=1)
+        time_bounds.speed_bounds(others, bends, bounds)
+    if limits.square is not None:
+        np.minimum(bounds, limits.square(nodes), out=bounds)
+    return bounds
+
+
+def _rows(
+    limits: PathLimits, nodes: FloatArray, spans: FloatArray, local: FloatArray, bends: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, npt.NDArray[np.int64]]:
+    """Write all limits of accelerations and torques as rows, and to which quantity each belongs."""
+    cells, joints, size = local.shape
+    start = joints * size
+    others = sum(torques.count for torques in limits.torques)
+    first = np.empty((cells, start + 7 * others))
+    second = np.empty_like(first)
+    rest = np.zeros((cells if others else 1, first.shape[1]))
+    owners = np.concatenate(
+        [np.repeat(np.arange(joints), size), np.repeat(np.arange(joints, joints + others), 7)]
+    )
+    time_rows.joint_rows(local, spans, bends, limits.acceleration_scales, first, second)
+    if limits.slowdown is not None:
+        less = 1.0 / limits.slowdown(0.5 * (nodes[:-1] + nodes[1:]))[:, None]
+        first[:, :start] *= less
+        second[:, :start] *= less
+    for torques in limits.torques:
+        margin = 1.0 + tolerances.TIMING_MARGIN
+        a, b, c = (margin * powers for powers in torques.powers(nodes))
+        time_rows.other_rows(a, b, c, spans, bends, start, first, second, rest)
+        start += 7 * torques.count
+    return first, second, rest, owners + 1
+
+
+def _impossible(limits: PathLimits, where: float) -> BadValueError:
+    expected = f"limits that allow a motion; at path coordinate {where:.9g} these allow none"
+    if not limits.torques:
+        return BadValueError("speed limits", [speed.limit for speed in limits.speeds], expected)
+    bounds = [(torques.lower.tolist(), torques.upper.tolist()) for torques in limits.torques]
+    return BadValueError("torque limits", bounds, expected)

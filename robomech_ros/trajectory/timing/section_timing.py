@@ -1,0 +1,243 @@
+"""How fast the parts of a joint path between two rests are run through, by profile."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.thinning import thinned
+from robomech_ros.trajectory.curves.time_scaling import fitted, stretch_needed
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.profiles.double_s_laws import unit_double_s, unit_double_s_samples
+from robomech_ros.trajectory.profiles.laws import (
+    CUBIC,
+    CYCLOIDAL,
+    POLY345,
+    POLY4567,
+    Law,
+    law_of,
+)
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit
+from robomech_ros.trajectory.timing.path_timing import time_optimal
+from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps
+
+__all__ = ["SECTION_TIMINGS", "Section", "SectionTiming"]
+
+# Instants of a section to begin with, and at most; between them the joints follow quintics.
+_FEWEST, _MOST = 32, 4096
+# How far these may be off the path, rad or m, and the part of the duration below which two
+# instants have none between them.
+_ON_PATH, _NEAREST = 1e-7, 2e-6
+# Shapes of the double-S profile that are tried: parts of the duration for one ramp, and parts of
+# half a ramp in which the jerk acts; then nearer and nearer to the best, by these factors.
+_RAMPS = np.array([0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02, 0.005])
+_ROUNDINGS = np.array([1.0, 0.7, 0.45, 0.25, 0.1, 0.03])
+_NEARER = (1.25, 1.08, 1.03, 1.01)
+# Instants looked at in each phase of a shape, and places of a section at which other speeds are
+# known.
+_IN_PHASE = np.linspace(1e-6, 1.0 - 1e-6, 33)
+_SPEED_PLACES = 512
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A part of a joint path, at both ends of which the motion rests.
+
+    Attributes
+    ----------
+    joints : JointPath
+        Of n joints.
+    low, high : float
+        Path coordinates (m) at which it begins and ends.
+    limits : Limits
+        Of the joints.
+    speeds : tuple of SpeedLimit
+        What else must not be too fast, over the path coordinate.
+    """
+
+    joints: JointPath
+    low: float
+    high: float
+    limits: Limits
+    speeds: tuple[SpeedLimit, ...]
+
+    @property
+    def length(self) -> float:
+        """Length (m)."""
+        return self.high - self.low
+
+    def at(self, done: FloatArray) -> FloatArray:
+        """Path coordinates where parts of the section are done.
+
+        At the end it is the limit from the left: the next part begins with other derivatives.
+        """
+        s: FloatArray = np.minimum(self.low + self.length * done, np.nextafter(self.high, self.low))
+        return s
+
+    def pieces(self) -> PiecewisePolynomial:
+        """Give the joints over the path coordinate in this section only."""
+        whole = self.joints.pieces
+        first, last = np.searchsorted(whole.breaks, [self.low, self.high])
+        return PiecewisePolynomial(
+            whole.breaks[first : last + 1], np.ascontiguousarray(whole.coefficients[:, first:last])
+        )
+
+
+@dataclass(frozen=True)
+class SectionTiming:
+    """A way to run through a section.
+
+    Attributes
+    ----------
+    timed : callable
+        Gives the motion of the joints, from t = 0 on, as fast as section and limits allow.
+    required : tuple of str
+        The limits without which it cannot.
+    needs_smooth : bool
+        Whether the second derivative of a section must be continuous to rounding.
+    """
+
+    timed: Callable[[Section], PiecewisePolynomial]
+    required: tuple[Rate, ...] = ("velocity", "acceleration")
+    needs_smooth: bool = False
+
+
+def _by_law(law: Law) -> SectionTiming:
+    return SectionTiming(lambda section: _along_law(section, law))
+
+
+def _along_law(section: Section, law: Law) -> PiecewisePolynomial:
+    """Let the path coordinate follow a law, as fast as joints and other speeds may be."""
+    tau = _instants(law, _FEWEST)
+    while True:
+        unit = _unit_motion(section, law, tau)
+        coarse = (_deviations(unit, section, law) > _ON_PATH) & (unit.spans > _NEAREST)
+        # Rounding and corners of the path would let this go on for ever.
+        if not coarse.any() or len(tau) + coarse.sum() > _MOST:
+            break
+        tau = np.sort(np.concatenate([tau, 0.5 * (tau[1:] + tau[:-1])[coarse]]))
+    curve = fitted(unit, section.limits)
+    least = _least_duration(section, law, unit.breaks)
+    return curve.stretched(max(least / curve.duration, 1.0))
+
+
+def _instants(law: Law, count: int) -> FloatArray:
+    """Divide a duration of 1 into about `count` parts, at the breaks of the law, too."""
+    edges = law.pieces.breaks
+    counts = np.ceil(np.diff(edges) * count * (1.0 - 1e-9)).astype(int)
+    parts = [
+        low + (high - low) * np.arange(number) / number
+        for low, high, number in zip(edges[:-1], edges[1:], counts, strict=True)
+    ]
+    return np.concatenate([*parts, edges[-1:]])
+
+
+def _coordinates(section: Section, law: Law, tau: FloatArray) -> tuple[FloatArray, ...]:
+    """Path coordinate and its first two rates over a duration of 1, shape (m, 1)."""
+    done = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
+    rates = law.rates(tau)
+    velocity, acceleration = section.length * rates.velocity, section.length * rates.acceleration
+    return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
+
+
+def _unit_motion(section: Section, law: Law, tau: FloatArray) -> PiecewisePolynomial:
+    """Interpolate the joints over a duration of 1, by exact values and rates at instants (m,)."""
+    s, v, a = _coordinates(section, law, tau)
+    q, first, second, _ = section.joints.derivatives(s[:, 0])
+    q[-1] = section.joints.derivatives(section.high)[0]
+    return interpolant(tau, q, first * v, second * v**2 + first * a)
+
+
+def _deviations(unit: PiecewisePolynomial, section: Section, law: Law) -> FloatArray:
+    """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
+    middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
+    exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
+    off: FloatArray = np.abs(unit.sample(middle).position - exact).max(axis=1)
+    return off
+
+
+def _least_duration(section: Section, law: Law, instants: FloatArray) -> float:
+    """Shortest time (s) for a section in which other speeds are kept."""
+    tau = np.sort(np.concatenate([instants, 0.5 * (instants[1:] + instants[:-1])]))
+    s, v, _ = _coordinates(section, law, tau)
+    return max((_largest(speed, s[:, 0], v[:, 0]) for speed in section.speeds), default=0.0)
+
+
+def _largest(speed: SpeedLimit, s: FloatArray, v: FloatArray) -> float:
+    return float(np.max(np.asarray(speed.rate(s)) * v)) / speed.limit
+
+
+def _jerk_limited(section: Section) -> PiecewisePolynomial:
+    """Let the path coordinate follow the double-S profile of the shape that is fastest here."""
+    speed = _all_speeds(section)
+    ramps, roundings = (grid.ravel() for grid in np.meshgrid(_RAMPS, _ROUNDINGS))
+    best = (np.inf, 0.5, 1.0)
+    for nearer in (None, *_NEARER):
+        if nearer is not None:
+            _, ramp, rounding = best
+            steps = nearer ** np.arange(-2.0, 3.0)
+            grids = np.meshgrid(np.minimum(ramp * steps, 0.5), np.minimum(rounding * steps, 1.0))
+            ramps, roundings = (grid.ravel() for grid in grids)
+        durations = _shape_durations(section, ramps, roundings, speed)
+        k = int(np.argmin(durations))
+        best = min(best, (float(durations[k]), float(ramps[k]), float(roundings[k])))
+    return _along_law(section, law_of(unit_double_s(*best[1:])))
+
+
+def _all_speeds(section: Section) -> SpeedLimit:
+    """Combine all other speeds into one whose limit is 1, known at many places."""
+    places = section.at(np.linspace(0.0, 1.0, 2 * _SPEED_PLACES + 1))
+    rates = [np.asarray(speed.rate(places)) / speed.limit for speed in section.speeds]
+    largest = np.max(rates, axis=0) if rates else np.zeros(len(places))
+    # Between its places it is linear: as much higher as that is too low half way.
+    linear = 0.5 * (largest[:-2:2] + largest[2::2])
+    low = largest[1::2] / np.where(linear > 0.0, linear, 1.0)
+    return SpeedLimit((places[::2], largest[::2] * max(1.0, float(low.max()))), 1.0)
+
+
+def _shape_durations(
+    section: Section, ramps: FloatArray, roundings: FloatArray, speed: SpeedLimit
+) -> FloatArray:
+    """Estimate how long the section takes by each of k shapes, shape (k,)."""
+    samples = unit_double_s_samples(ramps, roundings, _IN_PHASE)
+    s = section.at(np.clip(samples[0], 0.0, 1.0))
+    v, a, j = (section.length * rate[..., None] for rate in samples[1:])
+    _, first, second, third = (
+        values.reshape(*s.shape, -1) for values in section.joints.derivatives(s.ravel())
+    )
+    rates = (first * v, second * v**2 + first * a, third * v**3 + 3.0 * second * v * a + first * j)
+    needed = [
+        (np.abs(values) / getattr(section.limits, rate)).max(axis=(1, 2)) ** (1.0 / order)
+        for order, (rate, values) in enumerate(zip(RATES, rates, strict=True), 1)
+    ]
+    needed.append((speed.rate(s) * v[..., 0]).max(axis=1))
+    durations: FloatArray = np.max(needed, axis=0)
+    return durations
+
+
+def _time_optimal(section: Section) -> PiecewisePolynomial:
+    """Let the path coordinate be as fast as it may everywhere.
+
+    What smoothing the jerk costs may be more than what one double-S profile leaves.
+    """
+    smooth = with_ramps(section.limits, everywhere=True)
+    speeds = [_all_speeds(section)] if section.speeds else []
+    timed = time_optimal(section.pieces(), smooth, speed_limits=speeds, jerk_smoothing=True)
+    curve = thinned(timed.pieces, smooth)
+    curve = curve.stretched(max(stretch_needed(curve, smooth)[0], 1.0))
+    plain = _jerk_limited(replace(section, limits=smooth))
+    return min(curve, plain, key=lambda motion: motion.duration)
+
+
+SECTION_TIMINGS: dict[str, SectionTiming] = {
+    "poly345": _by_law(POLY345),
+    "poly4567": _by_law(POLY4567),
+    "cycloidal": _by_law(CYCLOIDAL),
+    "cubic_spline": _by_law(CUBIC),
+    "ruckig": SectionTiming(_jerk_limited, RATES),
+    "time_optimal": SectionTiming(_time_optimal, needs_smooth=True),
+}

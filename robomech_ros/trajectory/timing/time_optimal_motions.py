@@ -1,0 +1,185 @@
+"""Time-optimal motions along joint paths, with the continuous acceleration that samples need."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.knots import spaced_knots
+from robomech_ros.trajectory.curves.motion_to_rest import (
+    MotionThrough,
+    MotionToRest,
+    check_positions,
+)
+from robomech_ros.trajectory.curves.thinning import thinned
+from robomech_ros.trajectory.curves.time_scaling import fitted
+from robomech_ros.trajectory.limits import Limits, Rate
+from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+
+__all__ = [
+    "TimeOptimalMotion",
+    "TimeOptimalThrough",
+    "time_optimal_through",
+    "with_ramps",
+]
+
+# Shortest time (s) in which an acceleration rises from zero to its limit, where no jerk limit says
+# so, and along curved paths, of which shorter ramps would need thousands of samples per second.
+_RAMP = 0.02
+# Points nearer to each other than this (rad or m, and in parts of the largest) are one: rounding
+# would take the way between them for a zigzag.
+_SAME = 1e-7
+# Corrections of the instants at which via points are passed; convergence is quadratic.
+_CORRECTIONS = 4
+
+
+def with_ramps(limits: Limits, *, everywhere: bool) -> Limits:
+    """Give every joint a jerk limit, which lets its acceleration rise within 20 ms.
+
+    Parameters
+    ----------
+    limits : Limits
+        With acceleration limits of every joint.
+    everywhere : bool
+        Whether joints whose own jerk limits are higher get it as well, or only those without.
+    """
+    ramps = limits.acceleration / _RAMP
+    own = limits.jerk
+    jerk = np.minimum(own, ramps) if everywhere else np.where(np.isfinite(own), own, ramps)
+    return replace(limits, jerk=jerk)
+
+
+class TimeOptimalMotion(MotionToRest):
+    """Along the straight line in joint space: a double-S profile, the fastest one there is.
+
+    A joint without a jerk limit raises its acceleration within 20 ms.
+    """
+
+    REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")
+    STARTS_MOVING: ClassVar[bool] = False
+    ACCELERATION_STEPS: ClassVar[bool] = False
+
+    @classmethod
+    def plan(
+        cls,
+        start: FloatArray,
+        goal: FloatArray,
+        limits: Limits,
+        duration: float | None = None,
+        start_velocity: FloatArray | None = None,
+        start_acceleration: FloatArray | None = None,
+    ) -> "TimeOptimalMotion":
+        """Compute the fastest motion, slowed down as a whole where wanted.
+
+        Parameters
+        ----------
+        start, goal : ndarray, shape (n,)
+            Joint values in rad or m.
+        limits : Limits
+            Velocity and acceleration limits count, and those jerk limits that are finite.
+        duration : float, optional
+            Wanted duration in s; None for the shortest.
+        start_velocity, start_acceleration : None
+            The motion starts from rest.
+
+        Raises
+        ------
+        DurationTooShortError
+            If the wanted duration would break a limit.
+        """
+        motion = DoubleS.plan(start, goal, with_ramps(limits, everywhere=False), duration)
+        return cls(goal, motion.pieces)
+
+
+@dataclass(frozen=True, eq=False)
+class TimeOptimalThrough(MotionThrough):
+    """Along the natural cubic spline through via points, nearly as fast as the limits allow."""
+
+
+def time_optimal_through(
+    points: FloatArray, limits: Limits, duration: float | None = None
+) -> TimeOptimalThrough:
+    """Plan from rest to rest along the natural cubic spline through all points.
+
+    Its knots are centripetal, in distances over the velocity limits.  Accelerations take 20 ms at
+    least to rise to their limits, longer where jerk limits say so.
+
+    Parameters
+    ----------
+    points : ndarray, shape (m, n)
+        Start, via points and goal, rad or m.
+    limits : Limits
+        Velocity and acceleration limits of every joint, and those jerk limits that are there.
+    duration : float, optional
+        Wanted duration in s; None for the shortest.
+
+    Raises
+    ------
+    DurationTooShortError
+        If the limits do not allow the wanted duration.
+    SeedOutsideLimitsError, LimitExceededError
+        If the first point, or another part of the spline, is outside the position limits.
+    """
+    kept, owners = _distinct(points)
+    places = points[kept]
+    smooth = with_ramps(limits, everywhere=True)
+    if len(places) == 2:
+        straight = TimeOptimalMotion.plan(places[0], places[1], smooth, duration)
+        knots = np.array([0.0, straight.duration])
+        return TimeOptimalThrough(places[1], straight.pieces, knots[owners])
+    parameters = spaced_knots(places, "centripetal", limits.velocity)
+    path = cubic_spline(parameters, places, "natural")
+    timed = time_optimal(path, smooth, jerk_smoothing=True)
+    knots = _passed(timed, parameters, places)
+    pieces = thinned(timed.pieces, smooth)
+    exact = fitted(pieces, smooth, duration)
+    check_positions(exact, places[0], limits)
+    knots = knots * (exact.duration / pieces.duration)
+    return TimeOptimalThrough(places[-1], exact, knots[owners])
+
+
+def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
+    """List start, goal, and the points between that are not where the one before is.
+
+    Returns
+    -------
+    kept : list of int
+        Which points these are.
+    owners : list of int
+        For every point the number of the one kept with which it is passed.
+    """
+    same = _SAME * (1.0 + float(np.abs(points).max()))
+    last = len(points) - 1
+    kept, owners = [0], [0]
+    for k in range(1, last):
+        if np.abs(points[k] - points[kept[-1]]).max() > same:
+            kept.append(k)
+        owners.append(len(kept) - 1)
+    if len(kept) > 1 and np.abs(points[last] - points[kept[-1]]).max() <= same:
+        kept[-1] = last
+    else:
+        kept.append(last)
+    return kept, [*owners, len(kept) - 1]
+
+
+def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> FloatArray:
+    """Find when places (m, n) at path coordinates (m,) are passed, in s."""
+    # Rounding may let the coordinates step back by a little; they never do.
+    coordinates = np.maximum.accumulate(timed.coordinates)
+    breaks = timed.pieces.breaks
+    instants = np.interp(parameters, coordinates, breaks)
+    earliest = breaks[np.maximum(np.searchsorted(coordinates, parameters, side="left") - 1, 0)]
+    after = np.searchsorted(coordinates, parameters, side="right")
+    latest = breaks[np.minimum(after, len(breaks) - 1)]
+    for _ in range(_CORRECTIONS):
+        sample = timed.sample(instants)
+        speed = (sample.velocity**2).sum(axis=1)
+        away = ((places - sample.position) * sample.velocity).sum(axis=1)
+        moving = speed > 0.0
+        instants[moving] += away[moving] / speed[moving]
+        instants = np.clip(instants, earliest, latest)
+    instants[[0, -1]] = 0.0, timed.duration
+    return instants

@@ -1,0 +1,288 @@
+r"""Time-optimal motion along a path within the torques that drives can exert.
+
+The dynamics come as callables, so that any model of them will do.  On the path q(s) a robot takes
+
+.. math:: \tau = M q' \ddot s + (M q'' + C(q, q') q') \dot s^2 + g + f(q' \dot s)
+
+whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q, 0, 0).  Friction f
+is no function of the square of the speed; it is replaced by its tangent at the speeds of the motion
+before, and the motion found anew until it takes no more than the torques there are.
+
+References
+----------
+J. E. Bobrow, S. Dubowsky and J. S. Gibson, "Time-optimal control of robotic manipulators along
+specified paths", International Journal of Robotics Research 4(3), 1985.
+J. Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4 and 7.8.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels import tolerances
+from robomech_ros._kernels.timing import rows as time_rows
+from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.trajectory.timing.path_sections import checked_path
+from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+
+__all__ = ["Dynamics", "Friction", "torque_limited"]
+
+Dynamics = Callable[[FloatArray, FloatArray, FloatArray], npt.ArrayLike]
+Friction = Callable[[FloatArray], npt.ArrayLike]
+
+# The largest part of a torque limit that a sampled motion may take.
+_ACCURACY = 1e-6
+# The motion is found anew at most so often, and while that gains this part of its duration.
+_ROUNDS, _WORTHWHILE = 16, 1e-5
+# Once the duration changes by no more than this part, an excess over the limits that falls more
+# slowly than by this factor is taken off them.
+_SETTLED, _SLOW = 1e-3, 0.1
+# Speeds of the first tangent to friction, in parts of those that the velocity limits allow.
+_FIRST_SPEED = 0.1
+# That much of a torque limit may friction rise by at these speeds, which are halved until then.
+_FIRST_FRICTION, _HALVINGS = 0.02, 60
+# Speeds in parts of others at which friction is that of a joint about to stop.
+_SLOWEST = 1e-3
+# The tangent's slope is that at this part of the highest speed, at least.
+_LEAST_SPEED = 0.05
+# Half the way, in parts of the speed, between the speeds whose friction gives the slope.
+_DIFFERENCE = 1e-4
+# Places in each piece of a motion where its torques are looked at; the ends from within.
+_PLACES = np.array([1e-9, 0.25, 0.5, 0.75, 1.0 - 1e-9])
+
+
+def torque_limited(
+    path: PiecewisePolynomial,
+    limits: JointLimits | Any,
+    inverse_dynamics: Dynamics,
+    *,
+    effort: npt.ArrayLike | None = None,
+    friction: Friction | None = None,
+    path_speed: tuple[float, float] = (0.0, 0.0),
+    speed_limits: SpeedLimit | Sequence[SpeedLimit] = (),
+) -> TimeOptimal:
+    """Pass a path in the shortest time within limits of torques, velocities and accelerations.
+
+    Parameters
+    ----------
+    path : PiecewisePolynomial
+        n joints over the path coordinate s, as for :func:`time_optimal`.
+    limits : JointLimits
+        A chain model, `Limits`, or anything with the same attributes.  Velocity limits of every
+        joint are needed; acceleration limits count where there are any.
+    inverse_dynamics : callable
+        Of joint values, rates and accelerations, each of shape (m, n) (rad or m; per s, per s^2),
+        the torques or forces, shape (m, n) (N m or N), quadratic in the rates: that of a rigid
+        robot, such as ``functools.partial(robomech_ros.dynamics.inverse_dynamics, chain)``.
+    effort : array_like, shape (n,), optional
+        Largest magnitudes of the torques or forces (N m or N), infinite or NaN for none; default
+        the effort limits of `limits`.
+    friction : callable, optional
+        Of joint rates, shape (m, n), the torques besides that friction takes, such as
+        ``functools.partial(robomech_ros.dynamics.friction_torque, chain)``.
+    path_speed, speed_limits
+        As for :func:`time_optimal`.
+
+    Returns
+    -------
+    TimeOptimal
+        Its samples take at most 1 + 1e-6 of the efforts.
+
+    Raises
+    ------
+    MissingLimitsError
+        No joint has an effort limit, or one lacks a velocity limit.
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`time_optimal`; or what a callable returns is no finite array of its shape.
+    """
+    curve = checked_path(path)
+    known = Limits.of(limits)
+    _check_callable("inverse_dynamics", inverse_dynamics)
+    if friction is not None:
+        _check_callable("friction", friction)
+    if curve.joints != len(known.joint_names):
+        raise WrongSizeError("joints of the path", curve.joints, len(known.joint_names))
+    known.require("velocity")
+    if friction is not None:
+        curve = _at_reversals(curve)
+    model = _Model(curve, inverse_dynamics, friction, _efforts(limits, known, effort))
+    speed, allowed, excess = model.first_speed(known.velocity), 1.0, np.inf
+    best: TimeOptimal | None = None
+    lasted = np.inf
+    for _ in range(_ROUNDS):
+        found = time_optimal(
+            curve,
+            known,
+            path_speed=path_speed,
+            speed_limits=speed_limits,
+            torque_limits=model.limits(speed, allowed),
+        )
+        before, excess = excess, model.largest_part(found) - 1.0
+        settled = abs(lasted - found.duration) <= _SETTLED * found.duration
+        if excess <= _ACCURACY:
+            if best is not None and found.duration > best.duration * (1.0 - _WORTHWHILE):
+                return min(best, found, key=lambda motion: motion.duration)
+            best = found
+            if friction is None:
+                return found
+        elif friction is None or (settled and excess > _SLOW * before):
+            allowed /= 1.0 + excess
+        speed, lasted = _speed_of(found), found.duration
+    if best is None:
+        expected = f"torques that {_ROUNDS} rounds bring within their limits"
+        raise BadValueError("largest torque in parts of its limit", 1.0 + excess, expected)
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """What a robot takes on a path, of those joints that have an effort limit."""
+
+    path: PiecewisePolynomial
+    inverse_dynamics: Dynamics
+    friction: Friction | None
+    effort: FloatArray
+
+    def limits(self, speed: "_Speed", part: float) -> TorqueLimits:
+        """Limits with friction's tangent at a speed, and the part of the efforts to use."""
+        joints = np.isfinite(self.effort)
+
+        def coefficients(s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            at = self.path.sample(s)
+            rest = np.zeros_like(at.position)
+            c = self.torques(at.position, rest, rest)
+            a = self.torques(at.position, rest, at.velocity) - c
+            b = self.torques(at.position, at.velocity, at.acceleration) - c
+            if self.friction is not None:
+                value, slope = self.tangent(at.velocity, s, speed)
+                b, c = b + slope, c + value
+            return a[:, joints], b[:, joints], c[:, joints]
+
+        bound = part * self.effort[joints]
+        return TorqueLimits(coefficients, -bound, bound)
+
+    def first_speed(self, velocity: FloatArray) -> "_Speed":
+        """Give so little of the speed that the velocity limits allow that only dry friction counts.
+
+        A tangent at too high a speed would ask for torques that no slow motion takes.
+        """
+        rates = np.abs(hull(self.path, 1)).max(axis=0)
+        slowest = (rates / velocity).max(axis=1)
+        slowest = np.maximum(slowest, _SLOWEST * slowest.max() + np.finfo(float).tiny)
+        middles = 0.5 * (self.path.breaks[1:] + self.path.breaks[:-1])
+        speed = _FIRST_SPEED / slowest
+        for _ in range(_HALVINGS if self.friction is not None else 0):
+            moving = rates * speed[:, None]
+            wet = np.abs(self.lost(moving)) - np.abs(self.lost(_SLOWEST * moving))
+            if (wet <= _FIRST_FRICTION * self.effort).all():
+                break
+            speed *= 0.5
+        return _Speed(middles, speed**2)
+
+    def tangent(self, rates: FloatArray, s: FloatArray, speed: "_Speed") -> tuple[FloatArray, ...]:
+        """Friction as ``value + slope square`` of the square of the speed along the path."""
+        now = np.maximum(speed(s), tolerances.PATH_STANDSTILL)[:, None]
+        least = np.maximum(now, _LEAST_SPEED * speed.highest)
+        more, less = (self.lost(rates * (least * (1.0 + d))) for d in (_DIFFERENCE, -_DIFFERENCE))
+        slope = (more - less) / (4.0 * _DIFFERENCE * least**2)
+        # A tangent to friction that falls with the speed would call for a motion that runs away.
+        slope = np.where(slope * rates > 0.0, slope, 0.0)
+        return self.lost(rates * now) - slope * now**2, slope
+
+    def torques(self, q: FloatArray, qd: FloatArray, qdd: FloatArray) -> FloatArray:
+        return _rows("torques of inverse_dynamics", self.inverse_dynamics(q, qd, qdd), q.shape)
+
+    def lost(self, qd: FloatArray) -> FloatArray:
+        assert self.friction is not None
+        return _rows("torques of friction", self.friction(qd), qd.shape)
+
+    def largest_part(self, motion: TimeOptimal) -> float:
+        """Find the largest torque of a motion, in parts of its limit."""
+        breaks = motion.pieces.breaks
+        at = motion.sample((breaks[:-1, None] + np.diff(breaks)[:, None] * _PLACES).ravel())
+        taken = self.torques(at.position, at.velocity, at.acceleration)
+        if self.friction is not None:
+            taken = taken + self.lost(at.velocity)
+        return float((np.abs(taken) / self.effort).max())
+
+
+@dataclass(frozen=True, eq=False)
+class _Speed:
+    """Squares of the speed along a path at increasing coordinates, linear in between."""
+
+    coordinates: FloatArray
+    squares: FloatArray
+
+    def __call__(self, s: FloatArray) -> FloatArray:
+        speeds: FloatArray = np.sqrt(np.interp(s, self.coordinates, self.squares))
+        return speeds
+
+    @property
+    def highest(self) -> float:
+        return float(np.sqrt(self.squares.max()))
+
+
+def _speed_of(motion: TimeOptimal) -> _Speed:
+    return _Speed(np.maximum.accumulate(motion.coordinates), motion.speeds**2)
+
+
+def _at_reversals(curve: PiecewisePolynomial) -> PiecewisePolynomial:
+    """Divide a path where a joint turns back, which is where its dry friction steps."""
+    ends = hull(curve, 1)
+    turning = (ends.min(axis=0) < 0.0) & (ends.max(axis=0) > 0.0)
+    rates = curve.derivative(1)
+    found = []
+    for k, joint in np.argwhere(turning).tolist():
+        roots = np.roots(rates[::-1, k, joint])
+        real = roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots)]
+        found.append(curve.breaks[k] + real[(real > 0.0) & (real < curve.spans[k])])
+    if not found:
+        return curve
+    nodes = np.unique(np.concatenate([curve.breaks, *found]))
+    # Two reversals this near to each other are one: no cell of the grid could be shorter.
+    apart = np.diff(nodes) > 1e-7 * (nodes[-1] - nodes[0])
+    kept = np.append(nodes[:-1][apart], nodes[-1])
+    kept[0] = nodes[0]
+    size, _, joints = curve.coefficients.shape
+    local = np.empty((len(kept) - 1, joints, size))
+    time_rows.local_path(curve.breaks, curve.coefficients, kept, local)
+    return PiecewisePolynomial(kept, np.ascontiguousarray(local.transpose(2, 0, 1)))
+
+
+def _efforts(limits: object, known: Limits, effort: npt.ArrayLike | None) -> FloatArray:
+    """Give the effort limits of the joints, infinite for none, shape (n,)."""
+    count = len(known.joint_names)
+    given = getattr(limits, "effort", None) if effort is None else effort
+    array = np.full(count, np.inf) if given is None else real_array("effort", given)
+    if array.shape != (count,):
+        raise WrongSizeError("effort", array.shape, (count,))
+    values: FloatArray = np.where(np.isnan(array), np.inf, array)
+    for name, value in zip(known.joint_names, values.tolist(), strict=True):
+        if not value > 0.0:
+            raise BadValueError(f"effort of joint '{name}'", value, "a positive number")
+    if not np.isfinite(values).any():
+        raise MissingLimitsError("effort", known.joint_names)
+    return values
+
+
+def _check_callable(what: str, given: object) -> None:
+    if not callable(given) or isinstance(given, type):
+        raise BadValueError(what, given, "a function")
+
+
+def _rows(what: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    array = real_array(what, given)
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    if not np.isfinite(array).all():
+        raise NonFiniteError(what, array)
+    return array
