@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.execution.client.progress import Progress
-from robomech_ros.execution.controller.trajectory_goal import Code
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["DispatcherSettings", "Gateway", "QueueFullError", "Tally", "stopped", "with_place"]

@@ -19,14 +19,11 @@ from robomech_ros.execution.client.dispatch_settings import (
 )
 from robomech_ros.execution.client.pacer import Pacer
 from robomech_ros.execution.client.progress import Progress
-from robomech_ros.execution.controller.trajectory_goal import Code
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.outcomes import Code
 
 __all__ = ["Dispatcher"]
 
-# The numbers of ErrorCode that only this module uses.
-_NO_STATE = 107
-_TIMED_OUT = 205
 # How long the joint states may take to confirm what the controller says, and to come at all, s.
 _CONFIRMATION = 1.0
 # So long after it should stand a robot that does not was not told in time, s.
@@ -277,7 +274,7 @@ class Dispatcher:
         self._silent_since = None
         self.queue.popleft()
         joints = ", ".join(delivery.names)
-        self._end(delivery, _NO_STATE, f"no joint states of {joints} within {waited:.1f} s")
+        self._end(delivery, Code.NO_STATE, f"no joint states of {joints} within {waited:.1f} s")
         return True
 
     def _wait_for(self, missing: str) -> None:
@@ -330,7 +327,7 @@ class Dispatcher:
         """See by the joint states whether the robot has arrived, or will not."""
         settings, late = self._settings, elapsed - delivery.lasts
         if late >= 0.0 and not off and progress.stands:
-            self._end(delivery, Code.SUCCESS, "")
+            self._end(delivery, Code.NONE, "")
         elif off and progress.stuck > settings.standstill_timeout:
             self._end(delivery, *stopped(progress, off))
         elif late > settings.arrival_timeout:
@@ -377,7 +374,7 @@ class Dispatcher:
                 f"no result from the controller {elapsed:.1f} s after sending; the trajectory "
                 f"lasts {delivery.lasts:.3g} s"
             )
-            self._end(delivery, _TIMED_OUT, text)
+            self._end(delivery, Code.TIMED_OUT, text)
 
     def _off_goal(self, delivery: Delivery) -> str:
         """Say how the robot is off the goal; empty if it is there."""

@@ -13,20 +13,17 @@ from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import JointSimulation, Plant, at_rest
 from robomech_ros.execution.controller.smoothing import braking_time
 from robomech_ros.execution.controller.supervision import verdict
-from robomech_ros.execution.controller.trajectory_goal import Code, End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.pacing import paced_step
 from robomech_ros.execution.stopping import slowed_down
 from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Follower", "FollowerSettings", "Phase"]
-
-
-# The number of ErrorCode that only this module uses.
-_TIMED_OUT = 205
 
 
 class Phase(Enum):
@@ -340,7 +337,7 @@ class Follower:
         over, allowed = job.time - job.arrival, self.settings.command_timeout
         if found is None and 0.0 < allowed < over:
             text = f"still not at its goal {over:.4g} s after its end, allowed are {allowed:g} s"
-            found = _TIMED_OUT, text
+            found = Code.TIMED_OUT, text
         if found is None:
             return
         code, text = found
@@ -349,4 +346,4 @@ class Follower:
             return
         self.wanted = at_rest(job.goal)
         self._follow(0.0)
-        self._end(End.REACHED, Code.SUCCESS, "")
+        self._end(End.REACHED, Code.NONE, "")

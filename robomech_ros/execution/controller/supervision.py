@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from robomech_ros.execution.controller.trajectory_goal import Code, Job
+from robomech_ros.execution.controller.trajectory_goal import Job
 from robomech_ros.execution.joints import Joints, State
+from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["verdict"]
@@ -37,7 +38,7 @@ def verdict(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int
         if found is not None:
             return found if over > job.tolerances.goal_time else None
         job.arrived = True
-    return (int(Code.SUCCESS), "") if over >= job.braking else None
+    return (int(Code.NONE), "") if over >= job.braking else None
 
 
 def _off_path(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:

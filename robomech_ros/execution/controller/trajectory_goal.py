@@ -11,17 +11,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Code", "End", "Job", "Outcome"]
-
-
-class Code(IntEnum):
-    """How a motion ended; the numbers of robomech_interfaces/msg/ErrorCode."""
-
-    SUCCESS = 0
-    REJECTED = 221
-    PREEMPTED = 222
-    PATH_TOLERANCE = 223
-    GOAL_TOLERANCE = 224
+__all__ = ["End", "Job", "Outcome"]
 
 
 class End(IntEnum):

@@ -2,16 +2,18 @@
 
 from enum import IntEnum
 
+from robomech_ros.outcomes import Code
+
 __all__ = ["Status"]
 
 
 class Status(IntEnum):
-    """Outcome of the mathematics; the numbers are those of ``robomech_interfaces/ErrorCode``."""
+    """Outcome of the mathematics; names and numbers are those of the table of outcomes."""
 
-    SUCCESS = 0
-    OUT_OF_REACH = 201
-    ORIENTATION_UNREACHABLE = 202
-    LIMITS_EXCLUDE_ALL = 203
-    NOT_CONVERGED = 204
-    TIMED_OUT = 205
-    SINGULAR_CONTINUUM = 206
+    SUCCESS = Code.NONE
+    OUT_OF_REACH = Code.OUT_OF_REACH
+    ORIENTATION_UNREACHABLE = Code.ORIENTATION_UNREACHABLE
+    LIMITS_EXCLUDE_ALL = Code.LIMITS_EXCLUDE_ALL
+    NOT_CONVERGED = Code.NOT_CONVERGED
+    TIMED_OUT = Code.TIMED_OUT
+    SINGULAR_CONTINUUM = Code.SINGULAR_CONTINUUM

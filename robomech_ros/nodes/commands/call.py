@@ -130,7 +130,7 @@ def _verdict(response: Any) -> int:
     if hasattr(code, "val"):
         return _moveit_verdict(code)
     if code:
-        from robomech_ros.nodes.common.error_codes import name_of
+        from robomech_ros.outcomes import name_of
 
         print(f"error {code} {name_of(code)}: {response.error_msg}", file=sys.stderr)
         return EXIT_REFUSED

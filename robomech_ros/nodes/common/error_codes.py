@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 from rclpy.node import Node
 
-from robomech_interfaces.msg import ErrorCode
 from robomech_ros import errors
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.outcomes import Code
 
 __all__ = [
     "FrameUnavailableError",
@@ -20,7 +20,6 @@ __all__ = [
     "answer",
     "code_of",
     "guarded",
-    "name_of",
 ]
 
 _Callback = TypeVar("_Callback", bound=Callable[..., Any])
@@ -63,41 +62,30 @@ class RobotMovesError(NoStateError):
 
 
 # Searched along the bases of the error's class, so that a subclass finds its parent's code.
-_CODES: dict[type[BaseException], int] = {
-    errors.UnknownLinkError: ErrorCode.UNKNOWN_LINK,
-    errors.UnknownJointError: ErrorCode.UNKNOWN_JOINT,
-    errors.BadQuaternionError: ErrorCode.BAD_QUATERNION,
-    errors.NonFiniteError: ErrorCode.NON_FINITE,
-    FrameUnavailableError: ErrorCode.FRAME_UNAVAILABLE,
-    errors.SeedOutsideLimitsError: ErrorCode.SEED_OUTSIDE_LIMITS,
-    NoStateError: ErrorCode.NO_STATE,
-    errors.WrongSizeError: ErrorCode.WRONG_SIZE,
-    errors.MissingLimitsError: ErrorCode.MISSING_LIMITS,
-    errors.MissingInertiaError: ErrorCode.MISSING_INERTIA,
-    errors.LimitExceededError: ErrorCode.LIMIT,
-    errors.DurationTooShortError: ErrorCode.LIMIT,
-    TrajectoryRefusedError: ErrorCode.REJECTED,
-    RobomechError: ErrorCode.BAD_VALUE,
-}
-
-_NAMES: dict[int, str] = {
-    value: name
-    for name in dir(ErrorCode)
-    if name.isupper() and isinstance(value := getattr(ErrorCode, name), int)
+_CODES: dict[type[BaseException], Code] = {
+    errors.UnknownLinkError: Code.UNKNOWN_LINK,
+    errors.UnknownJointError: Code.UNKNOWN_JOINT,
+    errors.BadQuaternionError: Code.BAD_QUATERNION,
+    errors.NonFiniteError: Code.NON_FINITE,
+    FrameUnavailableError: Code.FRAME_UNAVAILABLE,
+    errors.SeedOutsideLimitsError: Code.SEED_OUTSIDE_LIMITS,
+    NoStateError: Code.NO_STATE,
+    errors.WrongSizeError: Code.WRONG_SIZE,
+    errors.MissingLimitsError: Code.MISSING_LIMITS,
+    errors.MissingInertiaError: Code.MISSING_INERTIA,
+    errors.LimitExceededError: Code.LIMIT,
+    errors.DurationTooShortError: Code.LIMIT,
+    TrajectoryRefusedError: Code.REJECTED,
+    RobomechError: Code.BAD_VALUE,
 }
 
 
-def code_of(error: BaseException) -> int:
-    """Give the ErrorCode of an exception; INTERNAL for one that is no RobomechError."""
+def code_of(error: BaseException) -> Code:
+    """Give the code of an exception; INTERNAL for one that is no RobomechError."""
     for kind in type(error).__mro__:
         if kind in _CODES:
             return _CODES[kind]
-    return int(ErrorCode.INTERNAL)
-
-
-def name_of(code: int) -> str:
-    """Give the name of an ErrorCode, such as ``OUT_OF_REACH`` for 201."""
-    return _NAMES.get(code, f"code {code}")
+    return Code.INTERNAL
 
 
 def answer(response: Any, code: int = 0, text: str = "") -> Any:
@@ -140,4 +128,4 @@ def _answer_of(error: Exception, node: Node, callback: str, response: Any) -> An
         return answer(type(response)(), code_of(error), str(error))
     node.get_logger().error(f"{callback} failed, please report this:\n{traceback.format_exc()}")
     text = f"internal error, please report it: {type(error).__name__}: {error}"
-    return answer(type(response)(), ErrorCode.INTERNAL, text)
+    return answer(type(response)(), Code.INTERNAL, text)

@@ -12,10 +12,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.error_codes import name_of
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite
 from robomech_ros.nodes.process.run import Spinner
+from robomech_ros.outcomes import name_of
 
 __all__ = ["DemoClient"]
 

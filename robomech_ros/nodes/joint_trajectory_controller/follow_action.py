@@ -10,7 +10,7 @@ from builtin_interfaces.msg import Time
 from control_msgs.action import FollowJointTrajectory
 
 from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
-from robomech_ros.execution.controller.trajectory_goal import Code, End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import (
     JointMismatchError,
@@ -20,13 +20,14 @@ from robomech_ros.execution.refusals import (
 )
 from robomech_ros.execution.tolerance import NONE, Tolerances
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import fill_states
+from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["FollowAction"]
 
 _RESULT = FollowJointTrajectory.Result
 _CODES: dict[int, int] = {
-    Code.SUCCESS: _RESULT.SUCCESSFUL,
+    Code.NONE: _RESULT.SUCCESSFUL,
     Code.PATH_TOLERANCE: _RESULT.PATH_TOLERANCE_VIOLATED,
     Code.GOAL_TOLERANCE: _RESULT.GOAL_TOLERANCE_VIOLATED,
 }

@@ -16,12 +16,13 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.trajectory_goal import Code, End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.nodes.process.pauses import wake
+from robomech_ros.outcomes import Code
 
 __all__ = ["Dialect", "GoalServer", "fill_states"]
 

@@ -12,8 +12,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.execution.controller.trajectory_goal import Code, End, Outcome
-from robomech_ros.nodes.common.error_codes import code_of, name_of
+from robomech_ros.execution.controller.trajectory_goal import End, Outcome
+from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
@@ -33,6 +33,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
 from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
 from robomech_ros.nodes.process.pauses import wake
 from robomech_ros.nodes.process.run import run_node
+from robomech_ros.outcomes import Code, name_of
 
 _DEPTH = 10
 _SHUTS_DOWN = "the controller shuts down; the robot holds"
@@ -120,7 +121,7 @@ class JointStateSimulatorNode(Node):
             robot.follower.halt(Code.PATH_TOLERANCE, str(error))
         except Exception:
             self.get_logger().error(f"motion failed, please report:\n{traceback.format_exc()}")
-            robot.follower.halt(900, "internal error of the controller, see its log")
+            robot.follower.halt(Code.INTERNAL, "internal error of the controller, see its log")
         self._publish_state(robot)
         self._tell_saturation(robot)
         self._tell_standing()

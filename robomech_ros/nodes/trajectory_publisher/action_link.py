@@ -11,7 +11,7 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.delivery import Delivery
-from robomech_ros.execution.controller.trajectory_goal import Code
+from robomech_ros.outcomes import Code
 
 __all__ = ["ActionLink", "AskedTolerances", "GoalDialect", "OnResult"]
 

@@ -23,7 +23,7 @@ from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.conversions import duration_from_seconds
-from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of, name_of
+from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.received_trajectory import given_trajectory
@@ -42,6 +42,7 @@ from robomech_ros.nodes.trajectory_publisher.settings import (
     goal_dialect,
 )
 from robomech_ros.nodes.trajectory_publisher.speed_control import SpeedControl
+from robomech_ros.outcomes import name_of
 from robomech_ros.robots import SerialChain
 
 TOPIC = "planned_trajectory"

@@ -18,7 +18,7 @@ from robomech_ros.dynamics.simulation.controlled_arm import CONTROLS
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Follower, Phase
 from robomech_ros.execution.controller.simulated_joints import Faults, at_rest
-from robomech_ros.execution.controller.trajectory_goal import Code, End
+from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.common.parameters import table_rows
@@ -29,6 +29,7 @@ from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import (
 )
 from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, load_robot
 from robomech_ros.trajectory.waypoints import Waypoints
 
