@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
     from robomech_ros.trajectory.limits import JointLimits, Limits
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
+    from robomech_ros.trajectory.paths.arms import Arm, SerialArm
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
         arc_about,
@@ -41,9 +42,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.trajectory.paths.pose_lists import arc_path, spline_path, straight_path
     from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample, pose_path
-    from robomech_ros.trajectory.paths.posture import Arm
-    from robomech_ros.trajectory.paths.serial_arm import SerialArm
-    from robomech_ros.trajectory.paths.splines import spline_curve
+    from robomech_ros.trajectory.paths.spline_curves import spline_curve
     from robomech_ros.trajectory.plans.path_motions import (
         PATH_PROFILES,
         PathMotion,
@@ -58,7 +57,7 @@ if TYPE_CHECKING:
         sampled_motion,
         sampled_point_to_point,
     )
-    from robomech_ros.trajectory.plans.splines import Spline, spline_through
+    from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
     from robomech_ros.trajectory.plans.verification import Verification, Violation, verify
     from robomech_ros.trajectory.plans.via_motions import (
         VIA_PROFILES,
@@ -184,7 +183,7 @@ _MODULES = {
     "PROFILES": "plans.point_to_point",
     "VIA_PROFILES": "plans.via_motions",
     "ArcLength": "paths.arc_length",
-    "Arm": "paths.posture",
+    "Arm": "paths.arms",
     "ByArcLength": "paths.arc_length",
     "Curve": "paths.curve",
     "Cycloidal": "profiles.rest_to_rest",
@@ -206,8 +205,8 @@ _MODULES = {
     "PoseSample": "paths.pose_path",
     "Sample": "sample",
     "SampledPlan": "plans.sampled_plan",
-    "SerialArm": "paths.serial_arm",
-    "Spline": "plans.splines",
+    "SerialArm": "paths.arms",
+    "Spline": "plans.spline_motions",
     "StateToState": "profiles.moving_ends",
     "Trajectory": "sample",
     "Trapezoidal": "profiles.velocity_profiles",
@@ -238,10 +237,10 @@ _MODULES = {
     "sampled_motion": "plans.sampled_plan",
     "sampled_point_to_point": "plans.sampled_plan",
     "sampled_through_points": "plans.via_motions",
-    "spline_curve": "paths.splines",
+    "spline_curve": "paths.spline_curves",
     "spline_like": "plans.profile_splines",
     "spline_path": "paths.pose_lists",
-    "spline_through": "plans.splines",
+    "spline_through": "plans.spline_motions",
     "state_to_state": "profiles.moving_ends",
     "straight_path": "paths.pose_lists",
     "through_points": "plans.via_motions",

@@ -45,7 +45,7 @@ from robomech_ros.nodes.dynamics.messages import (
 )
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 
 Array = NDArray[np.float64]
 

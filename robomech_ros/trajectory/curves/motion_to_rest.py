@@ -9,7 +9,7 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import FloatArray, Sample

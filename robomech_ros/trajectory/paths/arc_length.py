@@ -14,7 +14,8 @@ from robomech_ros._kernels.tolerances import (
     VANISHING_SPEED,
 )
 from robomech_ros.errors import BadValueError
-from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters, evaluated
+from robomech_ros.trajectory.paths.curve import Curve, as_curve, evaluated
+from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ArcLength", "ByArcLength", "arc_length", "by_unit_speed", "dot", "measured"]

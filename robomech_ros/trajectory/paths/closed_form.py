@@ -8,8 +8,8 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.paths.curve import (
-    FunctionCurve,
+from robomech_ros.trajectory.paths.curve import FunctionCurve
+from robomech_ros.trajectory.paths.curve_arguments import (
     as_number,
     as_points,
     as_positive,

@@ -1,6 +1,5 @@
 """Parametric curves in space: what a curve is, and curves from functions and from others."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,12 +7,13 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH, PARAMETER_SLACK
+from robomech_ros._kernels.tolerances import COINCIDENT
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import listed, real_array, real_number
+from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.spatial.poses import as_pose
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
@@ -21,13 +21,7 @@ __all__ = [
     "FunctionCurve",
     "JoinedCurve",
     "PolynomialCurve",
-    "as_breaks",
     "as_curve",
-    "as_number",
-    "as_parameters",
-    "as_points",
-    "as_positive",
-    "as_vector",
     "evaluated",
     "join_curves",
 ]
@@ -220,88 +214,6 @@ def as_curve(what: str, value: object) -> Curve:
     if not (hasattr(value, "breaks") and callable(getattr(value, "derivatives", None))):
         raise BadValueError(what, value, "a curve, with breaks and derivatives(u)")
     return value  # type: ignore[return-value]
-
-
-def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
-    """Check numbers that increase strictly, at least two; give a copy."""
-    breaks: FloatArray = real_array(what, value).copy()
-    if breaks.ndim != 1 or len(breaks) < 2:
-        raise WrongSizeError(what, breaks.shape, "(k,) with at least two numbers")
-    if not np.isfinite(breaks).all():
-        raise NonFiniteError(what, breaks)
-    late = np.flatnonzero(np.diff(breaks) <= 0.0)
-    if len(late):
-        k = int(late[0]) + 1
-        raise BadValueError(f"{what}[{k}]", float(breaks[k]), f"more than {breaks[k - 1]:.9g}")
-    return breaks
-
-
-def as_points(what: str, value: npt.ArrayLike, least: int) -> FloatArray:
-    """Check points (m), shape (k, 3), at least so many, neighbours apart from each other."""
-    points = real_array(what, value)
-    if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
-        raise WrongSizeError(what, points.shape, f"(k, 3) with k at least {least}")
-    if not np.isfinite(points).all():
-        raise NonFiniteError(what, points)
-    if np.abs(points).max() > LARGEST_LENGTH:
-        worst = np.unravel_index(int(np.abs(points).argmax()), points.shape)
-        where = ", ".join(str(int(i)) for i in worst)
-        expected = f"at most {LARGEST_LENGTH:g} m"
-        raise BadValueError(f"{what}[{where}]", float(points[worst]), expected)
-    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    size = float(np.ptp(points, axis=0).max())
-    close = np.flatnonzero(apart <= COINCIDENT * max(size, COINCIDENT * np.abs(points).max()))
-    if len(close):
-        k = int(close[0])
-        raise BadValueError(f"{what}[{k + 1}]", points[k + 1].tolist(), f"apart from {what}[{k}]")
-    return points
-
-
-def as_parameters(what: str, value: npt.ArrayLike, start: float, end: float) -> FloatArray:
-    """Check parameters within a range, shape () or (m,); those off by rounding are put on it."""
-    numbers = real_array(what, value)
-    if numbers.ndim > 1:
-        raise WrongSizeError(what, numbers.shape, "() or (m,)")
-    if not np.isfinite(numbers).all():
-        raise NonFiniteError(what, numbers if numbers.ndim else float(numbers))
-    slack = PARAMETER_SLACK * (end - start)
-    outside = np.atleast_1d((numbers < start - slack) | (numbers > end + slack))
-    if outside.any():
-        k = int(np.argmax(outside))
-        name = f"{what}[{k}]" if numbers.ndim else what
-        value = float(np.atleast_1d(numbers)[k])
-        raise BadValueError(name, value, f"from {start:.9g} to {end:.9g}")
-    return np.clip(numbers, start, end)
-
-
-def as_vector(what: str, value: npt.ArrayLike, shape: tuple[int, ...] = (3,)) -> FloatArray:
-    """Check finite numbers of exactly one shape, none above 1e6."""
-    numbers = real_array(what, value)
-    if numbers.shape != shape:
-        raise WrongSizeError(what, numbers.shape, shape)
-    if not np.isfinite(numbers).all():
-        raise NonFiniteError(what, numbers)
-    if np.abs(numbers).max(initial=0.0) > LARGEST_LENGTH:
-        raise BadValueError(what, numbers.tolist(), f"numbers of at most {LARGEST_LENGTH:g}")
-    return numbers
-
-
-def as_number(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
-    """Check a finite number, of either sign, up to the largest."""
-    number = real_number(what, value, "a finite number")
-    if not math.isfinite(number):
-        raise NonFiniteError(what, number)
-    if abs(number) > largest:
-        raise BadValueError(what, number, f"at most {largest:g}")
-    return number
-
-
-def as_positive(what: str, value: object, largest: float = LARGEST_LENGTH) -> float:
-    """Check a finite number above 0, up to the largest."""
-    number = as_number(what, value, largest)
-    if not number > 0.0:
-        raise BadValueError(what, number, "a number above 0")
-    return number
 
 
 def evaluated(

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import STRAIGHT
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
-from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_parameters
+from robomech_ros.trajectory.paths.curve import Curve, as_curve
+from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["FrenetSerret", "frenet_serret"]

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import AT_REST, PARAMETER_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.paths.curve import as_parameters
+from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.sample import FloatArray, Sample, Trajectory, checked_times
 

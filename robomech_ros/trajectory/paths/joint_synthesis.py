@@ -12,11 +12,12 @@ from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends
-from robomech_ros.trajectory.paths.curve import as_parameters
+from robomech_ros.trajectory.paths.arms import Arm, as_arm, checked_array
+from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
-from robomech_ros.trajectory.paths.posture import Arm, as_arm, corrected, given, posture
-from robomech_ros.trajectory.paths.splines import as_ends
+from robomech_ros.trajectory.paths.posture import corrected, posture
+from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["joint_spline", "tracking_error"]
@@ -104,7 +105,7 @@ def tracking_error(path: PosePath, arm: Arm, joints: JointPath, s: npt.ArrayLike
     rows = joints.derivatives(np.atleast_1d(inside))[0]
     actual = np.empty((len(rows), 4, 4))
     for k, q in enumerate(rows):
-        actual[k] = given("pose of the arm", arm.forward(q), (4, 4))
+        actual[k] = checked_array("pose of the arm", arm.forward(q), (4, 4))
     errors = pose_error(path.sample(np.atleast_1d(inside)).pose, actual)
     return errors if inside.ndim else errors[0]
 

@@ -19,7 +19,7 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
     body_rate_matrix,
     turning_acceleration,
 )
-from robomech_ros.trajectory.paths.splines import as_ends
+from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["orientation_spline"]

@@ -18,16 +18,13 @@ from robomech_ros._kernels.tolerances import (
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.paths.curve import as_positive
+from robomech_ros.trajectory.paths.arms import Arm, as_arm, as_near, checked_array
+from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import (
-    Arm,
     Posture,
-    as_arm,
-    as_near,
     corrected,
-    given,
     is_redundant,
     pose_deviation,
     posture,
@@ -256,7 +253,7 @@ def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> P
             status = PathTrackingStatus.LOST
             reason = f"the arm has no posture for the pose at s = {beyond:.6g} m"
         else:
-            move = np.abs(given("joint values of inverse", found, here.q.shape) - here.q)
+            move = np.abs(checked_array("joint values of inverse", found, here.q.shape) - here.q)
             reason = f"joint values change too fast, condition number {here.condition:.3g}"
             if move.max() > TRACK_JUMP:
                 status = PathTrackingStatus.JUMP
@@ -276,4 +273,4 @@ def _start(path: PosePath, arm: Arm, near: FloatArray) -> FloatArray | None:
     found = arm.inverse(pose, near)
     if found is None:
         return None
-    return corrected(arm, given("joint values of inverse", found, near.shape), pose)
+    return corrected(arm, checked_array("joint values of inverse", found, near.shape), pose)

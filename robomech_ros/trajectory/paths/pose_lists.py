@@ -14,12 +14,8 @@ from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.closed_form import arc_through
-from robomech_ros.trajectory.paths.curve import (
-    FunctionCurve,
-    PolynomialCurve,
-    as_positive,
-    join_curves,
-)
+from robomech_ros.trajectory.paths.curve import FunctionCurve, PolynomialCurve, join_curves
+from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.orientation import (
     PiecewiseRotation,
     geodesic_orientation,

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from robomech_ros._kernels.tolerances import PARAMETER_SLACK, RATE_STEP
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.arc_length import ArcLength, dot, measured
-from robomech_ros.trajectory.paths.curve import Curve, as_curve, as_number, as_parameters
+from robomech_ros.trajectory.paths.curve import Curve, as_curve
+from robomech_ros.trajectory.paths.curve_arguments import as_number, as_parameters
 from robomech_ros.trajectory.paths.orientation import Orientation
 from robomech_ros.trajectory.sample import FloatArray
 

@@ -1,50 +1,22 @@
 """Postures at the poses of a path: correction by Newton steps, and rates along the path."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from robomech_ros._kernels.tolerances import CORRECTED, CORRECTIONS, ON_PATH
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import axial_vector
+from robomech_ros.trajectory.paths.arms import Arm, checked_array
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
-    "Arm",
     "Posture",
-    "as_arm",
-    "as_near",
     "corrected",
-    "given",
     "is_redundant",
     "pose_deviation",
     "posture",
 ]
-
-_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
-
-
-class Arm(Protocol):
-    """What tracking needs to know of an arm with n joints.
-
-    All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
-    """
-
-    def forward(self, q: FloatArray) -> npt.ArrayLike:
-        """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
-
-    def inverse(self, T: FloatArray, near: FloatArray) -> npt.ArrayLike | None:
-        """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
-
-    def jacobian(self, q: FloatArray) -> npt.ArrayLike:
-        """Matrix (6, n) from joint rates to the twist."""
-
-    def jacobian_rate(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
-        """Rate (6, n) of the Jacobian at joint rates qd."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +61,10 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
     """
-    J = given("jacobian", arm.jacobian(q), (6, len(q)))
+    J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
     first = _solved(J, place.twist)
-    rate = given("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
+    rate = checked_array("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
     second = _solved(J, place.twist_rate - rate @ first)
     if is_redundant(q):
         spare = rate.T @ _solved(J.T, first)
@@ -131,7 +103,7 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     last = 0.0
     for _ in range(CORRECTIONS):
         error = pose_deviation(arm, q, pose)
-        J = given("jacobian", arm.jacobian(q), (6, len(q)))
+        J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
         step = _solved(J, error)
         size = float(np.abs(step).max())
         if not np.isfinite(size) or size > max(2.0 * last, 1.0):
@@ -148,7 +120,7 @@ def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
 
     In rad and m, in the base frame.
     """
-    actual = given("pose of the arm", arm.forward(q), (4, 4))
+    actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
     left = pose[:3, :3] @ actual[:3, :3].T
     vector = axial_vector(left)
     if np.trace(left) < 1.0:
@@ -161,28 +133,3 @@ def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
 def _solved(J: FloatArray, twist: FloatArray) -> FloatArray:
     """Solve for the least vector with the least error."""
     return np.linalg.lstsq(J, twist, rcond=None)[0].astype(np.float64, copy=False)
-
-
-def given(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    """Check what an arm returned: finite numbers of exactly one shape."""
-    array = as_finite(what, value, ())
-    if array.shape != shape:
-        raise WrongSizeError(what, array.shape, shape)
-    return array
-
-
-def as_arm(value: object) -> Arm:
-    """Check that a value has the methods of an arm, or raise BadValueError."""
-    missing = [name for name in _METHODS if not callable(getattr(value, name, None))]
-    if missing:
-        raise BadValueError("arm", value, "an arm with " + ", ".join(_METHODS))
-    return value  # type: ignore[return-value]
-
-
-def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
-    """Check joint values (n,) of the arm."""
-    q = as_finite("near", value, ())
-    if q.ndim != 1 or not len(q):
-        raise WrongSizeError("near", q.shape, "(n,) with at least one joint")
-    given("jacobian", arm.jacobian(q), (6, len(q)))
-    return q.copy()

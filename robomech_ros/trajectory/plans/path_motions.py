@@ -15,15 +15,15 @@ from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_po
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.paths.curve import as_positive
+from robomech_ros.trajectory.paths.arms import Arm
+from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
 from robomech_ros.trajectory.paths.path_tracking import PathTracking, track_path
 from robomech_ros.trajectory.paths.pose_path import PosePath
-from robomech_ros.trajectory.paths.posture import Arm
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.timing.path_sections import jump
-from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, Section
+from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, PathSection
 
 __all__ = ["PATH_PROFILES", "PathMotion", "TipSpeeds", "along_joint_path", "along_path"]
 
@@ -168,7 +168,7 @@ def along_joint_path(
     slow = (*_speed_limits(path, speeds), *others)
     curve = _joined(
         [
-            timing.timed(Section(joints, low, high, allowed, slow))
+            timing.timed(PathSection(joints, low, high, allowed, slow))
             for low, high in _edges(joints, timing.needs_smooth)
         ]
     )

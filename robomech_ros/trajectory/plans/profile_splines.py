@@ -18,7 +18,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.limits import JointLimits
-from robomech_ros.trajectory.plans.splines import Spline, spline_through
+from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.profiles.laws import CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.sample import FloatArray
 

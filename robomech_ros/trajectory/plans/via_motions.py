@@ -21,7 +21,7 @@ from robomech_ros.trajectory.plans.sampled_plan import (
     check_can_be_sampled,
     sampled_motion,
 )
-from robomech_ros.trajectory.plans.splines import spline_through
+from robomech_ros.trajectory.plans.spline_motions import spline_through
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS, via_polynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration

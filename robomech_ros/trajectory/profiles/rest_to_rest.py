@@ -16,8 +16,8 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.profiles.from_rest import FromRest
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
+from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
 __all__ = ["CubicSplineMotion", "Cycloidal", "Polynomial345", "Polynomial4567", "RestToRest"]
@@ -29,7 +29,7 @@ _shortest_duration = direct(time_straight.shortest_duration)
 
 
 @dataclass(frozen=True, eq=False)
-class RestToRest(FromRest):
+class RestToRest(StraightMotion):
     r"""From rest to rest, all joints together.
 
     .. math:: q(t) = q_0 + (q_1 - q_0) s(t / T)

@@ -17,7 +17,7 @@ import numpy as np
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
-from robomech_ros.trajectory.profiles.from_rest import FromRest
+from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["DoubleS", "Trapezoidal", "along_line"]
@@ -28,7 +28,7 @@ _M = TypeVar("_M", bound="_Straight")
 Phases = list[tuple[float, float]]
 
 
-class _Straight(MotionToRest, FromRest):
+class _Straight(MotionToRest, StraightMotion):
     """From rest to rest on a straight line, in phases in which one derivative is constant."""
 
     @staticmethod

@@ -27,7 +27,7 @@ import numpy.typing as npt
 from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits

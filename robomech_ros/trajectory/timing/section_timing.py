@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.curves.thinning import thinned
 from robomech_ros.trajectory.curves.time_scaling import fitted, stretch_needed
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.paths.joint_path import JointPath
@@ -25,7 +25,7 @@ from robomech_ros.trajectory.timing.path_limits import SpeedLimit
 from robomech_ros.trajectory.timing.path_timing import time_optimal
 from robomech_ros.trajectory.timing.time_optimal_motions import with_ramps
 
-__all__ = ["SECTION_TIMINGS", "Section", "SectionTiming"]
+__all__ = ["SECTION_TIMINGS", "PathSection", "SectionTiming"]
 
 # Instants of a section to begin with, and at most; between them the joints follow quintics.
 _FEWEST, _MOST = 32, 4096
@@ -44,7 +44,7 @@ _SPEED_PLACES = 512
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class PathSection:
     """A part of a joint path, at both ends of which the motion rests.
 
     Attributes
@@ -101,7 +101,7 @@ class SectionTiming:
         Whether the second derivative of a section must be continuous to rounding.
     """
 
-    timed: Callable[[Section], PiecewisePolynomial]
+    timed: Callable[[PathSection], PiecewisePolynomial]
     required: tuple[Rate, ...] = ("velocity", "acceleration")
     needs_smooth: bool = False
 
@@ -110,7 +110,7 @@ def _by_law(law: Law) -> SectionTiming:
     return SectionTiming(lambda section: _along_law(section, law))
 
 
-def _along_law(section: Section, law: Law) -> PiecewisePolynomial:
+def _along_law(section: PathSection, law: Law) -> PiecewisePolynomial:
     """Let the path coordinate follow a law, as fast as joints and other speeds may be."""
     tau = _instants(law, _FEWEST)
     while True:
@@ -136,7 +136,7 @@ def _instants(law: Law, count: int) -> FloatArray:
     return np.concatenate([*parts, edges[-1:]])
 
 
-def _coordinates(section: Section, law: Law, tau: FloatArray) -> tuple[FloatArray, ...]:
+def _coordinates(section: PathSection, law: Law, tau: FloatArray) -> tuple[FloatArray, ...]:
     """Path coordinate and its first two rates over a duration of 1, shape (m, 1)."""
     done = np.where(tau < 0.5, law.progress(tau), 1.0 - law.progress(1.0 - tau))
     rates = law.rates(tau)
@@ -144,7 +144,7 @@ def _coordinates(section: Section, law: Law, tau: FloatArray) -> tuple[FloatArra
     return section.at(done)[:, None], velocity[:, None], acceleration[:, None]
 
 
-def _unit_motion(section: Section, law: Law, tau: FloatArray) -> PiecewisePolynomial:
+def _unit_motion(section: PathSection, law: Law, tau: FloatArray) -> PiecewisePolynomial:
     """Interpolate the joints over a duration of 1, by exact values and rates at instants (m,)."""
     s, v, a = _coordinates(section, law, tau)
     q, first, second, _ = section.joints.derivatives(s[:, 0])
@@ -152,7 +152,7 @@ def _unit_motion(section: Section, law: Law, tau: FloatArray) -> PiecewisePolyno
     return interpolant(tau, q, first * v, second * v**2 + first * a)
 
 
-def _deviations(unit: PiecewisePolynomial, section: Section, law: Law) -> FloatArray:
+def _deviations(unit: PiecewisePolynomial, section: PathSection, law: Law) -> FloatArray:
     """How far (rad or m) the joints are off the path in the middle between instants, (m - 1,)."""
     middle = 0.5 * (unit.breaks[1:] + unit.breaks[:-1])
     exact = section.joints.derivatives(_coordinates(section, law, middle)[0][:, 0])[0]
@@ -160,7 +160,7 @@ def _deviations(unit: PiecewisePolynomial, section: Section, law: Law) -> FloatA
     return off
 
 
-def _least_duration(section: Section, law: Law, instants: FloatArray) -> float:
+def _least_duration(section: PathSection, law: Law, instants: FloatArray) -> float:
     """Shortest time (s) for a section in which other speeds are kept."""
     tau = np.sort(np.concatenate([instants, 0.5 * (instants[1:] + instants[:-1])]))
     s, v, _ = _coordinates(section, law, tau)
@@ -171,7 +171,7 @@ def _largest(speed: SpeedLimit, s: FloatArray, v: FloatArray) -> float:
     return float(np.max(np.asarray(speed.rate(s)) * v)) / speed.limit
 
 
-def _jerk_limited(section: Section) -> PiecewisePolynomial:
+def _jerk_limited(section: PathSection) -> PiecewisePolynomial:
     """Let the path coordinate follow the double-S profile of the shape that is fastest here."""
     speed = _all_speeds(section)
     ramps, roundings = (grid.ravel() for grid in np.meshgrid(_RAMPS, _ROUNDINGS))
@@ -188,7 +188,7 @@ def _jerk_limited(section: Section) -> PiecewisePolynomial:
     return _along_law(section, law_of(unit_double_s(*best[1:])))
 
 
-def _all_speeds(section: Section) -> SpeedLimit:
+def _all_speeds(section: PathSection) -> SpeedLimit:
     """Combine all other speeds into one whose limit is 1, known at many places."""
     places = section.at(np.linspace(0.0, 1.0, 2 * _SPEED_PLACES + 1))
     rates = [np.asarray(speed.rate(places)) / speed.limit for speed in section.speeds]
@@ -200,7 +200,7 @@ def _all_speeds(section: Section) -> SpeedLimit:
 
 
 def _shape_durations(
-    section: Section, ramps: FloatArray, roundings: FloatArray, speed: SpeedLimit
+    section: PathSection, ramps: FloatArray, roundings: FloatArray, speed: SpeedLimit
 ) -> FloatArray:
     """Estimate how long the section takes by each of k shapes, shape (k,)."""
     samples = unit_double_s_samples(ramps, roundings, _IN_PHASE)
@@ -219,7 +219,7 @@ def _shape_durations(
     return durations
 
 
-def _time_optimal(section: Section) -> PiecewisePolynomial:
+def _time_optimal(section: PathSection) -> PiecewisePolynomial:
     """Let the path coordinate be as fast as it may everywhere.
 
     What smoothing the jerk costs may be more than what one double-S profile leaves.
@@ -227,7 +227,7 @@ def _time_optimal(section: Section) -> PiecewisePolynomial:
     smooth = with_ramps(section.limits, everywhere=True)
     speeds = [_all_speeds(section)] if section.speeds else []
     timed = time_optimal(section.pieces(), smooth, speed_limits=speeds, jerk_smoothing=True)
-    curve = thinned(timed.pieces, smooth)
+    curve = with_fewer_pieces(timed.pieces, smooth)
     curve = curve.stretched(max(stretch_needed(curve, smooth)[0], 1.0))
     plain = _jerk_limited(replace(section, limits=smooth))
     return min(curve, plain, key=lambda motion: motion.duration)

@@ -6,13 +6,13 @@ from typing import ClassVar
 import numpy as np
 
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.knots import spaced_knots
 from robomech_ros.trajectory.curves.motion_to_rest import (
     MotionThrough,
     MotionToRest,
     check_positions,
 )
-from robomech_ros.trajectory.curves.thinning import thinned
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
@@ -134,7 +134,7 @@ def time_optimal_through(
     path = cubic_spline(parameters, places, "natural")
     timed = time_optimal(path, smooth, jerk_smoothing=True)
     knots = _passed(timed, parameters, places)
-    pieces = thinned(timed.pieces, smooth)
+    pieces = with_fewer_pieces(timed.pieces, smooth)
     exact = fitted(pieces, smooth, duration)
     check_positions(exact, places[0], limits)
     knots = knots * (exact.duration / pieces.duration)

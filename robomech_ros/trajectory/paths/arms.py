@@ -1,17 +1,38 @@
-"""Serial arms, as tracking needs them, from three functions."""
+"""What tracking needs to know of an arm, and serial arms made of three functions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.trajectory.paths.posture import given
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["SerialArm"]
+__all__ = ["Arm", "SerialArm", "as_arm", "as_near", "checked_array"]
+
+_METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
+
+
+class Arm(Protocol):
+    """What tracking needs to know of an arm with n joints.
+
+    All is in the base frame, twists are [omega; v] at the tool's origin, rad and m.
+    """
+
+    def forward(self, q: FloatArray) -> npt.ArrayLike:
+        """Pose ``T_base_tool`` (4, 4) at joint values (n,)."""
+
+    def inverse(self, T: FloatArray, near: FloatArray) -> npt.ArrayLike | None:
+        """Joint values (n,) for a pose, the nearest ones to `near`; None if there are none."""
+
+    def jacobian(self, q: FloatArray) -> npt.ArrayLike:
+        """Matrix (6, n) from joint rates to the twist."""
+
+    def jacobian_rate(self, q: FloatArray, qd: FloatArray) -> npt.ArrayLike:
+        """Rate (6, n) of the Jacobian at joint rates qd."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +91,36 @@ class SerialArm:
         values = as_finite("joint values", q, ())
         if values.ndim != 1:
             raise WrongSizeError("joint values", values.shape, "(n,)")
-        rates = given("joint rates", qd, values.shape)[:, None]
-        columns = given("jacobian", self.jacobian(values), (6, len(values))).T
+        rates = checked_array("joint rates", qd, values.shape)[:, None]
+        columns = checked_array("jacobian", self.jacobian(values), (6, len(values))).T
         axes, arms = columns[:, :3], columns[:, 3:]
         after = np.cumsum(axes * rates, axis=0)
         moved = np.cumsum(arms * rates, axis=0)
         angular = np.cross(after - axes * rates, axes)
         linear = np.cross(after, arms) + np.cross(axes, moved[-1] - moved)
         return np.concatenate([angular, linear], axis=1).T
+
+
+def checked_array(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Check what an arm returned: finite numbers of exactly one shape."""
+    array = as_finite(what, value, ())
+    if array.shape != shape:
+        raise WrongSizeError(what, array.shape, shape)
+    return array
+
+
+def as_arm(value: object) -> Arm:
+    """Check that a value has the methods of an arm, or raise BadValueError."""
+    missing = [name for name in _METHODS if not callable(getattr(value, name, None))]
+    if missing:
+        raise BadValueError("arm", value, "an arm with " + ", ".join(_METHODS))
+    return value  # type: ignore[return-value]
+
+
+def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
+    """Check joint values (n,) of the arm."""
+    q = as_finite("near", value, ())
+    if q.ndim != 1 or not len(q):
+        raise WrongSizeError("near", q.shape, "(n,) with at least one joint")
+    checked_array("jacobian", arm.jacobian(q), (6, len(q)))
+    return q.copy()

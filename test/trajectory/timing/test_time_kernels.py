@@ -10,7 +10,7 @@ from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros.errors import NonFiniteError
 from robomech_ros.trajectory import PiecewisePolynomial
 from robomech_ros.trajectory.curves.bounds import extremes
-from robomech_ros.trajectory.curves.many_samples import sample_many
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])

@@ -8,12 +8,12 @@ from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["FromRest"]
+__all__ = ["StraightMotion"]
 
-_M = TypeVar("_M", bound="FromRest")
+_M = TypeVar("_M", bound="StraightMotion")
 
 
-class FromRest(ABC):
+class StraightMotion(ABC):
     """A motion of all joints together, whose shortest duration within limits is known."""
 
     REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration")

@@ -14,8 +14,8 @@ from robomech_ros.trajectory import (
     verify,
 )
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
+from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.knots import spaced_knots
-from robomech_ros.trajectory.curves.thinning import thinned
 
 JOINTS = ("base", "shoulder", "elbow")
 LIMITS = Limits(JOINTS, velocity=[1.0, 2.0, 3.0], acceleration=[2.0, 6.0, 9.0], jerk=60.0)
@@ -131,7 +131,7 @@ def test_thinning_keeps_the_motion():
     states = [np.sin(times + k * np.pi / 2.0)[:, None] for k in range(3)]
     fine = interpolant(times, *states)
     slide = Limits(["slide"], velocity=2.0, acceleration=2.0, jerk=2.0)
-    coarse = thinned(fine, slide)
+    coarse = with_fewer_pieces(fine, slide)
     assert len(coarse.breaks) < 60
     assert coarse.breaks[[0, -1]].tolist() == [0.0, 2.0]
     instants = np.linspace(0.0, 2.0, 777)

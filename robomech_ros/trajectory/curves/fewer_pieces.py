@@ -9,7 +9,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["thinned"]
+__all__ = ["with_fewer_pieces"]
 
 # How far a quintic over two pieces may be off them where they meet, rad or m, and in parts of the
 # acceleration limit.
@@ -18,7 +18,7 @@ _OFF, _OFF_ACCELERATION = 2e-8, 1e-4
 _PASSES = 24
 
 
-def thinned(curve: PiecewisePolynomial, limits: Limits) -> PiecewisePolynomial:
+def with_fewer_pieces(curve: PiecewisePolynomial, limits: Limits) -> PiecewisePolynomial:
     """Join neighbouring pieces of a motion where one quintic does for both.
 
     Position, velocity and acceleration stay what they are at every break that is left.  Breaks at

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
+from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.cubic_spline import CubicEnds, cubic_spline
 from robomech_ros.trajectory.curves.knots import (
     SPACINGS,
@@ -16,7 +17,6 @@ from robomech_ros.trajectory.curves.knots import (
     optimal_knots,
     spaced_knots,
 )
-from robomech_ros.trajectory.curves.many_samples import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline

@@ -10,7 +10,8 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
-from robomech_ros.trajectory.paths.curve import PolynomialCurve, as_breaks, as_points
+from robomech_ros.trajectory.paths.curve import PolynomialCurve
+from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_points
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["as_ends", "spline_curve"]

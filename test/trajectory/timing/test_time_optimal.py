@@ -30,7 +30,7 @@ from robomech_ros.trajectory import (
     verify,
 )
 
-TOPPRA = Path(__file__).parents[1] / "data" / "time_optimal_toppra.csv"
+TOPPRA = Path(__file__).parents[2] / "data" / "time_optimal_toppra.csv"
 RATES = ("velocity", "acceleration")
 # What the limits are kept below, so that rounding does not exceed them, costs this part of time.
 ROUNDING = 1e-6

@@ -28,7 +28,7 @@ from robomech_ros.trajectory import (
 )
 
 GOLDEN = json.loads(
-    (Path(__file__).parents[1] / "data" / "golden" / "cubic_spline.json").read_text()
+    (Path(__file__).parents[2] / "data" / "golden" / "cubic_spline.json").read_text()
 )
 JOINTS = tuple(f"joint_{k}" for k in range(4))
 LIMITS = Limits(JOINTS, velocity=1.5, acceleration=4.0, jerk=40.0, lower=-3.0, upper=3.0)
@@ -95,7 +95,10 @@ def test_ends_at_rest(degree, count):
     spline = spline_through(points, times=times, degree=degree)
     np.testing.assert_allclose(spline.sample(times).position, points, atol=1e-12)
     first, last = spline.sample(times[0]), spline.sample(times[-1])
-    np.testing.assert_allclose([first.velocity, first.acceleration], 0.0, atol=1e-11)
+    # Rounding of the accelerations on the way, which differs between processors.
+    largest = np.abs(spline.sample(np.linspace(0.0, times[-1], 500)).acceleration).max()
+    rounding = 1e-13 * max(100.0, largest)
+    np.testing.assert_allclose([first.velocity, first.acceleration], 0.0, atol=rounding)
     np.testing.assert_array_equal(last.position, points[-1])
     np.testing.assert_array_equal([last.velocity, last.acceleration], 0.0)
     breaks, step = spline.pieces.breaks[1:-1], 1e-9

@@ -12,7 +12,7 @@ from robomech_ros.errors import DurationTooShortError, MissingLimitsError
 from robomech_ros.trajectory import Limits, Sample, point_to_point, spline_through, verify
 
 GOLDEN = json.loads(
-    (Path(__file__).parents[1] / "data" / "golden" / "ppo_profiles.json").read_text()
+    (Path(__file__).parents[2] / "data" / "golden" / "ppo_profiles.json").read_text()
 )
 JOINTS = ("base", "shoulder", "elbow")
 UNLIMITED = Limits(JOINTS, velocity=[1e9] * 3, acceleration=[1e9] * 3)
