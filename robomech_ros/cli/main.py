@@ -29,6 +29,7 @@ COMMANDS = {
 }
 
 EXIT_USAGE = 2
+EXIT_WITHOUT_ROS = 1
 EXIT_INTERRUPTED = 130
 
 
@@ -55,8 +56,8 @@ def _run(argv: list[str], chosen: str) -> int:
     for name, (package, summary) in COMMANDS.items():
         sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
         if name == chosen:
-            # Only the chosen command is imported: `robomech doctor` has to run where ROS is
-            # missing, and `robomech robots` need not wait for it.
+            # Only the chosen command is imported, and ROS not before it runs: `robomech doctor`
+            # and all help have to work where ROS is missing.
             module = import_module(f"{package}.{name.replace('-', '_')}")
             module.add_arguments(sub)
             sub.set_defaults(run=module.run)
@@ -66,6 +67,12 @@ def _run(argv: list[str], chosen: str) -> int:
     except RobomechError as error:
         print(f"robomech {chosen}: {error}", file=sys.stderr)
         return EXIT_USAGE
+    except ImportError as error:
+        if COMMANDS[chosen][0] != _WITH_ROS:
+            raise
+        text = f"ROS 2 is needed and cannot be imported ({error}); see `robomech doctor`"
+        print(f"robomech {chosen}: {text}", file=sys.stderr)
+        return EXIT_WITHOUT_ROS
 
 
 if __name__ == "__main__":

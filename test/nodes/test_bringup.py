@@ -10,6 +10,7 @@ import yaml
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.process_group import NODE_MODULES
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -22,7 +23,7 @@ def parsed(*arguments):
 
 
 def commands(*arguments):
-    return bringup._commands(parsed(*arguments))
+    return bringup.launch_options(parsed(*arguments)).commands()
 
 
 def test_every_node_gets_the_robot_and_its_own_file():
@@ -34,7 +35,7 @@ def test_every_node_gets_the_robot_and_its_own_file():
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
     assert every - without == {"servo"} and every == set(NODE_MODULES)
-    assert set(bringup.node_commands("scara")) == without
+    assert set(LaunchOptions("scara", servo=False).commands()) == without
 
 
 def test_paths_are_made_absolute(tmp_path, monkeypatch):
@@ -50,7 +51,8 @@ def test_paths_are_made_absolute(tmp_path, monkeypatch):
 def test_drives_may_move_the_robot():
     given = "joint_trajectory_controller:simulation:=dynamic"
     assert given in commands("--robot", "ur5e", "--dynamic")["joint_trajectory_controller"]
-    assert given in bringup.node_commands("ur5e", "--dynamic")["joint_trajectory_controller"]
+    of_demonstration = LaunchOptions("ur5e", dynamic=True, servo=False).commands()
+    assert given in of_demonstration["joint_trajectory_controller"]
     assert given not in commands("--robot", "ur5e")["joint_trajectory_controller"]
 
 

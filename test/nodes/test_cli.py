@@ -169,7 +169,8 @@ def test_robots_are_listed_with_joints_and_family(capfd):
 def test_warmup_imports_every_kernel_module(capfd):
     code, out, _ = run(capfd, "warmup")
     assert code == 0
-    assert {"serial", "inverse_decoupled", "inverse_parallel"} <= set(kernel_modules())
+    some = {"chain.serial", "inverse.decoupled.wrist", "dynamics.forward"}
+    assert some <= set(kernel_modules())
     assert f"{len(kernel_modules())} kernel modules" in out
 
 
@@ -241,9 +242,9 @@ def test_nodes_import_no_heavy_library(node):
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("node", ["trajectory_publisher_node", "joint_state_simulator_node"])
+@pytest.mark.parametrize("node", ["trajectory_publisher", "joint_trajectory_controller"])
 def test_nodes_that_plan_nothing_load_no_compiled_code(node):
-    code = f"import sys, robomech_ros.nodes.{node}; print('numba' in sys.modules)"
+    code = f"import sys, {NODE_MODULES[node]}; print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 

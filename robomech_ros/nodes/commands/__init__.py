@@ -1,1 +1,1 @@
-"""The subcommands of ``robomech``, one module each with `add_arguments` and `run`."""
+"""Subcommands of ``robomech`` that use ROS; they import it when they run, not before."""

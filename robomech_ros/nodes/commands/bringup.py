@@ -1,7 +1,6 @@
 """``robomech bringup``: all nodes for one robot, as processes or in one."""
 
 import argparse
-import json
 import re
 import signal
 import sys
@@ -13,11 +12,11 @@ from types import FrameType
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.joint_limits import read_joint_limits
-from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup, node_command
-from robomech_ros.robots import load_description, robot_folders
+from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
+from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup
+from robomech_ros.robots import load_description
 
-__all__ = ["add_arguments", "node_commands", "run"]
+__all__ = ["add_arguments", "launch_options", "run"]
 
 EXIT_CHILD_FAILED = 1
 
@@ -58,19 +57,43 @@ def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
     _check(args)
     if args.robot:
-        # Said once, here, instead of once by every node.
-        description = load_description(args.robot)
-        if args.joint_limits:
-            description = read_joint_limits(args.joint_limits).on(description)
-        description.chain(args.base_link, args.tip_link)
-    if args.in_one_process:
-        from robomech_ros.nodes.process.run import run_nodes
+        _load(args)
+    options = launch_options(args)
+    return _run_here(options) if args.in_one_process else _supervise(options.commands())
 
-        nodes = _nodes(args)
-        everything = [argument for node in nodes for argument in _config_file(node)]
-        arguments = ["robomech", "--ros-args", *everything, *_ros_arguments(args)]
-        return run_nodes([_factory(node) for node in nodes], arguments)
-    return _supervise(_commands(args))
+
+def launch_options(args: argparse.Namespace) -> LaunchOptions:
+    """Pick what the nodes are started with."""
+    return LaunchOptions(
+        robot=args.robot,
+        base_link=args.base_link,
+        tip_link=args.tip_link,
+        namespace=args.namespace,
+        rate=args.rate,
+        joint_limits=args.joint_limits,
+        dynamic=args.dynamic,
+        params_files=tuple(args.params_file),
+        servo=not args.no_servo,
+    )
+
+
+def _load(args: argparse.Namespace) -> None:
+    """Load the robot here, so that a fault in it is reported once and not by every node."""
+    description = load_description(args.robot)
+    if args.joint_limits:
+        from robomech_ros.nodes.common.joint_limits import read_joint_limits
+
+        description = read_joint_limits(args.joint_limits).on(description)
+    description.chain(args.base_link, args.tip_link)
+
+
+def _run_here(options: LaunchOptions) -> int:
+    """Run all nodes in this process."""
+    from robomech_ros.nodes.process.run import run_nodes
+
+    files = [argument for node in options.nodes for argument in config_file(node)]
+    arguments = ["robomech", "--ros-args", *files, *options.ros_arguments()]
+    return run_nodes([_factory(node) for node in options.nodes], arguments)
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -82,69 +105,6 @@ def _check(args: argparse.Namespace) -> None:
     if args.namespace.strip("/") and not all(_PART_OF_A_NAME.fullmatch(part) for part in parts):
         expected = "words of letters, digits and underscores, such as /left or /cell_1/left"
         raise BadValueError("--namespace", args.namespace, expected)
-
-
-def node_commands(robot: str, *options: str) -> dict[str, list[str]]:
-    """Give the command lines of all nodes but the servo, as `robomech bringup` starts them.
-
-    Parameters
-    ----------
-    robot : str
-        Name or path.
-    *options : str
-        Further options.
-    """
-    parser = argparse.ArgumentParser()
-    add_arguments(parser)
-    return _commands(parser.parse_args(["--robot", robot, "--no-servo", *options]))
-
-
-def _nodes(args: argparse.Namespace) -> list[str]:
-    """List the nodes that are wanted."""
-    return [node for node in NODE_MODULES if not (args.no_servo and node == "servo")]
-
-
-def _commands(args: argparse.Namespace) -> dict[str, list[str]]:
-    arguments = _ros_arguments(args)
-    return {node: node_command(node, [*_config_file(node), *arguments]) for node in _nodes(args)}
-
-
-def _ros_arguments(args: argparse.Namespace) -> list[str]:
-    """Turn the options into ROS arguments for every node."""
-    robot = args.robot
-    if robot and (Path(robot).suffix or "/" in robot):
-        robot = str(Path(robot).expanduser().resolve())
-    result = []
-    for name in args.params_file:
-        result += ["--params-file", name]
-    if args.namespace:
-        result += ["-r", f"__ns:=/{args.namespace.strip('/')}"]
-    values = {
-        "robot_description": robot,
-        "base_link": args.base_link,
-        "tip_link": args.tip_link,
-    }
-    for name, value in values.items():
-        if value:
-            # Quoted: YAML would read a robot called 7 as a number.
-            result += ["-p", f"{name}:={json.dumps(value)}"]
-    if args.joint_limits:
-        path = json.dumps(str(Path(args.joint_limits).expanduser().resolve()))
-        result += ["-p", f"trajectory_planner:joint_limits:={path}"]
-    if args.rate is not None:
-        result += ["-p", f"joint_trajectory_controller:publish_rate:={float(args.rate)}"]
-    if args.dynamic:
-        result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
-    return result
-
-
-def _config_file(node: str) -> list[str]:
-    """Find the parameters that the package ships for a node."""
-    for folder in robot_folders():
-        path = folder.parent / f"{node}.yaml"
-        if path.is_file():
-            return ["--params-file", str(path)]
-    return []
 
 
 def _factory(node: str) -> Any:

@@ -2,20 +2,13 @@
 
 import argparse
 import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError, UnknownJointError
-from robomech_ros.execution.received_trajectory import GivenTrajectory, read_waypoints
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
-from robomech_ros.nodes.common.conversions import seconds_from_duration
-from robomech_ros.nodes.common.joint_limits import read_joint_limits
-from robomech_ros.nodes.common.message_yaml import fill_message, parse_yaml
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import load_description
 from robomech_ros.robots.description import RobotDescription
@@ -25,13 +18,9 @@ __all__ = ["add_arguments", "run"]
 
 Array = NDArray[np.float64]
 _TOPIC = "trajectory_planner/planned_trajectory"
-# What a picture is made of at the most.
-_MOST_POINTS, _LONGEST = 1_000_000, 1e7
-_LARGEST_FILE = 1 << 28
 # Instants at which curves are drawn, beside the points of the trajectory.
 _INSTANTS = 3000
 _ENDINGS = (".png", ".svg", ".pdf")
-_POLL = 0.1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,6 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Draw the picture; returns 0, or 3 where no trajectory came."""
+    from robomech_ros.nodes.commands.trajectory_source import from_file, from_topic, waypoints_of
+    from robomech_ros.nodes.common.joint_limits import read_joint_limits
+
     if args.output.suffix not in _ENDINGS:
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
     if args.joint_limits and not args.robot:
@@ -65,13 +57,13 @@ def run(args: argparse.Namespace) -> int:
     robot = load_description(args.robot) if args.robot else None
     if robot is not None and args.joint_limits:
         robot = read_joint_limits(args.joint_limits).on(robot)
-    message = _from_file(args.file) if args.file else _from_topic(args.topic, args.timeout)
+    message = from_file(args.file) if args.file else from_topic(args.topic, args.timeout)
     if message is None:
         text = f"nothing came on topic '{args.topic}' within {args.timeout:g} s"
         print(f"robomech plot-trajectory: {text}; has a plan been made?", file=sys.stderr)
         return EXIT_NO_ANSWER
     names = list(message.joint_names)
-    points = _waypoints(message)
+    points = waypoints_of(message)
     times, curves = _curves(points)
     limits, prismatic = _of_robot(robot, names) if robot is not None else ([], None)
     path = plot_motion(
@@ -85,58 +77,6 @@ def run(args: argparse.Namespace) -> int:
     )
     print(f"{path}: {len(names)} joints, {len(points.times)} points, {points.times[-1]:g} s")
     return 0
-
-
-def _from_topic(topic: str, timeout: float) -> JointTrajectory | None:
-    """Wait for a latched trajectory."""
-    import rclpy
-    from rclpy.node import Node
-
-    from robomech_ros.nodes.common.robot_description import LATCHED
-
-    received: list[JointTrajectory] = []
-    rclpy.init(args=[])
-    node = Node("robomech_plot", enable_rosout=False, start_parameter_services=False)
-    try:
-        node.create_subscription(JointTrajectory, topic, received.append, LATCHED)
-        deadline = time.monotonic() + timeout
-        while not received and time.monotonic() < deadline:
-            rclpy.spin_once(node, timeout_sec=_POLL)
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
-    return received[0] if received else None
-
-
-def _from_file(path: Path) -> JointTrajectory:
-    """Read a trajectory, or the one in the answer of a planner, or of MoveIt."""
-    try:
-        with path.open("rb") as stream:
-            text = stream.read(_LARGEST_FILE + 1).decode()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise BadValueError("file", str(path), f"a YAML file ({reason})") from None
-    if len(text) > _LARGEST_FILE:
-        raise BadValueError("file", str(path), f"one of at most {_LARGEST_FILE} bytes")
-    # `ros2 topic echo` ends a message with a line of dashes.
-    values: Any = parse_yaml(text.split("\n---", 1)[0])
-    for key in ("solution", "trajectory", "joint_trajectory"):
-        values = values.get(key, values) if isinstance(values, dict) else values
-    if not isinstance(values, dict) or "points" not in values:
-        expected = "a JointTrajectory, or an answer with a trajectory or solution"
-        raise BadValueError("file", str(path), expected)
-    message = JointTrajectory()
-    fill_message(message, values)
-    return message
-
-
-def _waypoints(message: JointTrajectory) -> Waypoints:
-    times = [
-        seconds_from_duration(point.time_from_start, f"points[{k}].time_from_start")
-        for k, point in enumerate(message.points)
-    ]
-    given = GivenTrajectory(message.joint_names, times, message.points)
-    return read_waypoints(given, message.joint_names, _MOST_POINTS, _LONGEST, to_rest=False)
 
 
 def _curves(points: Waypoints) -> tuple[Array, list[Array]]:

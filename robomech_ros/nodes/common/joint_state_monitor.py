@@ -17,8 +17,8 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
+from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.common.polled_subscription import Unattended
-from robomech_ros.nodes.process.pauses import pause
 
 __all__ = ["JointStateMonitor"]
 

@@ -9,13 +9,13 @@ import numpy as np
 from robomech_interfaces.srv import Execute, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.commands.bringup import node_commands
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.limits import robot_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import PRISMATIC, SerialChain
 
@@ -87,12 +87,12 @@ def _session(
 
 
 def _commands(robot: str, chain: SerialChain, dynamic: bool) -> dict[str, list[str]]:
-    if not dynamic:
-        return node_commands(robot)
-    # What cannot be simulated is refused here, once, instead of by a node.
-    mass_matrix(chain, chain.midrange())
-    commands = node_commands(robot, "--dynamic")
-    commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
+    if dynamic:
+        # A robot that cannot be simulated is refused here, once, instead of by a node.
+        mass_matrix(chain, chain.midrange())
+    commands = LaunchOptions(robot, dynamic=dynamic, servo=False).commands()
+    if dynamic:
+        commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
     return commands
 
 

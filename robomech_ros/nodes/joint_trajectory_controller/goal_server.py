@@ -20,8 +20,8 @@ from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.tolerance import Tolerances
 from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
-from robomech_ros.nodes.process.pauses import wake
 from robomech_ros.outcomes import Code
 
 __all__ = ["Dialect", "GoalServer", "fill_states"]

@@ -16,6 +16,7 @@ from robomech_ros.execution.controller.trajectory_goal import End, Outcome
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
 from robomech_ros.nodes.joint_trajectory_controller.condition import robot_condition
@@ -31,7 +32,6 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     check_simulation,
 )
 from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
-from robomech_ros.nodes.process.pauses import wake
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code, name_of
 

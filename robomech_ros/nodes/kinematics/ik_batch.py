@@ -12,7 +12,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.nodes.common.conversions import append_numbers
-from robomech_ros.nodes.process.pauses import Turns
+from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.robots import SerialChain
 
 __all__ = ["BatchLists", "solve_in_turns"]

@@ -36,6 +36,7 @@ from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters, parameter
+from robomech_ros.nodes.common.pauses import Turns, beside
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.kinematics.ik_batch import solve_in_turns
@@ -59,7 +60,6 @@ from robomech_ros.nodes.kinematics.workspace_messages import (
     workspace_cloud,
 )
 from robomech_ros.nodes.moveit import add_moveit_services
-from robomech_ros.nodes.process.pauses import Turns, beside
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 

@@ -24,8 +24,8 @@ from robomech_ros.kinetostatics import (
 )
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.nodes.common.conversions import append_numbers, matrix_from_pose
+from robomech_ros.nodes.common.pauses import Turns, beside
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.process.pauses import Turns, beside
 from robomech_ros.robots import SerialChain
 
 __all__ = ["Judgement", "ReachOfRobot", "poses_in_base", "reach_of", "workspace_cloud"]

@@ -6,8 +6,8 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.process.pauses import Worker
 
 __all__ = ["add_cartesian_path_service", "add_moveit_services"]
 

@@ -26,12 +26,12 @@ from robomech_ros.nodes.common.cartesian_planning import (
 )
 from robomech_ros.nodes.common.conversions import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.waypoint_paths import path_through
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
-from robomech_ros.nodes.process.pauses import Worker
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.poses import pose_error
 from robomech_ros.trajectory import (

@@ -17,6 +17,7 @@ from robomech_ros.nodes.common.conversions import (
     seconds_from_duration,
     stamped_pose,
 )
+from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import (
@@ -26,7 +27,6 @@ from robomech_ros.nodes.moveit.serving import (
     refuse_collision_checks,
 )
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
-from robomech_ros.nodes.process.pauses import Turns
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 

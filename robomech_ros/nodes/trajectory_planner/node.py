@@ -30,12 +30,12 @@ from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_jo
 from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters, parameter
+from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.plan_sampling import plan_that_fits
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.common.waypoint_paths import path_through
 from robomech_ros.nodes.moveit import add_cartesian_path_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
-from robomech_ros.nodes.process.pauses import Worker
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     encode_path_plan,

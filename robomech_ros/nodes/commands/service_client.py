@@ -1,0 +1,99 @@
+"""One call of a service whose type may have to be looked up in the graph."""
+
+import time
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.message_yaml import fill_message, interface_class
+
+__all__ = ["NoAnswerError", "call_service"]
+
+_POLL = 0.02
+_MOST_LISTED = 12
+
+
+class NoAnswerError(RobomechError):
+    """The service did not appear, or did not answer, in time."""
+
+
+def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: float) -> Any:
+    """Call a service from a node of its own.
+
+    Parameters
+    ----------
+    service : str
+        Name, with or without the leading slash.
+    kind : str
+        Interface type, such as ``robomech_interfaces/srv/SolveIK``; empty: ask the graph.
+    values : mapping
+        Fields of the request.
+    timeout : float
+        How long to wait for service and answer together (s).
+
+    Returns
+    -------
+    message
+        The response.
+
+    Raises
+    ------
+    NoAnswerError
+        There is no such service, it did not answer in time, or ROS was shut down meanwhile.
+    BadValueError, UnknownFieldError
+        The type or a field does not exist, or a value does not fit.
+    """
+    deadline = time.monotonic() + timeout
+    rclpy.init(args=[])
+    node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
+    try:
+        return _answer(node, f"/{service.removeprefix('/')}", kind, values, deadline, timeout)
+    except ExternalShutdownException:
+        raise NoAnswerError("ROS was shut down before the answer came") from None
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _answer(
+    node: Node, service: str, kind: str, values: Mapping[str, Any], deadline: float, timeout: float
+) -> Any:
+    interface = interface_class(kind or _type_in_graph(node, service, deadline))
+    request = interface.Request()
+    fill_message(request, values)
+    client = node.create_client(interface, service)
+    if not client.wait_for_service(timeout_sec=max(0.0, deadline - time.monotonic())):
+        raise NoAnswerError(f"service '{service}' is not there after {timeout:g} s")
+    future = client.call_async(request)
+    rclpy.spin_until_future_complete(
+        node, future, timeout_sec=max(0.0, deadline - time.monotonic())
+    )
+    if not future.done():
+        raise NoAnswerError(f"service '{service}' did not answer within {timeout:g} s")
+    return future.result()
+
+
+def _type_in_graph(node: Node, service: str, deadline: float) -> str:
+    while True:
+        services = dict(node.get_service_names_and_types())
+        if service in services:
+            return str(services[service][0])
+        if time.monotonic() > deadline:
+            break
+        time.sleep(_POLL)
+    names = [name for name in sorted(services) if not _is_plumbing(name)]
+    close = get_close_matches(service, names, n=1)
+    hint = f" (did you mean '{close[0]}'?)" if close else ""
+    there = ", ".join(names[:_MOST_LISTED]) or "none, is anything running?"
+    raise NoAnswerError(f"service '{service}' did not appear{hint}; there are: {there}")
+
+
+def _is_plumbing(service: str) -> bool:
+    """Whether a service is one of those that every node has, or belongs to an action."""
+    last = service.rsplit("/", 1)[-1]
+    return "parameter" in last or "type_description" in last or "/_action/" in service

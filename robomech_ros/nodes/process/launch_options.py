@@ -1,0 +1,97 @@
+"""What all nodes of a robot are started with, and the command line that this makes for each."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from robomech_ros.nodes.process.process_group import NODE_MODULES, node_command
+from robomech_ros.robots import robot_folders
+
+__all__ = ["LaunchOptions", "config_file"]
+
+
+@dataclass(frozen=True)
+class LaunchOptions:
+    """Options of `robomech bringup`; every node gets the same ROS arguments from them.
+
+    Parameters
+    ----------
+    robot : str, optional
+        Name, or path of a URDF or YAML file; empty: the nodes wait for the topic.
+    base_link, tip_link : str, optional
+        Ends of the chain; empty for the defaults of the robot.
+    namespace : str, optional
+        Of all nodes.
+    rate : float, optional
+        Of joint_states (Hz).
+    joint_limits : str, optional
+        Path of a YAML file.
+    dynamic : bool, optional
+        Whether drives move the simulated robot.
+    params_files : tuple of str, optional
+        Paths of YAML files with parameters.
+    servo : bool, optional
+        Whether the servo is one of the nodes.
+    """
+
+    robot: str = ""
+    base_link: str = ""
+    tip_link: str = ""
+    namespace: str = ""
+    rate: float | None = None
+    joint_limits: str = ""
+    dynamic: bool = False
+    params_files: tuple[str, ...] = ()
+    servo: bool = True
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Names of the nodes, in the order in which they are started."""
+        return tuple(node for node in NODE_MODULES if self.servo or node != "servo")
+
+    def commands(self) -> dict[str, list[str]]:
+        """Give the command line of each node's process."""
+        shared = self.ros_arguments()
+        return {node: node_command(node, [*config_file(node), *shared]) for node in self.nodes}
+
+    def ros_arguments(self) -> list[str]:
+        """Turn the options into ROS arguments, the same for every node."""
+        result = []
+        for name in self.params_files:
+            result += ["--params-file", name]
+        if self.namespace:
+            result += ["-r", f"__ns:=/{self.namespace.strip('/')}"]
+        values = {
+            "robot_description": self._robot(),
+            "base_link": self.base_link,
+            "tip_link": self.tip_link,
+        }
+        for name, value in values.items():
+            if value:
+                # Quoted: YAML would read a robot called 7 as a number.
+                result += ["-p", f"{name}:={json.dumps(value)}"]
+        if self.joint_limits:
+            path = json.dumps(_absolute(self.joint_limits))
+            result += ["-p", f"trajectory_planner:joint_limits:={path}"]
+        if self.rate is not None:
+            result += ["-p", f"joint_trajectory_controller:publish_rate:={float(self.rate)}"]
+        if self.dynamic:
+            result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
+        return result
+
+    def _robot(self) -> str:
+        is_path = bool(Path(self.robot).suffix) or "/" in self.robot
+        return _absolute(self.robot) if self.robot and is_path else self.robot
+
+
+def config_file(node: str) -> list[str]:
+    """Give the ROS arguments for the parameters that the package ships for a node."""
+    for folder in robot_folders():
+        path = folder.parent / f"{node}.yaml"
+        if path.is_file():
+            return ["--params-file", str(path)]
+    return []
+
+
+def _absolute(path: str) -> str:
+    return str(Path(path).expanduser().resolve())

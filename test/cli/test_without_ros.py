@@ -1,0 +1,62 @@
+"""The `robomech` command on a machine where ROS cannot be imported."""
+
+import subprocess
+import sys
+
+import pytest
+
+from robomech_ros.cli.main import COMMANDS
+
+# Everything that comes with ROS, as `import` sees it where none of it is installed.
+BLOCKED = """
+import sys
+
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        root = name.partition(".")[0]
+        if root in ("rclpy", "rcl_interfaces", "rosidl_runtime_py", "ament_index_python") or (
+            root.endswith(("_interfaces", "_msgs", "_srvs"))
+        ):
+            raise ModuleNotFoundError(f"No module named {root!r}", name=root)
+
+sys.meta_path.insert(0, Blocked())
+from robomech_ros.cli.main import main
+
+raise SystemExit(main())
+"""
+
+
+def robomech(*arguments):
+    command = [sys.executable, "-c", BLOCKED, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_needs_no_ros(command):
+    code, out, err = robomech(*command.split(), "--help")
+    assert (code, err) == (0, "")
+    assert out.startswith(f"usage: robomech {command}".rstrip())
+
+
+def test_doctor_names_what_is_missing():
+    code, out, _ = robomech("doctor")
+    assert code == 1
+    assert "MISSING  ROS 2 client library" in out
+    assert "No module named 'rclpy'" in out
+
+
+def test_robots_are_listed():
+    code, out, err = robomech("robots")
+    assert (code, err) == (0, "")
+    assert "puma560" in out
+
+
+@pytest.mark.parametrize("arguments", [["call", "kinematics/solve_ik"], ["plot-trajectory"]])
+def test_commands_that_need_ros_say_so_in_one_line(arguments):
+    code, out, err = robomech(*arguments)
+    assert (code, out) == (1, "")
+    assert err == (
+        f"robomech {arguments[0]}: ROS 2 is needed and cannot be imported "
+        "(No module named 'rclpy'); see `robomech doctor`\n"
+    )
