@@ -1,0 +1,57 @@
+"""Move the simulated robot as MoveIt does: a client of the action FollowJointTrajectory.
+
+It knows nothing of robomech_ros, so it drives any controller of ros2_control as well.
+
+Start the suite first:  robomech bringup --robot puma560     (after `make compat`)
+Then run:               python examples/follow_joint_trajectory_client.py
+"""
+
+import sys
+
+import rclpy
+from builtin_interfaces.msg import Duration
+from control_msgs.action import FollowJointTrajectory
+from rclpy.action import ActionClient
+from rclpy.wait_for_message import wait_for_message
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+ACTION = "joint_trajectory_controller/follow_joint_trajectory"
+
+
+def finished(node, future):
+    """Spin until a future has its result, and return it."""
+    rclpy.spin_until_future_complete(node, future, timeout_sec=30.0)
+    return future.result()
+
+
+def main() -> int:
+    rclpy.init()
+    node = rclpy.create_node("follow_joint_trajectory_client")
+    client = ActionClient(node, FollowJointTrajectory, ACTION)
+    try:
+        heard, state = wait_for_message(JointState, node, "joint_states", time_to_wait=30.0)
+        if not heard or not client.wait_for_server(timeout_sec=30.0):
+            print(f"no joint_states, or nobody serves {ACTION}; is the suite running?")
+            return 1
+        # Two points with velocities: the controller joins them by cubics.
+        trajectory = JointTrajectory(joint_names=state.name)
+        for seconds, turn in ((1, 0.1), (2, 0.2)):
+            point = JointTrajectoryPoint(time_from_start=Duration(sec=seconds))
+            point.positions = [q + turn for q in state.position]
+            point.velocities = [0.1 if seconds == 1 else 0.0] * len(state.name)
+            trajectory.points.append(point)
+        goal = FollowJointTrajectory.Goal(trajectory=trajectory)
+        handle = finished(node, client.send_goal_async(goal))
+        result = finished(node, handle.get_result_async()).result
+        done = result.error_code == FollowJointTrajectory.Result.SUCCESSFUL
+        print("arrived" if done else f"failed: {result.error_string}")
+        return 0 if done else 1
+    finally:
+        client.destroy()
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
