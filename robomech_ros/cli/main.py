@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from robomech_ros import __version__
-from robomech_ros.nodes.process.start import leave_on_signals
+from robomech_ros.stop_signals import leave_on_signals
 
 __all__ = ["main"]
 

@@ -10,6 +10,7 @@ import pytest
 
 from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup, node_command
 
+START_MODULE = "robomech_ros.nodes.process.start"
 WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]
 FAILS = [sys.executable, "-c", "raise SystemExit(7)"]
 DEAF = [
@@ -37,7 +38,7 @@ def test_waiting_can_be_interrupted():
 
 
 def test_a_signal_before_the_child_can_answer_waits_for_it():
-    slow = "import time; time.sleep(0.5); from robomech_ros.nodes import start; start.main(['?'])"
+    slow = f"import time; time.sleep(0.5); from {START_MODULE} import main; main(['?'])"
     group = ProcessGroup({"node": [sys.executable, "-c", slow]})
     assert group.stop() == {"node": 0}
 
@@ -51,9 +52,9 @@ class Hasty:
             print("importing", flush=True)
             os.kill(os.getpid(), {number})
 sys.meta_path.insert(0, Hasty())
-from robomech_ros.nodes import {module}
+import {module} as entry
 sys.argv = ["robomech", "bringup", "--robot", "puma560"]
-{module}.{function}()
+entry.{function}()
 """
 
 
@@ -61,12 +62,12 @@ sys.argv = ["robomech", "bringup", "--robot", "puma560"]
 @pytest.mark.parametrize(
     ("module", "function", "library"),
     [
-        ("start", "kinematics_node", "numpy"),
-        ("start", "trajectory_planner_node", "rclpy"),
-        ("start", "trajectory_publisher_node", "rclpy"),
-        ("start", "servo_node", "numpy"),
-        ("start", "joint_state_simulator_node", "rclpy"),
-        ("cli", "main", "numpy"),
+        (START_MODULE, "kinematics_node", "numpy"),
+        (START_MODULE, "trajectory_planner_node", "rclpy"),
+        (START_MODULE, "trajectory_publisher_node", "rclpy"),
+        (START_MODULE, "servo_node", "numpy"),
+        (START_MODULE, "joint_state_simulator_node", "rclpy"),
+        ("robomech_ros.cli.main", "main", "numpy"),
     ],
 )
 def test_a_signal_during_the_imports_ends_with_0(module, function, library, number):
@@ -88,8 +89,9 @@ def test_what_does_not_listen_is_killed(monkeypatch):
 HELD = """
 import ctypes, os, signal
 from rclpy.node import Node
-from robomech_ros.nodes import run, start
-start.leave_on_signals()
+from robomech_ros.nodes.process import run
+from robomech_ros.stop_signals import leave_on_signals
+leave_on_signals()
 run._FAREWELL_SECONDS = 0.5
 class Held(Node):
     def __init__(self):
@@ -138,7 +140,7 @@ def _is_alive(pid):
         return False
 
 
-START = [sys.executable, "-m", "robomech_ros.nodes.process.start"]
+START = [sys.executable, "-m", START_MODULE]
 
 
 @pytest.mark.parametrize("streams", ["2>&1 >&-", "2>&-", ">&- 2>&-"])

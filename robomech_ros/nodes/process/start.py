@@ -7,21 +7,20 @@ itself import next to nothing.
 
 import gc
 import os
-import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from typing import NoReturn
 
+from robomech_ros.stop_signals import leave_on_signals
+
 __all__ = [
     "EXIT_CANNOT_START",
     "NODE_MODULES",
-    "STOP_SIGNALS",
     "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",
-    "leave_on_signals",
     "main",
     "servo_node",
     "trajectory_planner_node",
@@ -37,8 +36,6 @@ NODE_MODULES = {
     "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher.node",
     "servo": "robomech_ros.nodes.servo.node",
 }
-
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 EXIT_CANNOT_START = 2
 
@@ -79,13 +76,6 @@ def servo_node() -> NoReturn:
     _run("servo", sys.argv)
 
 
-def leave_on_signals() -> None:
-    """End this process with 0 on SIGINT and SIGTERM: it has nothing to stop as yet."""
-    for number in STOP_SIGNALS:
-        signal.signal(number, _leave)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-
-
 def _run(node: str, argv: Sequence[str]) -> NoReturn:
     leave_on_signals()
     if node not in NODE_MODULES:
@@ -104,11 +94,6 @@ def _run(node: str, argv: Sequence[str]) -> NoReturn:
     # All is done and said.  To take the interpreter and its libraries apart would take longer than
     # the node's own end, and waits for threads of the middleware.
     os._exit(code)
-
-
-def _leave(number: int, frame: object) -> None:
-    # An exception could end up in one of the many places that pass over whatever is raised.
-    os._exit(0)
 
 
 if __name__ == "__main__":
