@@ -20,8 +20,8 @@ from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.process.process_group import NODE_MODULES
-from robomech_ros.stop_signals import STOP_SIGNALS
 from robomech_ros.robots import list_robots
+from robomech_ros.stop_signals import STOP_SIGNALS
 
 
 class Servant(Node):
