@@ -16,7 +16,12 @@ Array = NDArray[np.float64]
 
 
 def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
-    """Compute the pose of the tip in the base.
+    r"""Compute the pose of the tip in the base.
+
+    .. math:: T = C_0\, J_1(q_1)\, C_1 \cdots J_n(q_n)\, C_n
+
+    with the constant transforms :math:`C_i` of the chain and turns about, or slides along, the
+    z axes :math:`J_i`; of a Denavit-Hartenberg table this is the product of its matrices.
 
     Parameters
     ----------
@@ -35,9 +40,27 @@ def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         q is not an array of n finite real numbers, or of rows of them, or the pose overflows.
 
+    See Also
+    --------
+    link_poses : those of other links.
+    tip_poses : the same without compiled code, for many postures.
+    inverse_kinematics : the inverse.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> T = forward_kinematics(puma, [0.0, np.pi / 4.0, np.pi, 0.0, np.pi / 4.0, 0.0])
+    >>> np.round(T[:3, 3], 5)
+    array([ 0.5963 , -0.15005, -0.01435])
+    >>> forward_kinematics(puma, np.zeros((5, 6))).shape
+    (5, 4, 4)
     """
     q = as_joint_values(chain, q)
     if q.ndim == 1:
@@ -77,6 +100,18 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
         The links are no list of names.
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`forward_kinematics`.
+
+    See Also
+    --------
+    forward_kinematics : that of the tip.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinematics import link_poses
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> link_poses(puma, puma.midrange()).shape
+    (8, 4, 4)
     """
     q = as_joint_values(chain, q)
     if not np.isfinite(q).all():

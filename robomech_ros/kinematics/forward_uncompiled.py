@@ -34,6 +34,10 @@ def tip_poses(chain: SerialChain, q: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         q is not rows of n finite real numbers.
+
+    See Also
+    --------
+    forward_kinematics : the same in a compiled loop.
     """
     values = as_joint_values(chain, q)
     if values.ndim != 2:

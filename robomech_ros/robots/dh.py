@@ -34,10 +34,19 @@ _TYPE_NAMES = {"r": REVOLUTE, "p": PRISMATIC, "revolute": REVOLUTE, "prismatic":
 
 @dataclass(frozen=True, eq=False)
 class DHTable:
-    """Denavit-Hartenberg parameters of a chain of n joints.
+    r"""Denavit-Hartenberg parameters of a chain of n joints.
 
-    ``T_base_tip = base @ prod(Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)) @ tool`` with the joint
-    variable added to ``theta_i`` of a revolute and to ``b_i`` of a prismatic joint.
+    .. math::
+
+       T_i = R_z(\theta_i)\, T_z(b_i)\, T_x(a_i)\, R_x(\alpha_i) = \begin{bmatrix}
+       \cos\theta_i & -\lambda_i \sin\theta_i & \mu_i \sin\theta_i & a_i \cos\theta_i \\
+       \sin\theta_i & \lambda_i \cos\theta_i & -\mu_i \cos\theta_i & a_i \sin\theta_i \\
+       0 & \mu_i & \lambda_i & b_i \\
+       0 & 0 & 0 & 1 \end{bmatrix}
+
+    with :math:`\lambda_i = \cos\alpha_i` and :math:`\mu_i = \sin\alpha_i`.  The tip's pose is
+    ``base @ T_1 @ ... @ T_n @ tool``, the joint variable added to ``theta_i`` of a revolute and to
+    ``b_i`` of a prismatic joint.
 
     Parameters
     ----------
@@ -49,6 +58,10 @@ class DHTable:
         First frame in the base link; tip link in the last frame.
     types : ndarray of int, shape (n,)
         0 revolute, 1 prismatic.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
     """
 
     a: Array
@@ -121,6 +134,25 @@ def chain_from_dh(
     ------
     WrongSizeError, NonFiniteError, BadValueError
         Naming the parameter at fault.
+
+    See Also
+    --------
+    dh_from_chain : the inverse.
+    DHTable : the formula.
+    load_robot : from a file.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.robots import chain_from_dh
+    >>> arm = chain_from_dh(a=[0.5, 0.4], b=[0.0, 0.0], alpha=[0.0, 0.0])
+    >>> np.round(forward_kinematics(arm, [0.0, np.pi / 2.0])[:3, 3], 6)
+    array([0.5, 0.4, 0. ])
     """
     a = _row("a", a)
     n = len(a)

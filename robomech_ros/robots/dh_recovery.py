@@ -36,6 +36,24 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
     DHTable
         Its pose equals the chain's for every q.  Axes at an angle below
         ``tolerances.PARALLEL_SINE`` count as parallel.
+
+    See Also
+    --------
+    chain_from_dh : the inverse.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.robots import dh_from_chain, load_robot
+    >>> table = dh_from_chain(load_robot("ur5e"))
+    >>> np.round(table.a, 4) + 0.0
+    array([0.    , 0.425 , 0.3922, 0.    , 0.    , 0.    ])
+    >>> np.round(table.b, 4) + 0.0
+    array([0.1625, 0.    , 0.    , 0.1333, 0.0997, 0.0996])
     """
     axes, origins, tip = _axes_at_zero(chain)
     frame = _first_frame(axes[0], origins[0])

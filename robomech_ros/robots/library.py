@@ -55,6 +55,19 @@ def load_robot(
         The robot has no such base or tip.
     RobotDescriptionError
         The description cannot be used: the message says where and why.
+
+    See Also
+    --------
+    list_robots : the names that can be given.
+    load_description : all links and joints of a robot.
+    chain_from_dh : from numbers.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> puma.n, puma.joint_names[0], puma.tip
+    (6, 'waist', 'tool0')
     """
     return load_description(name_or_path_or_urdf).chain(base, tip)
 
@@ -92,7 +105,18 @@ def load_description(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescr
 
 
 def list_robots() -> tuple[str, ...]:
-    """List the names of the robots in all folders, sorted."""
+    """List the names of the robots in all folders, sorted.
+
+    See Also
+    --------
+    load_robot : what takes such a name.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import list_robots
+    >>> "puma560" in list_robots()
+    True
+    """
     return tuple(sorted(_robot_files()))
 
 

@@ -24,9 +24,12 @@ Array = NDArray[np.float64]
 
 
 def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
-    """Convert an axis and an angle to a rotation matrix.
+    r"""Convert an axis and an angle to a rotation matrix.
 
-    ``Q = e e^T + cos(phi) (1 - e e^T) + sin(phi) CPM(e)``
+    .. math::
+
+       Q = e e^T + \cos\varphi\, (1 - e e^T)
+       + \sin\varphi\, \mathrm{CPM}(e)
 
     Parameters
     ----------
@@ -45,9 +48,23 @@ def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         An axis of zero length, or not finite real numbers.
 
+    See Also
+    --------
+    axis_angle_from_matrix : the inverse.
+    matrix_from_rotation_vector, matrix_from_quaternion, matrix_from_roll_pitch_yaw
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 2.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import matrix_from_axis_angle
+    >>> np.round(matrix_from_axis_angle([1.0, 1.0, 1.0], 2.0 * np.pi / 3.0), 3) + 0.0
+    array([[0., 0., 1.],
+           [1., 0., 0.],
+           [0., 1., 0.]])
     """
     return matrix_from_quaternion(quaternion_from_axis_angle(axis, angle))
 
@@ -103,6 +120,19 @@ def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation matrix.
+
+    See Also
+    --------
+    matrix_from_axis_angle : the inverse.
+    rotation_vector_from_matrix, quaternion_from_matrix, roll_pitch_yaw_from_matrix
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import axis_angle_from_matrix
+    >>> axis, angle = axis_angle_from_matrix(np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0)
+    >>> np.round(axis, 4), round(float(np.degrees(angle)), 4)
+    (array([0.5774, 0.5774, 0.5774]), 60.0)
     """
     return axis_angle_from_quaternion(quaternion_from_matrix(matrix))
 
@@ -124,6 +154,11 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not three finite real numbers.
+
+    See Also
+    --------
+    rotation_vector_from_matrix : the inverse.
+    matrix_from_axis_angle, matrix_from_quaternion, matrix_from_roll_pitch_yaw
     """
     v = as_finite("rotation vector", vector, (3,))
     largest = np.abs(v).max(axis=-1, keepdims=True)
@@ -151,6 +186,11 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation matrix.
+
+    See Also
+    --------
+    matrix_from_rotation_vector : the inverse.
+    axis_angle_from_matrix, quaternion_from_matrix, roll_pitch_yaw_from_matrix
     """
     axis, angle = axis_angle_from_matrix(matrix)
     return axis * angle[..., None]

@@ -11,7 +11,12 @@ Array = NDArray[np.float64]
 
 
 def cross_product_matrix(a: ArrayLike) -> Array:
-    """Form the matrix A with ``A x = a x x`` (cross product) for every x.
+    r"""Form the matrix A with ``A x = a x x`` (cross product) for every x.
+
+    .. math::
+
+       \mathrm{CPM}(a) = \begin{bmatrix}
+       0 & -a_3 & a_2 \\ a_3 & 0 & -a_1 \\ -a_2 & a_1 & 0 \end{bmatrix}
 
     Parameters
     ----------
@@ -28,9 +33,19 @@ def cross_product_matrix(a: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not three finite real numbers.
 
+    See Also
+    --------
+    axial_vector : the inverse.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 2.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.1.
+
+    Examples
+    --------
+    >>> from robomech_ros.spatial import cross_product_matrix
+    >>> cross_product_matrix([1.0, 2.0, 3.0]) @ [1.0, 0.0, 0.0]
+    array([ 0.,  3., -2.])
     """
     a = as_finite("vector", a, (3,))
     matrix = np.zeros((*a.shape, 3))
@@ -41,10 +56,15 @@ def cross_product_matrix(a: ArrayLike) -> Array:
 
 
 def axial_vector(matrix: ArrayLike) -> Array:
-    """Extract the axial vector: half of (a32 - a23, a13 - a31, a21 - a12).
+    r"""Extract the axial vector of a matrix.
 
     It inverts :func:`cross_product_matrix`; a symmetric matrix has a vanishing one, a rotation
     through phi about e has e sin(phi).
+
+    .. math::
+
+       \mathrm{vect}(A) = \frac12 \begin{bmatrix}
+       a_{32} - a_{23} \\ a_{13} - a_{31} \\ a_{21} - a_{12} \end{bmatrix}
 
     Parameters
     ----------
@@ -61,9 +81,23 @@ def axial_vector(matrix: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not a 3 x 3 matrix of finite real numbers.
 
+    See Also
+    --------
+    cross_product_matrix : the inverse.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 2.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import axial_vector, matrix_from_axis_angle
+    >>> Q = matrix_from_axis_angle([0.0, 0.0, 1.0], 0.5)
+    >>> np.round(axial_vector(Q), 4)
+    array([0.    , 0.    , 0.4794])
+    >>> round(float(np.sin(0.5)), 4)
+    0.4794
     """
     m = as_finite("matrix", matrix, (3, 3))
     twice = (

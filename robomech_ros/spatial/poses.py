@@ -97,6 +97,20 @@ def pose_from_position_quaternion(position: ArrayLike, quaternion: ArrayLike) ->
     ------
     BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
         Not three finite numbers, or not a unit quaternion.
+
+    See Also
+    --------
+    position_quaternion_from_pose : the inverse.
+    pose_from_matrix : from a rotation matrix.
+
+    Examples
+    --------
+    >>> from robomech_ros.spatial import pose_from_position_quaternion
+    >>> pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8])
+    array([[ 0.28, -0.96,  0.  ,  0.1 ],
+           [ 0.96,  0.28,  0.  ,  0.2 ],
+           [ 0.  ,  0.  ,  1.  ,  0.3 ],
+           [ 0.  ,  0.  ,  0.  ,  1.  ]])
     """
     p = as_finite("position", position, (3,))
     return _assembled(matrix_from_quaternion(quaternion), p)
@@ -126,7 +140,14 @@ def position_quaternion_from_pose(pose: ArrayLike) -> tuple[Array, Array]:
 
 
 def compose_poses(*poses: ArrayLike) -> Array:
-    """Compose poses: ``T_a_c`` from ``T_a_b`` and ``T_b_c``, and so on.
+    r"""Compose poses: ``T_a_c`` from ``T_a_b`` and ``T_b_c``, and so on.
+
+    .. math::
+
+       \begin{bmatrix} Q_1 & p_1 \\ 0^T & 1 \end{bmatrix}
+       \begin{bmatrix} Q_2 & p_2 \\ 0^T & 1 \end{bmatrix} =
+       \begin{bmatrix} Q_1 Q_2 & p_1 + Q_1 p_2 \\
+       0^T & 1 \end{bmatrix}
 
     Parameters
     ----------
@@ -142,6 +163,22 @@ def compose_poses(*poses: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not poses.
+
+    See Also
+    --------
+    inverse_pose : the way back.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import compose_poses, inverse_pose, pose_from_position_quaternion
+    >>> T_a_b = pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8])
+    >>> np.allclose(compose_poses(T_a_b, inverse_pose(T_a_b)), np.eye(4))
+    True
     """
     product = np.eye(4)
     for pose in poses:
@@ -150,7 +187,12 @@ def compose_poses(*poses: ArrayLike) -> Array:
 
 
 def inverse_pose(pose: ArrayLike) -> Array:
-    """Invert a pose: ``T_b_a`` from ``T_a_b``, by transposition of its rotation.
+    r"""Invert a pose: ``T_b_a`` from ``T_a_b``, by transposition of its rotation.
+
+    .. math::
+
+       \begin{bmatrix} Q & p \\ 0^T & 1 \end{bmatrix}^{-1} =
+       \begin{bmatrix} Q^T & -Q^T p \\ 0^T & 1 \end{bmatrix}
 
     Parameters
     ----------
@@ -164,6 +206,22 @@ def inverse_pose(pose: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a pose.
+
+    See Also
+    --------
+    compose_poses : one after another.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.5.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import inverse_pose, pose_from_position_quaternion
+    >>> T = inverse_pose(pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8]))
+    >>> np.round(T[:3, 3], 6)
+    array([-0.22,  0.04, -0.3 ])
     """
     T = as_pose(pose)
     rotation = np.swapaxes(T[..., :3, :3], -1, -2)
@@ -203,6 +261,14 @@ def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not poses.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import pose_error, pose_from_position_quaternion
+    >>> target = pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8])
+    >>> np.round(pose_error(target, np.eye(4)), 4)
+    array([0.   , 0.   , 1.287, 0.1  , 0.2  , 0.3  ])
     """
     A, B = as_pose(target, what="target pose"), as_pose(actual, what="actual pose")
     between = A[..., :3, :3] @ np.swapaxes(B[..., :3, :3], -1, -2)

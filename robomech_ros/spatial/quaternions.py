@@ -64,9 +64,15 @@ def unit_quaternion(quaternion: ArrayLike, tolerance: float = QUATERNION_NORM) -
 
 
 def matrix_from_quaternion(quaternion: ArrayLike) -> Array:
-    """Convert a unit quaternion to a rotation matrix.
+    r"""Convert a unit quaternion to a rotation matrix.
 
-    ``Q = (r0^2 - r.r) 1 + 2 r r^T + 2 r0 CPM(r)``
+    Its four numbers are the Euler-Rodrigues parameters
+    :math:`r = e \sin(\varphi/2)` and :math:`r_0 = \cos(\varphi/2)`:
+
+    .. math::
+
+       Q = (r_0^2 - r \cdot r)\, 1 + 2\, r r^T
+       + 2 r_0\, \mathrm{CPM}(r)
 
     Parameters
     ----------
@@ -83,9 +89,23 @@ def matrix_from_quaternion(quaternion: ArrayLike) -> Array:
     BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`unit_quaternion`.
 
+    See Also
+    --------
+    quaternion_from_matrix : the inverse.
+    matrix_from_axis_angle, matrix_from_rotation_vector, matrix_from_roll_pitch_yaw
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 2.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import matrix_from_quaternion
+    >>> matrix_from_quaternion([0.0, 0.0, 0.6, 0.8])
+    array([[ 0.28, -0.96,  0.  ],
+           [ 0.96,  0.28,  0.  ],
+           [ 0.  ,  0.  ,  1.  ]])
     """
     x, y, z, w = np.moveaxis(unit_quaternion(quaternion), -1, 0)
     matrix = np.empty((*x.shape, 3, 3))
@@ -119,9 +139,21 @@ def quaternion_from_matrix(matrix: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation matrix.
 
+    See Also
+    --------
+    matrix_from_quaternion : the inverse.
+    axis_angle_from_matrix, rotation_vector_from_matrix, roll_pitch_yaw_from_matrix
+
     References
     ----------
     S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978) 223-224.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import quaternion_from_matrix
+    >>> np.round(quaternion_from_matrix([[0, 0, 1], [1, 0, 0], [0, 1, 0]]), 4)
+    array([0.5, 0.5, 0.5, 0.5])
     """
     m = as_rotation(matrix)
     d0, d1, d2 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]

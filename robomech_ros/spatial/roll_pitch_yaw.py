@@ -28,7 +28,12 @@ Array = NDArray[np.float64]
 
 
 def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
-    """Convert roll, pitch and yaw to a rotation matrix.
+    r"""Convert roll, pitch and yaw to a rotation matrix.
+
+    .. math::
+
+       Q = R_z(\text{yaw})\, R_y(\text{pitch})\,
+       R_x(\text{roll})
 
     Parameters
     ----------
@@ -44,6 +49,20 @@ def matrix_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not three finite real numbers.
+
+    See Also
+    --------
+    roll_pitch_yaw_from_matrix : the inverse.
+    matrix_from_axis_angle, matrix_from_rotation_vector, matrix_from_quaternion
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+    >>> np.round(matrix_from_roll_pitch_yaw([0.0, 0.0, np.pi / 2.0]), 3) + 0.0
+    array([[ 0., -1.,  0.],
+           [ 1.,  0.,  0.],
+           [ 0.,  0.,  1.]])
     """
     angles = as_finite("roll, pitch, yaw", angles, (3,))
     c, s = np.moveaxis(np.cos(angles), -1, 0), np.moveaxis(np.sin(angles), -1, 0)
@@ -81,6 +100,18 @@ def roll_pitch_yaw_from_matrix(matrix: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation matrix.
+
+    See Also
+    --------
+    matrix_from_roll_pitch_yaw : the inverse.
+    axis_angle_from_matrix, rotation_vector_from_matrix, quaternion_from_matrix
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
+    >>> np.round(roll_pitch_yaw_from_matrix(matrix_from_roll_pitch_yaw([0.1, -0.2, 0.3])), 6)
+    array([ 0.1, -0.2,  0.3])
     """
     m = as_rotation(matrix)
     # Adding 0 turns -0 into 0: atan2(0, -0) would be pi.

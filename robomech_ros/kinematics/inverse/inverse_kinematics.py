@@ -98,9 +98,31 @@ def inverse_kinematics(
     SeedOutsideLimitsError
         A joint of the seed is outside its limits, and limits are respected.
 
+    See Also
+    --------
+    inverse_kinematics_batch : many poses at once.
+    self_motion : all postures of an arm of seven joints.
+    forward_kinematics : the inverse.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4 and chapter 9; the
+    equations are in doc/inverse_kinematics.md.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> posture = [0.3, 0.5, -1.2, 0.4, 0.8, 0.2]
+    >>> found = inverse_kinematics(puma, forward_kinematics(puma, posture), seed=posture)
+    >>> found.status.name, len(found.q), found.complete
+    ('SUCCESS', 2, True)
+    >>> np.round(found.q[0], 6)
+    array([ 0.3,  0.5, -1.2,  0.4,  0.8,  0.2])
+    >>> found.branches[0]
+    'shoulder-right elbow-down wrist-noflip'
     """
     given = as_target(T)
     request = as_request(
@@ -176,6 +198,22 @@ def inverse_kinematics_batch(
     ------
     BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
         As for :func:`inverse_kinematics`; of a target at fault the message names the index.
+
+    See Also
+    --------
+    inverse_kinematics : one pose, with names of the branches and reasons.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
+    >>> from robomech_ros.robots import load_robot
+    >>> ur5e = load_robot("ur5e")
+    >>> postures = [[0.1, -1.0, 1.2, -0.5, 0.6, 0.0], [0.4, -1.2, 0.9, 0.3, 1.0, 0.2]]
+    >>> targets = forward_kinematics(ur5e, postures)
+    >>> q, count, status = inverse_kinematics_batch(ur5e, targets, max_solutions=1)
+    >>> q.shape, count.tolist(), status.tolist()
+    ((2, 1, 6), [1, 1], [0, 0])
     """
     targets = as_targets(T, batch=True)
     respect_limits = as_flag("respect_limits", respect_limits)

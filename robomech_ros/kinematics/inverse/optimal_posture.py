@@ -69,6 +69,10 @@ def optimal_posture(
     BadValueError, WrongSizeError, NonFiniteError
         An unknown criterion, a limit margin of a chain without limits, a chain with another number
         of joints, or a target that is none.
+
+    See Also
+    --------
+    self_motion : all postures.
     """
     criterion = as_choice("criterion", criterion, tuple(CRITERIA))
     if criterion == "limit_margin" and np.isinf(chain.upper - chain.lower).all():

@@ -184,6 +184,11 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         A chain with another number of joints or without such six, or a target that is none.
+
+    See Also
+    --------
+    inverse_kinematics : samples of it.
+    optimal_posture : the best posture on it.
     """
     check_chain(chain)
     target = as_targets(T)[0]
