@@ -1,6 +1,5 @@
 """All solutions of arms whose family has a closed form."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +12,6 @@ from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reasons import (
-    NO_EXCESS,
     describe_continuum,
     explain_limits,
     explain_nothing,
@@ -21,12 +19,10 @@ from robomech_ros.kinematics.inverse.reasons import (
 )
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import (
-    WHOLE_POSE,
-    Draft,
     InverseKinematicsResult,
-    branches_in,
-    finished,
-    target_in,
+    Listing,
+    Verdict,
+    read_listing,
 )
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
@@ -37,9 +33,7 @@ __all__ = ["rank_windings", "solve_closed_form"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# To look these up takes longer than a solution.
-_SUCCESS = Status.SUCCESS
-_empty = np.empty
+_empty = np.empty  # to look it up takes longer than an argument is checked
 
 
 def solve_closed_form(
@@ -68,28 +62,24 @@ def solve_closed_form(
     if fault:
         as_targets(T)  # raises, and says what it is
     if not count:
-        return _explained(chain, target_in(space), space[:bare], family, singular > 0, unproven > 0)
-    reason = ""
+        target = read_listing(space, 0).target
+        return _explained(chain, target, space[:bare], family, singular > 0, unproven > 0)
     if singular > missing:
-        reason = describe_continuum(chain, space[:count], branches_in(space, count))
+        marks = read_listing(space, count).branch_bits
+        reason = describe_continuum(chain, space[:count], marks)
+        verdict = Verdict(family.name, False, Status.SUCCESS, reason)
+    else:
+        verdict = _solved(family.name, not singular and not unproven and family.exact)
     if request.max_solutions is not None and not request.include_windings:
         count = min(count, request.max_solutions)
-    result = finished(
-        Draft(
-            chain,
-            space,
-            space[:count],
-            family.name,
-            not singular and not unproven and family.exact,
-            _SUCCESS,
-            reason,
-            (),
-            NO_EXCESS,
-            WHOLE_POSE,
-            None,
-        )
-    )
+    result = InverseKinematicsResult(chain, space[:count], verdict, space)
     return _wound(result, request, family) if request.include_windings else result
+
+
+@lru_cache(maxsize=64)
+def _solved(family: str, complete: bool) -> Verdict:
+    """Give the verdict on solutions of which there is nothing to say."""
+    return Verdict(family, complete, Status.SUCCESS)
 
 
 def _wound(
@@ -100,7 +90,8 @@ def _wound(
         result.chain, family.turns, request, result.q, result.branch_bits
     )
     kept = slice(request.max_solutions)
-    return replace(result, q=q[kept], seed_distance=distances[kept], branch_bits=names[kept])
+    listing = Listing(result.target, distances[kept], names[kept])
+    return InverseKinematicsResult(result.chain, q[kept], result.verdict, listing)
 
 
 @lru_cache(maxsize=8)

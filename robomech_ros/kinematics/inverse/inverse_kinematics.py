@@ -22,6 +22,7 @@ from robomech_ros.kinematics.inverse.request import (
     as_metric,
     as_request,
     as_seed,
+    with_task,
 )
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
@@ -125,18 +126,14 @@ def inverse_kinematics(
     'shoulder-right elbow-down wrist-noflip'
     """
     given = as_target(T)
-    request = as_request(
-        chain,
-        seed,
-        respect_limits,
-        include_windings,
-        metric,
-        max_solutions,
-        task_mask,
-        position_tolerance,
-        orientation_tolerance,
-        timeout,
-    )
+    request = as_request(chain, seed, respect_limits, include_windings, metric, max_solutions)
+    if (
+        task_mask is not None
+        or position_tolerance is not None
+        or orientation_tolerance is not None
+        or timeout is not None
+    ):
+        request = with_task(request, task_mask, position_tolerance, orientation_tolerance, timeout)
     started = time.monotonic()
     family = family_of(chain)
     if family.lists_all and request.task == FULL_TASK:

@@ -18,14 +18,13 @@ from robomech_ros.kinematics.inverse.families.iterative import (
 from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
 from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
 from robomech_ros.kinematics.inverse.reasons import (
-    NO_EXCESS,
     NO_GAP,
     explain_limits,
     nothing,
     reach_outcome,
 )
 from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import search_by_completion
 from robomech_ros.robots.chain import SerialChain
@@ -116,20 +115,11 @@ def _ranked(
     if request.include_windings:
         ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)
-    return InverseKinematicsResult(
-        chain=chain,
-        target=T,
-        q=ranked[kept],
-        seed_distance=distances[kept],
-        family=family.name,
-        complete=complete,
-        status=Status.SUCCESS,
-        reason=_reason(chain, request, search),
-        blocking_joints=(),
-        blocking_excess=NO_EXCESS,
-        branch_bits=names[kept],
-        task=request.task,
+    verdict = Verdict(
+        family.name, complete, Status.SUCCESS, _reason(chain, request, search), task=request.task
     )
+    listing = Listing(T, distances[kept], names[kept])
+    return InverseKinematicsResult(chain, ranked[kept], verdict, listing)
 
 
 def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:

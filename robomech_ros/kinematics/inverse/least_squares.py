@@ -67,4 +67,4 @@ def with_nearest(
         f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "
         f"{search.orientation_error:.6g} rad"
     )
-    return replace(result, reason=reason, nearest=search.best)
+    return replace(result, verdict=replace(result.verdict, reason=reason, nearest=search.best))

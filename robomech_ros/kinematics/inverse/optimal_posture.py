@@ -11,8 +11,7 @@ from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_PO
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.reasons import NO_EXCESS
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
 from robomech_ros.kinematics.inverse.self_motion import (
     SelfMotionBranch,
     Tracer,
@@ -87,19 +86,12 @@ def optimal_posture(
         return inverse_kinematics(chain, T)
     worth, posture = max(found, key=lambda one: one[0])
     q = _placed(chain, posture)
-    return InverseKinematicsResult(
-        chain=chain,
-        target=motion.target,
-        q=q[None],
-        seed_distance=np.array([np.abs(q - chain.midrange()).max()]),
-        family=family_of(chain).name,
-        complete=False,
-        status=Status.SUCCESS,
-        reason=f"best by {criterion}: {worth:.6g}",
-        blocking_joints=(),
-        blocking_excess=NO_EXCESS,
-        branch_bits=_branch(chain, motion.target, q),
+    distance = np.array([np.abs(q - chain.midrange()).max()])
+    listing = Listing(motion.target, distance, _branch(chain, motion.target, q))
+    verdict = Verdict(
+        family_of(chain).name, False, Status.SUCCESS, f"best by {criterion}: {worth:.6g}"
     )
+    return InverseKinematicsResult(chain, q[None], verdict, listing)
 
 
 def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:

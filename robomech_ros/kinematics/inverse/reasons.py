@@ -10,13 +10,17 @@ from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
 from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
-from robomech_ros.kinematics.inverse.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result import (
+    NO_EXCESS,
+    InverseKinematicsResult,
+    Listing,
+    Verdict,
+)
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
-    "NO_EXCESS",
     "NO_GAP",
     "describe_continuum",
     "explain_limits",
@@ -34,9 +38,6 @@ NO_GAP = 1e-6
 # at rest: the posture that stands for a continuum may be off by the root of its rounding.
 STILL = 1e-7
 
-NO_EXCESS = np.empty(0)
-NO_EXCESS.setflags(write=False)
-
 
 def nothing(
     chain: SerialChain,
@@ -49,20 +50,9 @@ def nothing(
     complete: bool = False,
 ) -> InverseKinematicsResult:
     """Give the result without solutions, ``complete`` where it is certain that there are none."""
-    return InverseKinematicsResult(
-        chain=chain,
-        target=T,
-        q=np.empty((0, chain.n)),
-        seed_distance=np.empty(0),
-        family=family.name,
-        complete=complete,
-        status=status,
-        reason=reason,
-        blocking_joints=blocking[0],
-        blocking_excess=blocking[1],
-        branch_bits=np.empty(0, np.int64),
-        task=WHOLE_POSE,
-    )
+    verdict = Verdict(family.name, complete, status, reason, *blocking)
+    listing = Listing(T, np.empty(0), np.empty(0, np.int64))
+    return InverseKinematicsResult(chain, np.empty((0, chain.n)), verdict, listing)
 
 
 def explain_limits(

@@ -8,9 +8,8 @@ from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
 from robomech_ros._kernels.tolerances import APPROACHED, MOST_SAMPLED
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
 from robomech_ros.kinematics.inverse.families.selection import Family
-from robomech_ros.kinematics.inverse.reasons import NO_EXCESS
 from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import WHOLE_POSE, InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
@@ -39,20 +38,9 @@ def solve_sampled(
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"
     )
-    return InverseKinematicsResult(
-        chain=chain,
-        target=T,
-        q=q[kept],
-        seed_distance=distances[kept],
-        family=family.name,
-        complete=False,
-        status=Status.SUCCESS,
-        reason=reason,
-        blocking_joints=(),
-        blocking_excess=NO_EXCESS,
-        branch_bits=names[kept],
-        task=WHOLE_POSE,
-    )
+    verdict = Verdict(family.name, False, Status.SUCCESS, reason)
+    listing = Listing(T, distances[kept], names[kept])
+    return InverseKinematicsResult(chain, q[kept], verdict, listing)
 
 
 def sample_many(

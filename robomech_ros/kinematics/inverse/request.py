@@ -36,6 +36,7 @@ __all__ = [
     "as_request",
     "as_seed",
     "as_tolerance",
+    "with_task",
 ]
 
 Array = NDArray[np.float64]
@@ -75,28 +76,27 @@ def as_request(
     include_windings: bool,
     metric: str,
     max_solutions: int | None,
-    task_mask: Sequence[bool] | None,
-    position_tolerance: float | None,
-    orientation_tolerance: float | None,
-    timeout: float | None,
 ) -> Request:
-    """Check what is asked of a chain; the parameters are those of :func:`inverse_kinematics`."""
+    """Check a request for the full pose; the parameters are those of :func:`inverse_kinematics`."""
     options = (chain, respect_limits, include_windings, metric, max_solutions)
     try:
         usual = _usual(*options)
     except TypeError:  # one cannot be the key of a cache
         usual = _usual.__wrapped__(*options)
-    if (
-        task_mask is None
-        and position_tolerance is None
-        and orientation_tolerance is None
-        and timeout is None
-    ):
-        if seed is None:
-            return usual
-        return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
-    return usual._replace(
-        seed=as_seed(chain, seed, usual.respect_limits),
+    if seed is None:
+        return usual
+    return Request._make((as_seed(chain, seed, usual.respect_limits), *usual[1:]))
+
+
+def with_task(
+    request: Request,
+    task_mask: Sequence[bool] | None,
+    position_tolerance: float | None,
+    orientation_tolerance: float | None,
+    timeout: float | None,
+) -> Request:
+    """Check the other options of :func:`inverse_kinematics` and add them to a request."""
+    return request._replace(
         task=_as_task(task_mask),
         position_tolerance=as_tolerance(
             "position_tolerance", position_tolerance, POSITION_TOLERANCE

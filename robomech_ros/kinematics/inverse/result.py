@@ -1,9 +1,8 @@
 """What inverse kinematics returns."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,37 +17,32 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
+    "NO_EXCESS",
     "WHOLE_POSE",
-    "Draft",
     "InverseKinematicsResult",
-    "branches_in",
-    "finished",
-    "target_in",
+    "Listing",
+    "Verdict",
+    "read_listing",
 ]
 
 Array = NDArray[np.float64]
 
 WHOLE_POSE = (True, True, True, True, True, True)
+NO_EXCESS = np.empty(0)
+NO_EXCESS.setflags(write=False)
+
 _WHOLE_WEIGHTS = np.ones(6)
 # Families that number the postures of arms that nearly are special ones.
 _MAY_BE_NAMED = ("three-parallel", "general-6r")
 _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class InverseKinematicsResult:
-    """Solutions of inverse kinematics, nearest to the seed first, or why there are none.
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What is known of a list of solutions, or of there being none.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
-    target : ndarray, shape (4, 4)
-        ``T_base_tip`` wanted (m).
-    q : ndarray, shape (k, n)
-        Joint values (rad or m).
-    seed_distance : ndarray, shape (k,)
-        Distance of each from the seed.
     family : str
         Solver family used.
     complete : bool
@@ -60,8 +54,6 @@ class InverseKinematicsResult:
         Where limits exclude everything: the joints outside in the least offending solution.
     blocking_excess : ndarray
         By how much each of them is outside (rad or m).
-    branch_bits : ndarray of int, shape (k,)
-        Postures as bits; :attr:`branches` has their names.
     task : tuple of six bool
         Which of x, y, z, rx, ry, rz, along and about the axes of the target, count as errors.
     nearest : ndarray, shape (n,), or None
@@ -70,68 +62,138 @@ class InverseKinematicsResult:
         says the reason.
     """
 
-    chain: SerialChain
-    target: Array
-    q: Array
-    seed_distance: Array
     family: str
     complete: bool
     status: Status
-    reason: str
-    blocking_joints: tuple[str, ...]
-    blocking_excess: Array
+    reason: str = ""
+    blocking_joints: tuple[str, ...] = ()
+    blocking_excess: Array = field(default_factory=lambda: NO_EXCESS)
+    task: tuple[bool, ...] = WHOLE_POSE
+    nearest: Array | None = None
+
+
+class Listing(NamedTuple):
+    """What is listed beside the solutions.
+
+    Parameters
+    ----------
+    target : ndarray, shape (4, 4)
+        ``T_base_tip`` wanted (m).
+    seed_distance : ndarray, shape (k,)
+        Distance of each solution from the seed.
+    branch_bits : ndarray of int, shape (k,)
+        Their postures as bits.
+    """
+
+    target: Array
+    seed_distance: Array
     branch_bits: NDArray[np.int64]
-    task: tuple[bool, ...]
-    nearest: Array | None
+
+
+def read_listing(space: Array, count: int) -> Listing:
+    """Read what ``_kernels.inverse.one_pose`` has written, of the first ``count`` solutions."""
+    rest = space.reshape(-1)[MAX_SOLUTIONS * space.shape[1] :]
+    return Listing(
+        rest[TARGET:DISTANCES].reshape(4, 4),
+        rest[DISTANCES : DISTANCES + count],
+        rest[MARKED : MARKED + count].astype(np.int64),
+    )
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InverseKinematicsResult:
+    """Solutions of inverse kinematics, nearest to the seed first, or why there are none.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : ndarray, shape (k, n)
+        Joint values (rad or m).
+    verdict : Verdict
+        What is known of them; its fields are attributes of the result, too.
+    listing : Listing or ndarray
+        Target, distances and branches, whose names are attributes of the result, too; or the space
+        in which ``_kernels.inverse.one_pose`` wrote them, which is read when they are asked for.
+    """
+
+    chain: SerialChain
+    q: Array
+    verdict: Verdict
+    listing: Listing | Array = field(repr=False)
 
     def __init__(
-        self,
-        chain: SerialChain,
-        target: Array,
-        q: Array,
-        seed_distance: Array,
-        family: str,
-        complete: bool,
-        status: Status,
-        reason: str,
-        blocking_joints: tuple[str, ...],
-        blocking_excess: Array,
-        branch_bits: NDArray[np.int64],
-        task: tuple[bool, ...] = WHOLE_POSE,
-        nearest: Array | None = None,
+        self, chain: SerialChain, q: Array, verdict: Verdict, listing: Listing | Array
     ) -> None:
-        # At once: to write the fields of a frozen dataclass one by one takes thrice as long.
-        vars(self).update(
-            chain=chain,
-            target=target,
-            q=q,
-            seed_distance=seed_distance,
-            family=family,
-            complete=complete,
-            status=status,
-            reason=reason,
-            blocking_joints=blocking_joints,
-            blocking_excess=blocking_excess,
-            branch_bits=branch_bits,
-            task=task,
-            nearest=nearest,
-        )
-
-    if not TYPE_CHECKING:  # or a misspelt name would pass for a field
-
-        def __getattr__(self, name: str) -> Array | NDArray[np.int64]:
-            """Take a field out of the kernel's space when it is asked for first."""
-            if name not in _LATE:
-                kind = type(self).__name__
-                raise AttributeError(
-                    f"{kind!r} object has no attribute {name!r}", name=name, obj=self
-                )
-            value = _LATE[name](self._space, len(self.q))
-            vars(self)[name] = value
-            return value
+        # As a frozen dataclass writes its fields by itself, they take twice as long.
+        fields = self.__dict__
+        fields["chain"] = chain
+        fields["q"] = q
+        fields["verdict"] = verdict
+        fields["listing"] = listing
 
     def __len__(self) -> int:
         return len(self.q)
+
+    @property
+    def family(self) -> str:
+        """Solver family used."""
+        return self.verdict.family
+
+    @property
+    def complete(self) -> bool:
+        """Whether these are provably all solutions within the limits, before any cap."""
+        return self.verdict.complete
+
+    @property
+    def status(self) -> Status:
+        """How the solution ended."""
+        return self.verdict.status
+
+    @property
+    def reason(self) -> str:
+        """Status in words, with numbers; empty where there is nothing to say."""
+        return self.verdict.reason
+
+    @property
+    def blocking_joints(self) -> tuple[str, ...]:
+        """Where limits exclude everything: the joints outside in the least offending solution."""
+        return self.verdict.blocking_joints
+
+    @property
+    def blocking_excess(self) -> Array:
+        """By how much each of the blocking joints is outside its limits (rad or m)."""
+        return self.verdict.blocking_excess
+
+    @property
+    def task(self) -> tuple[bool, ...]:
+        """Which of x, y, z, rx, ry, rz, along and about the target's axes, count as errors."""
+        return self.verdict.task
+
+    @property
+    def nearest(self) -> Array | None:
+        """The posture (n,) that misses the pose least; None where that has not been looked for."""
+        return self.verdict.nearest
+
+    @cached_property
+    def _listing(self) -> Listing:
+        given = self.listing
+        return given if isinstance(given, Listing) else read_listing(given, len(self.q))
+
+    @property
+    def target(self) -> Array:
+        """``T_base_tip`` wanted (m), shape (4, 4)."""
+        return self._listing.target
+
+    @property
+    def seed_distance(self) -> Array:
+        """Distance of each solution from the seed, shape (k,)."""
+        return self._listing.seed_distance
+
+    @property
+    def branch_bits(self) -> NDArray[np.int64]:
+        """Postures as bits, shape (k,); :attr:`branches` has their names."""
+        return self._listing.branch_bits
 
     @cached_property
     def continuum(self) -> bool:
@@ -183,70 +245,3 @@ class InverseKinematicsResult:
     def condition_number(self) -> Array:
         """Condition number of the Jacobian in SI units, shape (k,); infinite where singular."""
         return self._row(CONDITION)
-
-
-class Draft:
-    """A result whose fields are still written.
-
-    What is not frozen is written thrice as fast; the fields of a frozen result, by itself, take a
-    fourth of the time in which an arm is solved.  What callers ask for less often stays in the
-    ``space`` that ``_kernels.inverse_one`` has filled, until they do.
-    """
-
-    def __init__(
-        self,
-        chain: SerialChain,
-        space: Array,
-        q: Array,
-        family: str,
-        complete: bool,
-        status: Status,
-        reason: str,
-        blocking_joints: tuple[str, ...],
-        blocking_excess: Array,
-        task: tuple[bool, ...],
-        nearest: Array | None,
-    ) -> None:
-        self.chain = chain
-        self._space = space
-        self.q = q
-        self.family = family
-        self.complete = complete
-        self.status = status
-        self.reason = reason
-        self.blocking_joints = blocking_joints
-        self.blocking_excess = blocking_excess
-        self.task = task
-        self.nearest = nearest
-
-
-def finished(draft: Any) -> InverseKinematicsResult:
-    """Make a draft the result that it is."""
-    draft.__class__ = InverseKinematicsResult
-    return cast("InverseKinematicsResult", draft)
-
-
-def target_in(space: Array) -> Array:
-    """Find the pose (4, 4) in what ``_kernels.inverse_one`` has written."""
-    return _rest(space)[TARGET:DISTANCES].reshape(4, 4)
-
-
-def branches_in(space: Array, count: int) -> NDArray[np.int64]:
-    """Find the branches of the first ``count`` solutions there."""
-    return _rest(space)[MARKED : MARKED + count].astype(np.int64)
-
-
-def _distances_in(space: Array, count: int) -> Array:
-    return _rest(space)[DISTANCES : DISTANCES + count]
-
-
-def _rest(space: Array) -> Array:
-    return space.reshape(-1)[MAX_SOLUTIONS * space.shape[1] :]
-
-
-# Fields that may stand in the space of the kernel only, and how to find them for so many solutions.
-_LATE: dict[str, Callable[[Array, int], Array | NDArray[np.int64]]] = {
-    "target": lambda space, _: target_in(space),
-    "seed_distance": _distances_in,
-    "branch_bits": branches_in,
-}
