@@ -23,6 +23,10 @@ Function = Callable[[Array], ArrayLike]
 # Halvings of a step that does not lessen the error before the iteration gives up.
 _HALVINGS = 30
 _POSITIVE = "a positive number"
+# A step that takes less than this part of the error away changes its square by less than rounding.
+_UNSEEN = 4.0 * float(np.sqrt(np.finfo(float).eps))
+# Part of |J_j| |f| to which each J_j . f may be rounding: some sums of a few dozen terms.
+_NORMAL = 32.0 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +42,8 @@ class Iteration:
     iterations : int
         Steps taken.
     converged : bool
-        Whether the last step was shorter than asked for.
+        Whether the last step was shorter than asked for, or the residual is normal to the columns
+        of the derivative up to rounding, so that no shorter step can be computed.
     """
 
     x: Array
@@ -99,7 +104,8 @@ def newton_gauss(
     """Minimise ``|f(x)|`` for at least as many equations as unknowns.
 
     Each step solves the linearised equations by least squares and is halved until the error is
-    less.  It ends where the step vanishes, which is where ``jacobian^T f = 0``; f itself need not.
+    less.  It ends where the step vanishes, which is where the residual is normal to the columns of
+    the derivative, ``jacobian^T f = 0`` (appendix B.4.2); f itself need not vanish.
 
     Parameters
     ----------
@@ -131,12 +137,21 @@ def newton_gauss(
         raise BadValueError("tolerance", tolerance, _POSITIVE)
     if not isinstance(iterations, int | np.integer) or iterations < 1:
         raise BadValueError("iterations", iterations, "a positive integer")
-    residual = _residual(f, point)
+    residual, shortest = _residual(f, point), np.inf
     for count in range(iterations):
-        step, _ = least_squares(jacobian(point), -residual)
+        slope = np.asarray(jacobian(point))
+        step, _ = least_squares(slope, -residual)
         length = float(np.linalg.norm(step))
         if length < tolerance:
             return Iteration(point, residual, count, True)
+        if np.linalg.norm(slope @ step) <= _UNSEEN * np.linalg.norm(residual):
+            # The error cannot show the difference any more; steps that still get shorter do.
+            if length >= shortest:
+                return Iteration(point, residual, count, _is_normal(slope, residual))
+            shortest = length
+            point = point + step
+            residual = _residual(f, point)
+            continue
         for _ in range(_HALVINGS):
             trial = point + step
             found = _residual(f, trial)
@@ -144,10 +159,14 @@ def newton_gauss(
                 break
             step = 0.5 * step
         else:
-            # No step lessens the error any more: this is its minimum, up to rounding.
-            return Iteration(point, residual, count, length < np.sqrt(tolerance))
+            return Iteration(point, residual, count, _is_normal(slope, residual))
         point, residual = trial, found
     return Iteration(point, residual, iterations, False)
+
+
+def _is_normal(slope: Array, residual: Array) -> bool:
+    bound = _NORMAL * np.linalg.norm(slope, axis=0) * np.linalg.norm(residual)
+    return bool(np.all(np.abs(slope.T @ residual) <= bound))
 
 
 def _start(x: ArrayLike) -> Array:

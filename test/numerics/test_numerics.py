@@ -121,3 +121,18 @@ def test_the_start_is_left_as_it_is():
     start = np.array([1.5])
     newton_raphson(lambda x: [x[0] ** 2 - 2.0], lambda x: [[2.0 * x[0]]], start)
     assert start.tolist() == [1.5]
+
+
+@pytest.mark.parametrize("constant", [0.0, 1.0, 1e3])
+def test_issue_12_a_large_residual_that_stays_does_not_hide_the_minimum(constant):
+    """The norm of the residual stops falling at 1e-8 of the root, its normality does not."""
+    end = newton_gauss(
+        lambda x: [constant, x[0] ** 2 - 2.0], lambda x: [[0.0], [2.0 * x[0]]], [5.0]
+    )
+    assert end.converged is True
+    assert abs(end.x[0] - np.sqrt(2.0)) < 1e-12
+
+
+def test_a_slope_that_does_not_belong_to_the_equations_does_not_converge():
+    end = newton_gauss(lambda x: [x[0] - 1.0, 1e3], lambda x: [[-1.0], [0.0]], [5.0])
+    assert end.converged is False
