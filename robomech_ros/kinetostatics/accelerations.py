@@ -25,7 +25,16 @@ _rate_one = direct(jacobian_rates.jacobian_rate_one)
 
 
 def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
-    """Compute the time derivative of :func:`jacobian`.
+    r"""Compute the time derivative of :func:`jacobian`.
+
+    .. math::
+
+       \frac{d}{dt} \begin{bmatrix} e_i \\ e_i \times r_i \end{bmatrix} =
+       \begin{bmatrix} \omega_i \times e_i \\
+       (\omega_i \times e_i) \times r_i + e_i \times \dot r_i \end{bmatrix}
+
+    with :math:`r_i = p - o_i` and the angular velocity :math:`\omega_i` of the link that carries
+    joint i.
 
     Parameters
     ----------
@@ -47,9 +56,25 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
         q or qd is not an array of n finite real numbers or of rows of them, or they differ in
         shape.
 
+    See Also
+    --------
+    jacobian : what is differentiated.
+    bias_acceleration : this matrix times the joint rates.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import jacobian, jacobian_rate
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd = np.array([0.3, 0.5, -1.2, 0.4, 0.8, 0.2]), np.array([0.1, 0.2, -0.1, 0.3, 0.1, 0.2])
+    >>> difference = (jacobian(puma, q + 1e-6 * qd) - jacobian(puma, q - 1e-6 * qd)) / 2e-6
+    >>> np.allclose(jacobian_rate(puma, q, qd), difference, atol=1e-8)
+    True
     """
     q, qd = as_states(chain, ("q", "qd"), q, qd)
     n = chain.n
@@ -121,9 +146,10 @@ def joint_accelerations(
     point: ArrayLike = TIP,
     length: float | None = None,
 ) -> Array:
-    """Compute the joint accelerations that give a point of the tip link a twist rate.
+    r"""Compute the joint accelerations that give a point of the tip link a twist rate.
 
-    ``J qdd = dt/dt - (dJ/dt) qd`` is solved as :func:`joint_rates` solves ``J qd = t``: with six
+    :math:`J \ddot q = \dot t - \dot J \dot q` is solved as :func:`joint_rates` solves
+    :math:`J \dot q = t`: with six
     joints exactly, along the structure of arms with a spherical wrist; more joints give the
     accelerations of least norm, fewer, and singular postures, those of least error.
 
@@ -149,9 +175,25 @@ def joint_accelerations(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`bias_acceleration` and :func:`joint_rates`.
 
+    See Also
+    --------
+    joint_rates : one derivative less.
+    bias_acceleration : what is subtracted.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import bias_acceleration, jacobian, joint_accelerations
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd = [0.3, 0.5, -1.2, 0.4, 0.8, 0.2], [0.1, 0.2, -0.1, 0.3, 0.1, 0.2]
+    >>> qdd = joint_accelerations(puma, q, qd, np.zeros(6))
+    >>> np.allclose(jacobian(puma, q) @ qdd + bias_acceleration(puma, q, qd), 0.0)
+    True
     """
     bias = bias_acceleration(chain, q, qd, point=point)
     wanted = as_finite("twist_rate", twist_rate, (6,))

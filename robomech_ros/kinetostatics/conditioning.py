@@ -87,12 +87,17 @@ class ConditioningIndex(float):
 
 
 def characteristic_length(chain: SerialChain, *, norm: str = "2") -> CharacteristicLength:
-    """Find the length with which the arm's best posture is as well conditioned as can be.
+    r"""Find the length with which the arm's best posture is as well conditioned as can be.
 
     Linear rows of the Jacobian are divided by it.  Length and posture together make the condition
     number least, over all postures whether within the limits of revolute joints or not, and lengths
     of a thousandth of the arm's size to a thousand times it; arms of few joints can be best at an
     end of these.  Where nothing depends on it, as of a wrist alone, it may be any of them.
+
+    .. math::
+
+       L = \arg\min_{L} \min_{q}\, \kappa\!\left( \begin{bmatrix} A(q) \\ B(q) / L \end{bmatrix}
+       \right), \qquad J = \begin{bmatrix} A \\ B \end{bmatrix}
 
     Parameters
     ----------
@@ -111,9 +116,24 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     BadValueError
         Not a chain, an unknown norm, or a chain that is singular in every posture.
 
+    See Also
+    --------
+    condition_number : of a posture, with a length.
+    conditioning_index : 100 over the least condition number.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.8.3 and 5.8.4.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import characteristic_length
+    >>> from robomech_ros.robots import load_robot
+    >>> length = characteristic_length(load_robot("fanuc_arcmate"))
+    >>> round(float(length), 4), round(length.condition_number, 3)
+    (0.3573, 2.589)
+    >>> round(length.conditioning_index, 2)
+    38.63
     """
     x, condition = _best(chain, norm, PARTS["pose"])
     result = CharacteristicLength(_length(chain, x))
@@ -125,10 +145,12 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
 def conditioning_index(
     chain: SerialChain, *, part: str = "pose", norm: str = "2"
 ) -> ConditioningIndex:
-    """Compute the kinetostatic conditioning index: 100 % for an arm with an isotropic posture.
+    r"""Compute the kinetostatic conditioning index: 100 % for an arm with an isotropic posture.
 
     The arm's positioning part, such as the first three joints, is the chain to the link that
     carries the wrist centre: ``chain.with_tip(link)`` with part "position".
+
+    .. math:: \mathrm{KCI} = \frac{100}{\min_q \kappa(q)}\ \%
 
     Parameters
     ----------
@@ -150,9 +172,22 @@ def conditioning_index(
     BadValueError
         As for :func:`characteristic_length`, or an unknown part.
 
+    See Also
+    --------
+    characteristic_length : the length that goes with it.
+    condition_number : of one posture.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import conditioning_index
+    >>> from robomech_ros.robots import chain_from_dh
+    >>> arm = chain_from_dh(a=[2.0**0.5, 1.0], b=[0.0, 0.0], alpha=[0.0, 0.0])
+    >>> round(float(conditioning_index(arm, part="position")), 3)
+    100.0
     """
     x, condition = _best(chain, norm, PARTS[as_choice("part", part, tuple(PARTS))])
     result = ConditioningIndex(100.0 / condition)

@@ -63,10 +63,16 @@ class DecoupledJacobian(NamedTuple):
 
 
 def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
-    """Compute the blocks of the Jacobian at the wrist centre, where it is block triangular.
+    r"""Compute the blocks of the Jacobian at the wrist centre, where it is block triangular.
 
-    ``J21 qd_arm = v_C`` gives the rates of the arm, ``J12 qd_wrist = omega - J11 qd_arm`` those of
-    the wrist, and ``det J = -det(J12) det(J21)`` wherever the tip is.
+    .. math::
+
+       J = \begin{bmatrix} J_{11} & J_{12} \\ J_{21} & 0 \end{bmatrix}, \quad
+       J_{21}\, \dot q_\text{arm} = v_C, \quad
+       J_{12}\, \dot q_\text{wrist} = \omega - J_{11}\, \dot q_\text{arm}, \quad
+       \det J = -\det J_{12} \det J_{21}
+
+    The determinant is the same wherever the tip is.
 
     Parameters
     ----------
@@ -85,6 +91,10 @@ def decoupled_jacobian(chain: SerialChain, q: ArrayLike) -> DecoupledJacobian:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`jacobian`, or the chain has no spherical wrist after three joints.
+
+    See Also
+    --------
+    jacobian : of any arm.
 
     References
     ----------

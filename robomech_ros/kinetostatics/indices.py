@@ -50,10 +50,11 @@ class _Task(NamedTuple):
 def manipulability(
     chain: SerialChain, q: ArrayLike, *, part: str = "pose", length: float | None = None
 ) -> float | Array:
-    """Compute the product of the singular values of the Jacobian.
+    r"""Compute the product of the singular values of the Jacobian.
 
-    That is the root of det(J J^T), where there are no fewer joints than rows: how much the joints
-    move the tip, in volume.
+    .. math:: \mu = \sigma_1 \cdots \sigma_m = \sqrt{\det J J^T}
+
+    The root is for no fewer joints than rows: how much the joints move the tip, in volume.
 
     Parameters
     ----------
@@ -77,10 +78,24 @@ def manipulability(
         q is not an array of n finite real numbers or of rows of them, an unknown part, or a length
         that is not from 1e-9 to 1e9 m.
 
+    See Also
+    --------
+    condition_number : how evenly the tip moves.
+    least_singular_value : the worst direction alone.
+    manipulability_gradient : the derivatives.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.  Yoshikawa,
     Manipulability of robotic mechanisms, Int. J. of Robotics Research 4(2), 1985.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import manipulability
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> round(manipulability(puma, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2]), 4)
+    0.0287
     """
     return _value(chain, q, part, length, kernels.MANIPULABILITY)
 
@@ -93,7 +108,15 @@ def condition_number(
     part: str = "pose",
     length: float | None = None,
 ) -> float | Array:
-    """Compute the condition number of the Jacobian: 1 where isotropic, infinite where singular.
+    r"""Compute the condition number of the Jacobian: 1 where isotropic, infinite where singular.
+
+    .. math::
+
+       \kappa_2 = \frac{\sigma_\max}{\sigma_\min}, \qquad
+       \kappa_F = \frac1m \sqrt{\textstyle\sum_i \sigma_i^2 \sum_i \sigma_i^{-2}}
+
+    with the m singular values of the rows that count, the linear ones divided by the length.
+    :math:`\kappa_F` is never larger, and smooth.
 
     Parameters
     ----------
@@ -103,7 +126,7 @@ def condition_number(
         Joint values (rad or m).
     norm : {"2", "frobenius"}, optional
         "2": the largest singular value over the least.  "frobenius": the weighted Frobenius norm
-        of J times that of its inverse, never larger and smooth.
+        of J times that of its inverse.
     part, length
         As for :func:`manipulability`.  A condition number of rows of different units means
         something only with a length.
@@ -117,9 +140,24 @@ def condition_number(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`manipulability`, or an unknown norm.
 
+    See Also
+    --------
+    characteristic_length : the length to give.
+    conditioning_index : its best value over all postures.
+    manipulability : the product of the singular values.
+    condition_number_gradient : the derivatives.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import condition_number
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> round(condition_number(puma, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2], length=0.283), 3)
+    19.193
     """
     return _value(chain, q, part, length, _norm(norm))
 
@@ -144,6 +182,11 @@ def least_singular_value(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`manipulability`.
+
+    See Also
+    --------
+    manipulability : the product of all.
+    least_singular_value_gradient : the derivatives.
     """
     return _value(chain, q, part, length, kernels.LEAST)
 

@@ -13,10 +13,16 @@ Array = NDArray[np.float64]
 
 
 def jacobian(chain: SerialChain, q: ArrayLike) -> Array:
-    """Compute the matrix that maps joint rates to the twist of the tip.
+    r"""Compute the matrix that maps joint rates to the twist of the tip.
 
-    ``[omega; v] = J qd`` with column ``[e; e x (p - o)]`` for a revolute and ``[0; e]`` for a
-    prismatic joint: e its axis, o a point of it, p the tip's origin.
+    .. math::
+
+       t = \begin{bmatrix} \omega \\ v \end{bmatrix} = J \dot q, \qquad
+       j_i = \begin{bmatrix} e_i \\ e_i \times (p - o_i) \end{bmatrix} \text{ or }
+       \begin{bmatrix} 0 \\ e_i \end{bmatrix}
+
+    for a revolute and a prismatic joint: :math:`e_i` its axis, :math:`o_i` a point of it, p the
+    tip's origin.
 
     Parameters
     ----------
@@ -35,9 +41,29 @@ def jacobian(chain: SerialChain, q: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         q is not an array of n finite real numbers, or of rows of them.
 
+    See Also
+    --------
+    point_jacobian : at another point of the tip link, in other axes.
+    task_jacobian : some of the rows.
+    jacobian_rate : the time derivative.
+    joint_rates : the rates that give a twist.
+    joint_torques : the torques that give a wrench.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.2 and 5.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import jacobian
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> J = jacobian(puma, [0.3, 0.5, -1.2, 0.4, 0.8, 0.2])
+    >>> np.round(J[:3], 3) + 0.0
+    array([[ 0.   ,  0.296,  0.296,  0.615,  0.557,  0.029],
+           [ 0.   , -0.955, -0.955,  0.19 , -0.792, -0.284],
+           [ 1.   ,  0.   ,  0.   ,  0.765, -0.251,  0.959]])
     """
     q = as_joint_values(chain, q)
     pose = np.empty((4, 4))

@@ -26,9 +26,14 @@ def point_jacobian(
     point: ArrayLike = TIP,
     axes: ArrayLike | str | None = None,
 ) -> Array:
-    """Compute the matrix that maps joint rates to the twist of a point of the tip link.
+    r"""Compute the matrix that maps joint rates to the twist of a point of the tip link.
 
-    ``v_P = v + omega x r`` with r from the tip's origin to P, then both turned into the axes.
+    .. math::
+
+       t_P = \begin{bmatrix} 1 & 0 \\ -\mathrm{CPM}(r) & 1 \end{bmatrix} t, \qquad
+       v_P = v + \omega \times r
+
+    with r from the tip's origin to P; then both halves are turned into the axes.
 
     Parameters
     ----------
@@ -55,9 +60,24 @@ def point_jacobian(
     UnknownLinkError
         The chain has no link with the name of the axes.
 
+    See Also
+    --------
+    jacobian : at the tip's origin, in the axes of the base.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 3.4.2 and 5.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import jacobian, point_jacobian
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q = [0.3, 0.5, -1.2, 0.4, 0.8, 0.2]
+    >>> J = point_jacobian(puma, q, [0.0, 0.0, 0.1], axes=puma.tip)
+    >>> bool(np.isclose(abs(np.linalg.det(J)), abs(np.linalg.det(jacobian(puma, q)))))
+    True
     """
     q, arm = as_joint_values(chain, q), as_point(point)
     rows = as_rows(q)

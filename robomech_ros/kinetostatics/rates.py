@@ -84,11 +84,28 @@ def joint_rates(
     UnknownLinkError
         The chain has no link with the name of the axes.
 
+    See Also
+    --------
+    jacobian : the matrix.
+    decoupled_jacobian : the blocks of an arm with a spherical wrist.
+    joint_accelerations : one derivative further.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.3.  Chiaverini,
     Siciliano and Egeland, Review of the damped least-squares inverse kinematics, IEEE Trans. on
     Control Systems Technology 2(2), 1994.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import jacobian, joint_rates
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q = [0.3, 0.5, -1.2, 0.4, 0.8, 0.2]
+    >>> rates = joint_rates(puma, q, [0.0, 0.0, 0.0, 0.0, 0.0, 0.1])
+    >>> np.round(jacobian(puma, q) @ rates, 6) + 0.0
+    array([0. , 0. , 0. , 0. , 0. , 0.1])
     """
     q = as_joint_values(chain, q)
     if not chain.n:

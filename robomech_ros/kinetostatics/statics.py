@@ -26,9 +26,11 @@ def joint_torques(
     point: ArrayLike = TIP,
     axes: ArrayLike | str | None = None,
 ) -> Array:
-    """Compute the torques with which a resting arm exerts a wrench on its surroundings.
+    r"""Compute the torques with which a resting arm exerts a wrench on its surroundings.
 
-    ``tau = J^T w``.  What the surroundings exert on the tip is ``-w``: to hold a load of weight G,
+    .. math:: \tau = J^T w, \qquad w = \begin{bmatrix} n \\ f \end{bmatrix}
+
+    What the surroundings exert on the tip is ``-w``: to hold a load of weight G,
     ask for the force G upwards.  The weight of the links themselves is not in it.  In motion
     ``tau . qd = w . t`` is the power that goes to the surroundings, t the twist of the point.
 
@@ -58,9 +60,23 @@ def joint_torques(
         As for :func:`point_jacobian`, and for a wrench that is not six finite numbers or rows of
         them as q has, or too large for finite torques.
 
+    See Also
+    --------
+    wrench_from_torques : the inverse.
+    jacobian : the matrix.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import joint_torques
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> np.round(joint_torques(puma, np.zeros(6), [0.0, 0.0, 0.0, 0.0, 0.0, 10.0]), 3) + 0.0
+    array([0.   , 4.521, 0.203, 0.   , 0.   , 0.   ])
     """
     J = point_jacobian(chain, q, point, axes)
     w = _rows("wrench", as_finite("wrench", wrench, (_POSE,)), J)
@@ -110,6 +126,10 @@ def wrench_from_torques(
     ------
     BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
         As for :func:`joint_torques`, or a chain of fewer than six joints.
+
+    See Also
+    --------
+    joint_torques : the inverse.
 
     References
     ----------

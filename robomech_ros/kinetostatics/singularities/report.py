@@ -131,9 +131,23 @@ def singularity_report(
         q or the point is not an array of n, or three, finite real numbers, the length is not
         from 1e-9 to 1e9 m, or the chain has no joint.
 
+    See Also
+    --------
+    nearest_singular_posture : the singular posture that is nearest.
+    singularity_free : a proof for whole intervals.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.4 and 5.8.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import singularity_report
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> report = singularity_report(puma, [0.3, 0.5, -1.2, 0.4, 0.0, 0.2], length=0.283)
+    >>> report.rank, report.kinds
+    (5, ('wrist',))
     """
     q = as_joint_values(chain, q)
     if q.ndim != 1:

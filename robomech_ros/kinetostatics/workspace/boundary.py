@@ -238,9 +238,25 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     MissingLimitsError
         A slide has no end, and so has the workspace.
 
+    See Also
+    --------
+    extreme_reach : how far and how near the tip comes.
+    orientation_workspace : which orientations there are at a point.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.4.1.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import workspace_boundary
+    >>> from robomech_ros.robots import chain_from_dh
+    >>> arm = chain_from_dh(a=[0.5, 0.3], b=[0.0, 0.0], alpha=[0.0, 0.0])
+    >>> space = workspace_boundary(arm)
+    >>> round(space.least_reach, 6), round(space.greatest_reach, 6)
+    (0.2, 0.8)
+    >>> space.contains([[0.6, 0.0, 0.0], [0.9, 0.0, 0.0]])
+    array([ True, False])
     """
     section = section_of(chain, respect_limits=respect_limits)
     pieces, cusps, nodes = _divided(section)
