@@ -10,7 +10,7 @@ import numpy.typing as npt
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Joints", "State"]
+__all__ = ["Joints", "State", "at_rest"]
 
 # Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
 # and this speed (rad/s, m/s) where it has no limit of speed either.
@@ -31,6 +31,12 @@ class State:
     position: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
+
+
+def at_rest(position: FloatArray) -> State:
+    """Give the state of joints that stand somewhere (rad or m)."""
+    still = np.zeros(len(position))
+    return State(np.array(position, dtype=np.float64), still, still)
 
 
 @dataclass(frozen=True, eq=False)

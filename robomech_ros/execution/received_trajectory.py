@@ -12,7 +12,7 @@ from robomech_ros.execution.refusals import JointMismatchError, TrajectoryRefuse
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["GivenPoint", "GivenTrajectory", "joint_order", "read_waypoints"]
+__all__ = ["ReceivedPoint", "ReceivedTrajectory", "joint_order", "read_waypoints"]
 
 # A velocity up to this (rad/s, m/s) in the last point is zero with rounding.
 REST = 1e-6
@@ -22,7 +22,7 @@ MISSING = -1
 LARGEST = 1e6
 
 
-class GivenPoint(Protocol):
+class ReceivedPoint(Protocol):
     """One point of a trajectory; the message trajectory_msgs/JointTrajectoryPoint fits."""
 
     positions: Sequence[float]
@@ -32,7 +32,7 @@ class GivenPoint(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class GivenTrajectory:
+class ReceivedTrajectory:
     """A trajectory as somebody sent it; nothing about it is certain.
 
     Attributes
@@ -41,17 +41,17 @@ class GivenTrajectory:
         The joints, in the order of the numbers of every point.
     times : sequence of float
         Time from start of every point, s.
-    points : sequence of GivenPoint
+    points : sequence of ReceivedPoint
         Positions in rad or m, velocities and accelerations per s and s^2 or empty.
     """
 
     joint_names: Sequence[str]
     times: Sequence[float]
-    points: Sequence[GivenPoint]
+    points: Sequence[ReceivedPoint]
 
 
 def read_waypoints(
-    given: GivenTrajectory,
+    given: ReceivedTrajectory,
     joint_names: Sequence[str],
     max_points: int,
     max_duration: float,
@@ -63,7 +63,7 @@ def read_waypoints(
 
     Parameters
     ----------
-    given : GivenTrajectory
+    given : ReceivedTrajectory
         From outside.
     joint_names : sequence of str
         The n joints of the robot; the trajectory must name each of them once, in any order.
@@ -186,7 +186,7 @@ def _refuse_number(what: str, value: float) -> None:
     raise BadValueError(what, value, f"at most {LARGEST:g} in magnitude")
 
 
-def _refuse_effort(points: Sequence[GivenPoint]) -> None:
+def _refuse_effort(points: Sequence[ReceivedPoint]) -> None:
     for index, point in enumerate(points):
         if len(point.effort):
             expected = "0: this controller commands positions only"

@@ -3,8 +3,9 @@
 import numpy as np
 
 from robomech_ros.execution.controller.follower import Follower, FollowerSettings
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.trajectory import Limits, Waypoints
 
 NAMES = ("shoulder", "elbow", "roll")
@@ -24,8 +25,9 @@ def joints():
     return Joints(limits, np.array([False, False, True]), turns)
 
 
-def follower(position=(0.0, 0.0, 0.0), **settings):
-    return Follower(joints(), np.array(position), FollowerSettings(**settings))
+def follower(position=(0.0, 0.0, 0.0), lag=0.0, **settings):
+    standing = SimulatedJoints(np.array(position), lag)
+    return Follower(joints(), standing, FollowerSettings(**settings))
 
 
 def state(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):

@@ -13,7 +13,7 @@ from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["DispatcherSettings", "Gateway", "QueueFullError", "Tally", "stopped", "with_place"]
+__all__ = ["DispatchSettings", "Gateway", "QueueFullError", "Tally", "stopped", "with_place"]
 
 
 class QueueFullError(TrajectoryRefusedError):
@@ -59,7 +59,7 @@ class Gateway(Protocol):
 
 
 @dataclass(frozen=True)
-class DispatcherSettings:
+class DispatchSettings:
     """What the owner decides.
 
     Attributes

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from robomech_ros.execution.client.comparison import off_goal, off_start
 from robomech_ros.execution.client.delivery import Delivery, Report, Stage
 from robomech_ros.execution.client.dispatch_settings import (
-    DispatcherSettings,
+    DispatchSettings,
     Gateway,
     QueueFullError,
     Tally,
@@ -37,7 +37,7 @@ class Dispatcher:
     ----------
     gateway : Gateway
         The way to the controller.
-    settings : DispatcherSettings
+    settings : DispatchSettings
         What the owner decides.
     on_end : callable
         Called with every delivery that has ended, for the log.
@@ -61,7 +61,7 @@ class Dispatcher:
     def __init__(
         self,
         gateway: Gateway,
-        settings: DispatcherSettings | None = None,
+        settings: DispatchSettings | None = None,
         on_end: Callable[[Delivery], None] = lambda delivery: None,
         on_stall: Callable[[str], None] = lambda missing: None,
     ) -> None:
@@ -69,7 +69,7 @@ class Dispatcher:
         self.queue: deque[Delivery] = deque()
         self.tally = Tally()
         self._gateway = gateway
-        self._settings = settings or DispatcherSettings()
+        self._settings = settings or DispatchSettings()
         self._on_end = on_end
         self._on_stall = on_stall
         self._now = 0.0

@@ -5,15 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.paced_waypoints import paced_waypoints, slowed_waypoints
 from robomech_ros.execution.client.progress import curve_from
-from robomech_ros.execution.pacing import (
-    Schedule,
-    constant_pace,
-    pace_change,
-    paced_waypoints,
-    slowed_waypoints,
-)
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.execution.time_scaling import TimeScaling, constant_pace, pace_change
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
@@ -55,8 +50,8 @@ class Pacer:
         self.paused = False
         self._waypoints: Waypoints | None = None
         self._curve: PiecewisePolynomial | None = None
-        self._schedule: Schedule | None = None
-        self._before: tuple[Schedule, Waypoints, float, float] | None = None
+        self._schedule: TimeScaling | None = None
+        self._before: tuple[TimeScaling, Waypoints, float, float] | None = None
         self._lead = LEAD
         self._tries = 0
 

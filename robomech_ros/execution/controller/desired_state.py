@@ -1,16 +1,15 @@
 """Where a follower wants, or will want, its joints at some time."""
 
 from robomech_ros.execution.controller.follower import Follower, Phase
-from robomech_ros.execution.controller.simulated_joints import at_rest
-from robomech_ros.execution.controller.trajectory_goal import Job
-from robomech_ros.execution.joints import State
+from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
+from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.stopping import slowed_down
 
-__all__ = ["planned_state"]
+__all__ = ["desired_state"]
 
 
-def planned_state(follower: Follower, ahead: float) -> State:
+def desired_state(follower: Follower, ahead: float) -> State:
     """Give the state that is planned for some time from now, if nothing comes between.
 
     Parameters
@@ -34,33 +33,33 @@ def planned_state(follower: Follower, ahead: float) -> State:
     waiting = follower.waiting
     if waiting is not None and follower.now + ahead >= waiting.begin:
         return _sampled(waiting, follower.now + ahead - waiting.begin)
-    job = follower.active
-    if job is None:
+    goal, pace = follower.active, follower.motion.pace
+    if goal is None:
         held = follower.now - follower.held_since
         if ahead < -held:
             raise _too_early(ahead, f"the robot has held since {held:.6g} s ago")
-        return follower.wanted
+        return follower.desired
     if follower.phase is Phase.STOPPING:
         if ahead < 0.0:
             raise _too_early(ahead, "the robot is being stopped")
-        return _while_stopping(follower, job, ahead)
-    time = job.time + follower.pace * ahead
+        return _while_stopping(follower, goal, ahead)
+    time = goal.time + pace * ahead
     if time < 0.0:
-        began = job.time / follower.pace
+        began = goal.time / pace
         raise _too_early(ahead, f"the trajectory under way began {began:.6g} s ago")
-    return follower.at(job, time)
+    return follower.motion.state_at(goal, time)
 
 
-def _sampled(job: Job, time: float) -> State:
-    sample = job.curve.sample(time)
+def _sampled(goal: TrajectoryGoal, time: float) -> State:
+    sample = goal.curve.sample(time)
     return State(sample.position, sample.velocity, sample.acceleration)
 
 
-def _while_stopping(follower: Follower, job: Job, ahead: float) -> State:
+def _while_stopping(follower: Follower, goal: TrajectoryGoal, ahead: float) -> State:
     time, pace, drop = slowed_down(
-        job.curve, job.time, follower.pace, ahead, follower.joints.acceleration
+        goal.curve, goal.time, follower.motion.pace, ahead, follower.joints.acceleration
     )
-    sample = job.curve.sample(time)
+    sample = goal.curve.sample(time)
     if pace <= 0.0:
         return at_rest(sample.position)
     acceleration = sample.acceleration * pace * pace - sample.velocity * drop

@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.execution.controller.curve_motion import CurveMotion
 from robomech_ros.execution.controller.joining import join, join_in_steps
 from robomech_ros.execution.controller.saturation import saturation_text
-from robomech_ros.execution.controller.simulated_joints import JointSimulation, Plant, at_rest
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.smoothing import braking_time
 from robomech_ros.execution.controller.supervision import verdict
-from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.pacing import paced_step
-from robomech_ros.execution.stopping import slowed_down
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -42,8 +41,6 @@ class FollowerSettings:
     ----------
     start_tolerance : float
         How far the first point may be from the present position, rad or m.
-    lag : float
-        Time constant with which the simulated joints follow what is wanted, s; 0 = exactly.
     longest_wait : float
         How far in the future a trajectory may begin, s.
     command_timeout : float
@@ -56,7 +53,6 @@ class FollowerSettings:
     """
 
     start_tolerance: float = 0.01
-    lag: float = 0.0
     longest_wait: float = 3600.0
     command_timeout: float = 0.0
     interpolate: bool = True
@@ -70,51 +66,51 @@ class Follower:
     ----------
     joints : Joints
         Names and limits of n joints.
-    position : ndarray, shape (n,)
-        Where they are at first, rad or m.
+    simulated_joints : SimulatedJoints
+        The joints themselves, which stand.
     settings : FollowerSettings
         What the owner decides.
     now : float
         The time, s, on any clock.
-    plant : Plant, optional
-        Moves the joints by forces.
 
     Attributes
     ----------
-    wanted, actual : State
-        Where the trajectory is and where the joints are.
+    motion : CurveMotion
+        Where the joints should be and are, and how fast they follow a curve.
     phase : Phase
         What the robot is doing.
-    active, waiting : Job or None
+    active, waiting : TrajectoryGoal or None
         The trajectory that is being followed, and the one whose time has not come.
-    simulation : JointSimulation
-        The joints themselves.
     now, held_since : float
         The time up to which it has moved, and since when it has held if it does, s.
-    pace : float
-        How fast the curve is followed: 1, or less while slowing down or scaled.
-    scale : float
-        The pace that is wanted, 0 to 1; it may be set at any time.
     """
 
     def __init__(
         self,
         joints: Joints,
-        position: FloatArray,
+        simulated_joints: SimulatedJoints,
         settings: FollowerSettings | None = None,
         now: float = 0.0,
-        plant: Plant | None = None,
     ) -> None:
         self.joints = joints
+        self.simulated_joints = simulated_joints
         self.settings = settings or FollowerSettings()
+        self.motion = CurveMotion(simulated_joints, joints.acceleration)
         self.phase = Phase.HOLDING
-        self.active: Job | None = None
-        self.waiting: Job | None = None
+        self.active: TrajectoryGoal | None = None
+        self.waiting: TrajectoryGoal | None = None
         self.now = self.held_since = now
-        self.pace = self.scale = 1.0
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
-        self.simulation = JointSimulation(position, self.settings.lag, plant)
-        self.wanted = self.actual = at_rest(position)
+
+    @property
+    def desired(self) -> State:
+        """Where the trajectory is."""
+        return self.motion.desired
+
+    @property
+    def actual(self) -> State:
+        """Where the sensors show the joints."""
+        return self.motion.actual
 
     def start(
         self,
@@ -122,9 +118,9 @@ class Follower:
         tolerances: Tolerances,
         now: float,
         delay: float = 0.0,
-        on_end: Callable[[Outcome], None] = lambda outcome: None,
+        on_end: Callable[[GoalResult], None] = lambda result: None,
         by: str = "a newer trajectory",
-    ) -> Job:
+    ) -> TrajectoryGoal:
         """Accept a trajectory, which then replaces whatever is being done, or refuse it.
 
         Parameters
@@ -139,13 +135,13 @@ class Follower:
             When to begin, from now, s; negative if it should have begun already.  Until then the
             present motion goes on, if the settings want that.
         on_end : callable
-            Called once, with the outcome.
+            Called once, with the result.
         by : str
             Who sends it, for the text of the trajectory that it replaces.
 
         Returns
         -------
-        Job
+        TrajectoryGoal
 
         Raises
         ------
@@ -160,17 +156,16 @@ class Follower:
         delay = max(delay, 0.0)
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
-        curve = self._joined(waypoints, self._expected(delay), late)
-        job = Job(waypoints, tolerances, self.now + delay, curve, late, on_end)
+        curve = self._joined(waypoints, self._state_after(delay), late)
+        goal = TrajectoryGoal(waypoints, tolerances, self.now + delay, curve, late, on_end)
         if self.settings.interpolate and waypoints.velocities is not None:
-            job.braking = braking_time(waypoints.velocities[-1], self.joints)
+            goal.braking = braking_time(waypoints.velocities[-1], self.joints)
+        self._drop_waiting(f"replaced by {by}")
         if delay > 0.0:
-            self._drop_waiting(f"replaced by {by}")
-            self.waiting = job
+            self.waiting = goal
         else:
-            self._drop_waiting(f"replaced by {by}")
-            self._begin(job, f"preempted by {by}")
-        return job
+            self._begin(goal, f"preempted by {by}")
+        return goal
 
     def advance(self, now: float) -> None:
         """Let time pass until `now` (s); a clock that goes backwards stands still."""
@@ -178,13 +173,13 @@ class Follower:
         self.now = now
         if not span > 0.0:
             return
-        job = self.waiting
-        if job is not None and now >= job.begin:
-            since = min(now - job.begin, span)
+        goal = self.waiting
+        if goal is not None and now >= goal.begin:
+            since = min(now - goal.begin, span)
             # A clock that jumped may have passed over the begin.
-            job.late += now - job.begin - since
+            goal.late += now - goal.begin - since
             self._step(span - since)
-            self._begin_waiting(job)
+            self._begin_waiting(goal)
             self._step(since)
         else:
             self._step(span)
@@ -203,14 +198,14 @@ class Follower:
         if self.waiting is not None:
             self.waiting.begin -= by
 
-    def stop(self, end: End, code: int, text: str, job: Job | None = None) -> bool:
-        """Slow down on the path, hold, and end the motion with this outcome.
+    def stop(self, end: End, code: int, text: str, goal: TrajectoryGoal | None = None) -> bool:
+        """Slow down on the path, hold, and end the motion with this result.
 
         Parameters
         ----------
         end, code, text
-            The outcome, told when the robot stands.
-        job : Job, optional
+            The result, told when the robot stands.
+        goal : TrajectoryGoal, optional
             Only if it is this one that moves or waits.
 
         Returns
@@ -218,10 +213,10 @@ class Follower:
         bool
             Whether there was anything to stop.
         """
-        waited = self.waiting is not None and job in (None, self.waiting)
+        waited = self.waiting is not None and goal in (None, self.waiting)
         if waited:
             self._drop_waiting(text, end, code)
-        if self.active is None or (job is not None and job is not self.active):
+        if self.active is None or (goal is not None and goal is not self.active):
             return waited
         if self.phase is not Phase.STOPPING:
             self.phase = Phase.STOPPING
@@ -231,119 +226,78 @@ class Follower:
     def halt(self, code: int, text: str) -> None:
         """Hold where the joints are, at once, and abort whatever was to be done."""
         self._drop_waiting(text, code=code)
-        self._stand()
+        self.motion.stand()
         self._end(End.ABORTED, code, text)
 
     def reset(self, position: FloatArray, text: str) -> None:
         """Put the joints somewhere else (rad or m), at once."""
         self.halt(Code.PREEMPTED, text)
-        self.wanted, self.actual = at_rest(position), self.simulation.put(position)
+        self.motion.put(position)
 
-    def _expected(self, delay: float) -> State:
-        """Where the robot will be after `delay` (s) if nothing comes between."""
-        if delay <= 0.0 or self.active is None or self.phase is Phase.STOPPING:
-            return self.wanted
-        return self.at(self.active, self.active.time + self.pace * delay)
-
-    def at(self, job: Job, time: float, rate: float = 0.0) -> State:
-        """Give the state at a time (s) of a job's curve, at a pace that changes by `rate` (1/s)."""
-        sample, pace = job.curve.sample(time), self.pace
-        acceleration = sample.acceleration * pace * pace + sample.velocity * rate
-        return State(sample.position, sample.velocity * pace, acceleration)
+    def _state_after(self, delay: float) -> State:
+        """Give the state that the robot will have after `delay` (s) if nothing comes between."""
+        goal, motion = self.active, self.motion
+        if delay <= 0.0 or goal is None or self.phase is Phase.STOPPING:
+            return motion.desired
+        return motion.state_at(goal, goal.time + motion.pace * delay)
 
     def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
         settings = self.settings
         joined = join if settings.interpolate else join_in_steps
         return joined(waypoints, present, self.joints, settings.start_tolerance, late)
 
-    def _begin(self, job: Job, text: str) -> None:
+    def _begin(self, goal: TrajectoryGoal, text: str) -> None:
         if self.phase is Phase.STOPPING:
             self._end(*self._ending)
         else:
             self._end(End.ABORTED, Code.PREEMPTED, text)
-        # A curve that begins moving begins with the speed that the joints have.
-        self.pace = 1.0 if self.wanted.velocity.any() else self.scale
-        self.active, self.phase = job, Phase.MOVING
-        self.simulation.count_anew()
+        self.active, self.phase = goal, Phase.MOVING
+        self.motion.begin()
 
-    def _begin_waiting(self, job: Job) -> None:
+    def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            job.curve = self._joined(job.waypoints, self.wanted, job.late)
+            goal.curve = self._joined(goal.waypoints, self.desired, goal.late)
         except RobomechError as error:
             text = f"when its time had come: {error}"
-            job.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
+            goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
             return
-        self._begin(job, "preempted by a trajectory that was to begin now")
+        self._begin(goal, "preempted by a trajectory that was to begin now")
 
     def _drop_waiting(self, text: str, end: End = End.ABORTED, code: int = Code.PREEMPTED) -> None:
-        job, self.waiting = self.waiting, None
-        if job is not None:
-            job.finish(end, code, f"before it began: {text}", self.actual.position)
+        goal, self.waiting = self.waiting, None
+        if goal is not None:
+            goal.finish(end, code, f"before it began: {text}", self.actual.position)
 
     def _end(self, end: End, code: int, text: str) -> None:
-        job, self.active, self.phase = self.active, None, Phase.HOLDING
+        goal, self.active, self.phase = self.active, None, Phase.HOLDING
         self.held_since = self.now
-        if job is not None:
-            limited = saturation_text(self.simulation.at_limit, self.joints.names)
+        if goal is not None:
+            limited = saturation_text(self.simulated_joints.at_limit, self.joints.names)
             text = "; ".join(part for part in (text, limited) if part)
-            job.finish(end, code, text, self.actual.position)
+            goal.finish(end, code, text, self.actual.position)
 
     def _step(self, span: float) -> None:
         """Move for `span` (s)."""
-        job = self.active
-        if job is None:
-            self._follow(span)
-            return
-        if self.phase is Phase.STOPPING:
-            self._slow_down(job, span)
-            self._follow(span)
-            if self.pace <= 0.0:
-                # Joints that lag behind stay where they are, as ros2_control lets them.
-                self._stand()
-                self._end(*self._ending)
-            return
-        job.time, self.pace, rate = paced_step(
-            job.curve, job.time, self.pace, self.scale, span, self.joints.acceleration
-        )
-        self.wanted = self.at(job, job.time, rate)
-        self._follow(span)
-        self._supervise(job)
+        goal = self.active
+        if goal is None:
+            self.motion.hold(span)
+        elif self.phase is not Phase.STOPPING:
+            self.motion.go_on(goal, span)
+            self._supervise(goal)
+        elif self.motion.slow_down(goal, span):
+            # Joints that lag behind stay where they are, as ros2_control lets them.
+            self.motion.stand()
+            self._end(*self._ending)
 
-    def _slow_down(self, job: Job, span: float) -> None:
-        """Integrate the pace along the curve."""
-        job.time, self.pace, drop = slowed_down(
-            job.curve, job.time, self.pace, span, self.joints.acceleration
-        )
-        sample, pace = job.curve.sample(job.time), self.pace
-        if pace <= 0.0 or job.time >= job.curve.duration:
-            self.pace = 0.0
-            self.wanted = at_rest(sample.position)
-            return
-        acceleration = sample.acceleration * pace * pace - sample.velocity * drop
-        self.wanted = State(sample.position, sample.velocity * pace, acceleration)
-
-    def _follow(self, span: float) -> None:
-        """Let the joints follow what is wanted."""
-        self.actual = self.simulation.follow(self.wanted, span)
-
-    def _stand(self) -> None:
-        """Have the joints stand where they are."""
-        self.wanted, self.actual = at_rest(self.simulation.position), self.simulation.stand()
-
-    def _supervise(self, job: Job) -> None:
+    def _supervise(self, goal: TrajectoryGoal) -> None:
         """End or give up the motion where that is due."""
-        found = verdict(job, self.wanted, self.actual, self.joints)
-        over, allowed = job.time - job.arrival, self.settings.command_timeout
-        if found is None and 0.0 < allowed < over:
-            text = f"still not at its goal {over:.4g} s after its end, allowed are {allowed:g} s"
-            found = Code.TIMED_OUT, text
+        timeout = self.settings.command_timeout
+        found = verdict(goal, self.desired, self.actual, self.joints, timeout)
         if found is None:
             return
-        code, text = found
-        if code:
-            self.stop(End.ABORTED, code, text)
+        if found.code:
+            self.stop(End.ABORTED, *found)
             return
-        self.wanted = at_rest(job.goal)
-        self._follow(0.0)
-        self._end(End.REACHED, Code.NONE, "")
+        self.motion.settle(goal.last_position)
+        self._end(End.REACHED, *found)

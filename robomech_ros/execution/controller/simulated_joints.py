@@ -11,10 +11,10 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.execution.joints import State
+from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Driven", "Faults", "JointSimulation", "Plant", "at_rest"]
+__all__ = ["DrivenMotion", "Faults", "Plant", "SimulatedJoints"]
 
 # What sums of cycles may be off, s.
 _ROUNDING = 1e-9
@@ -55,7 +55,7 @@ class Faults:
 
 
 @dataclass(frozen=True, eq=False)
-class Driven:
+class DrivenMotion:
     """What became of joints that forces move.
 
     Attributes
@@ -78,7 +78,7 @@ class Plant(Protocol):
 
     def drive(
         self, before: State, command: State, span: float, held: npt.NDArray[np.bool_] | None
-    ) -> Driven:
+    ) -> DrivenMotion:
         """Let time pass in which the command goes over from one to another.
 
         Parameters
@@ -96,12 +96,12 @@ class Plant(Protocol):
             The motion ran away; the joints stand where that could still be told.
         """
 
-    def put(self, position: FloatArray) -> Driven:
+    def put(self, position: FloatArray) -> DrivenMotion:
         """Have the joints stand somewhere (rad or m), at once."""
 
 
-class JointSimulation:
-    """Moves n joints to where they are wanted.
+class SimulatedJoints:
+    """Moves n joints to where they should be.
 
     Parameters
     ----------
@@ -143,12 +143,12 @@ class JointSimulation:
         self._faults = None if faults.none else faults
         self._random = np.random.default_rng(faults.seed)
 
-    def follow(self, wanted: State, span: float) -> State:
+    def follow(self, desired: State, span: float) -> State:
         """Let time pass.
 
         Parameters
         ----------
-        wanted : State
+        desired : State
             What the joints are told at the end of that time.
         span : float
             How long, s.
@@ -159,12 +159,12 @@ class JointSimulation:
             What the sensors show then.
         """
         if self._plant is None and self._faults is None and not self._lag:
-            self._state = self._command = wanted
+            self._state = self._command = desired
             self._under_way.clear()
-            return wanted
+            return desired
         if span > 0.0:
             before = self._command
-            command = self._delivered(wanted, span)
+            command = self._delivered(desired, span)
             if self._plant is None:
                 self._move(command, span)
             else:
@@ -201,14 +201,14 @@ class JointSimulation:
         self._state, self.effort = driven.state, driven.effort
         self.at_limit = self.at_limit + driven.at_limit
 
-    def _delivered(self, wanted: State, span: float) -> State:
+    def _delivered(self, desired: State, span: float) -> State:
         """Give the command that has got to the joints."""
         self._time += span
         faults = self._faults
         if faults is None:
-            self._command = wanted
+            self._command = desired
         elif not (faults.dropped and self._random.random() < faults.dropped):
-            self._under_way.append((self._time, wanted))
+            self._under_way.append((self._time, desired))
         due = self._time - (0.0 if faults is None else faults.delay) + _ROUNDING
         while self._under_way and self._under_way[0][0] <= due:
             self._command = self._under_way.popleft()[1]
@@ -231,9 +231,3 @@ class JointSimulation:
         if faults.noise:
             shown = shown + faults.noise * self._random.standard_normal(len(shown))
         return State(shown, state.velocity, state.acceleration)
-
-
-def at_rest(position: FloatArray) -> State:
-    """Give the state of joints that stand somewhere (rad or m)."""
-    still = np.zeros(len(position))
-    return State(np.array(position, dtype=np.float64), still, still)

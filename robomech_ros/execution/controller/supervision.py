@@ -2,50 +2,68 @@
 
 import numpy as np
 
-from robomech_ros.execution.controller.trajectory_goal import Job
+from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["verdict"]
 
 
-def verdict(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
+def verdict(
+    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints, timeout: float
+) -> Verdict | None:
     """Decide whether a motion has reached its goal, or must be given up.
 
     Parameters
     ----------
-    job : Job
+    goal : TrajectoryGoal
         What is being followed; that it has arrived is noted in it.
-    wanted : State
+    desired : State
         Where its curve is now.
     actual : State
         Where the joints are.
     joints : Joints
         Their names.
+    timeout : float
+        How long after its end a trajectory may be under way, s; 0 = any time.
 
     Returns
     -------
-    tuple of int and str, or None
+    Verdict or None
         None while there is nothing to decide; code 0 at the goal; else the code, and a text that
         names the joint, how far it is off, and the tolerance.
     """
-    over = job.time - job.arrival
+    found = _held_to_tolerances(goal, desired, actual, joints)
+    over = goal.time - goal.arrival
+    if found is None and 0.0 < timeout < over:
+        text = f"still not at its goal {over:.4g} s after its end, allowed are {timeout:g} s"
+        return Verdict(Code.TIMED_OUT, text)
+    return found
+
+
+def _held_to_tolerances(
+    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
+) -> Verdict | None:
+    over = goal.time - goal.arrival
     if over < 0.0:
-        return _off_path(job, wanted, actual, joints)
-    if not job.arrived:
-        found = _off_goal(job, wanted, actual, joints)
+        return _off_path(goal, desired, actual, joints)
+    if not goal.arrived:
+        found = _off_goal(goal, desired, actual, joints)
         if found is not None:
-            return found if over > job.tolerances.goal_time else None
-        job.arrived = True
-    return (int(Code.NONE), "") if over >= job.braking else None
+            return found if over > goal.tolerances.goal_time else None
+        goal.arrived = True
+    return Verdict(Code.NONE, "") if over >= goal.braking else None
 
 
-def _off_path(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
-    allowed, code = job.tolerances, Code.PATH_TOLERANCE
-    off = wanted.position - actual.position
-    change = wanted.velocity - actual.velocity
-    push = wanted.acceleration - actual.acceleration
+def _off_path(
+    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
+) -> Verdict | None:
+    allowed, code = goal.tolerances, Code.PATH_TOLERANCE
+    off = desired.position - actual.position
+    change = desired.velocity - actual.velocity
+    push = desired.acceleration - actual.acceleration
     return (
         _complaint(code, "its path", off, allowed.path, joints)
         or _complaint(code, "the velocity of its path", change, allowed.path_velocity, joints, "/s")
@@ -55,12 +73,14 @@ def _off_path(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[i
     )
 
 
-def _off_goal(job: Job, wanted: State, actual: State, joints: Joints) -> tuple[int, str] | None:
-    allowed, code = job.tolerances, Code.GOAL_TOLERANCE
-    rest = "the velocity at its goal" if job.braking else "rest"
-    off = wanted.position - actual.position
-    change = wanted.velocity - actual.velocity
-    push = wanted.acceleration - actual.acceleration
+def _off_goal(
+    goal: TrajectoryGoal, desired: State, actual: State, joints: Joints
+) -> Verdict | None:
+    allowed, code = goal.tolerances, Code.GOAL_TOLERANCE
+    rest = "the velocity at its goal" if goal.braking else "rest"
+    off = desired.position - actual.position
+    change = desired.velocity - actual.velocity
+    push = desired.acceleration - actual.acceleration
     return (
         _complaint(code, "its goal", off, allowed.goal, joints)
         or _complaint(code, rest, change, allowed.velocity, joints, "/s")
@@ -77,7 +97,7 @@ def _complaint(
     allowed: FloatArray | None,
     joints: Joints,
     per: str = "",
-) -> tuple[int, str] | None:
+) -> Verdict | None:
     """Name the joint that is worst, if it is off by more than allowed."""
     if allowed is None:
         return None
@@ -86,7 +106,10 @@ def _complaint(
     if off[worst] <= allowed[worst]:
         return None
     unit = ("rad" if joints.revolute[worst] else "m") + per
-    return int(code), (
-        f"joint '{joints.names[worst]}' is {off[worst]:.4g} {unit} off {what}, "
-        f"the tolerance is {allowed[worst]:.4g} {unit}"
+    return Verdict(
+        code,
+        (
+            f"joint '{joints.names[worst]}' is {off[worst]:.4g} {unit} off {what}, "
+            f"the tolerance is {allowed[worst]:.4g} {unit}"
+        ),
     )

@@ -6,12 +6,12 @@ from enum import IntEnum, auto
 
 import numpy as np
 
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["End", "Job", "Outcome"]
+__all__ = ["End", "GoalResult", "TrajectoryGoal"]
 
 
 class End(IntEnum):
@@ -23,7 +23,7 @@ class End(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class GoalResult:
     """The end of a motion.
 
     Attributes
@@ -45,7 +45,7 @@ class Outcome:
 
 
 @dataclass(eq=False)
-class Job:
+class TrajectoryGoal:
     """A trajectory that was accepted.
 
     Attributes
@@ -59,8 +59,8 @@ class Job:
     curve : PiecewisePolynomial
         From the state expected at `begin`, replaced by the one from the state found then.
     on_end : callable
-        Called once with the outcome.
-    outcome : Outcome or None
+        Called once with the result.
+    result : GoalResult or None
         None until it has ended.
     time : float
         How far it has come on its curve, s.
@@ -69,7 +69,7 @@ class Job:
     arrived : bool
         Whether it was where it should be when the trajectory was over.
     remark : str
-        What else the outcome is to say.
+        What else the result is to say.
     """
 
     waypoints: Waypoints
@@ -77,16 +77,16 @@ class Job:
     begin: float
     curve: PiecewisePolynomial
     late: float = 0.0
-    on_end: Callable[[Outcome], None] = field(default=lambda outcome: None)
-    outcome: Outcome | None = None
+    on_end: Callable[[GoalResult], None] = field(default=lambda result: None)
+    result: GoalResult | None = None
     time: float = 0.0
     braking: float = 0.0
     arrived: bool = False
     remark: str = ""
 
     @property
-    def goal(self) -> FloatArray:
-        """Last position, rad or m, shape (n,)."""
+    def last_position(self) -> FloatArray:
+        """Where it ends, rad or m, shape (n,)."""
         return self.curve.sample(self.curve.breaks[-1]).position
 
     @property
@@ -101,8 +101,8 @@ class Job:
         return min(self.time / duration, 1.0) if duration > 0.0 else 1.0
 
     def finish(self, end: End, code: int, text: str, actual: FloatArray) -> None:
-        """Set the outcome and tell it; a second call does nothing."""
-        if self.outcome is None:
+        """Set the result and tell it; a second call does nothing."""
+        if self.result is None:
             text = "; ".join(part for part in (text, self.remark) if part)
-            self.outcome = Outcome(end, int(code), text, np.subtract(self.goal, actual))
-            self.on_end(self.outcome)
+            self.result = GoalResult(end, int(code), text, np.subtract(self.last_position, actual))
+            self.on_end(self.result)

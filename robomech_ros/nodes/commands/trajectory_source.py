@@ -9,7 +9,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.execution.received_trajectory import GivenTrajectory, read_waypoints
+from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
 from robomech_ros.nodes.common.conversions import seconds_from_duration
 from robomech_ros.nodes.common.message_yaml import fill_message, parse_yaml
 from robomech_ros.nodes.common.robot_description import LATCHED
@@ -67,5 +67,5 @@ def waypoints_of(message: JointTrajectory) -> Waypoints:
         seconds_from_duration(point.time_from_start, f"points[{k}].time_from_start")
         for k, point in enumerate(message.points)
     ]
-    given = GivenTrajectory(message.joint_names, times, message.points)
+    given = ReceivedTrajectory(message.joint_names, times, message.points)
     return read_waypoints(given, message.joint_names, _MOST_POINTS, _LONGEST, to_rest=False)

@@ -32,7 +32,7 @@ from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError, parameter
-from robomech_ros.nodes.common.received_trajectory import given_trajectory
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
@@ -186,7 +186,7 @@ class DynamicsNode(Node):
     def _summarize_torques(self, request: Any, response: Any) -> Any:
         chain, settings = self._loaded, self._table.settings
         waypoints = read_waypoints(
-            given_trajectory(request.trajectory),
+            received_trajectory(request.trajectory),
             chain.joint_names,
             settings.largest_batch,
             settings.max_duration,

@@ -30,7 +30,9 @@ class ControlInterfaces:
     def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
         self.servers: list[GoalServer] = []
         try:
-            from robomech_ros.nodes.joint_trajectory_controller.follow_action import FollowAction
+            from robomech_ros.nodes.joint_trajectory_controller.follow_messages import (
+                FollowMessages,
+            )
             from robomech_ros.nodes.joint_trajectory_controller.state_topics import (
                 ControllerState,
                 SpeedScaling,
@@ -40,7 +42,7 @@ class ControlInterfaces:
             if getattr(error, "name", "") != "control_msgs":
                 node.get_logger().warning(f"no follow_joint_trajectory: {error}")
             return
-        self.servers.append(GoalServer(node, robot, FollowAction(robot.joint_names)))
+        self.servers.append(GoalServer(node, robot, FollowMessages(robot.joint_names)))
         self._state = ControllerState(node, robot)
         SpeedScaling(node, robot)
         StateQuery(node, robot, clock, lambda: robot.refuse_all)

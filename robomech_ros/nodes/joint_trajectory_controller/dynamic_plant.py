@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics import Servo, gravity_torque, with_payload
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.simulated_joints import Driven, at_rest
-from robomech_ros.execution.joints import State
+from robomech_ros.execution.controller.simulated_joints import DrivenMotion
+from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.robots import Body, SerialChain
 
@@ -64,16 +64,16 @@ class DynamicPlant:
             self._servo = self._servo_with(settings)
         self._settings = settings
 
-    def put(self, position: Array) -> Driven:
+    def put(self, position: Array) -> DrivenMotion:
         """Have the joints stand somewhere (rad or m), held against gravity."""
         self._q = np.array(position, dtype=np.float64)
         self._qd, self._observed = np.zeros(len(position)), np.zeros(len(position))
         holding = gravity_torque(self._servo.plant or self._model, self._q, gravity=self._gravity)
-        return Driven(at_rest(self._q), holding, np.zeros(len(position)))
+        return DrivenMotion(at_rest(self._q), holding, np.zeros(len(position)))
 
     def drive(
         self, before: State, command: State, span: float, held: NDArray[np.bool_] | None
-    ) -> Driven:
+    ) -> DrivenMotion:
         """Let time pass; see :class:`Plant`."""
         started = self._qd.copy()
         simulated = min(span, _LONGEST)
@@ -97,7 +97,7 @@ class DynamicPlant:
             at_limit += period * motion.saturated.sum(axis=0)
             effort = motion.effort[-1]
         acceleration = (self._qd - started) / simulated
-        return Driven(State(self._q.copy(), self._qd.copy(), acceleration), effort, at_limit)
+        return DrivenMotion(State(self._q.copy(), self._qd.copy(), acceleration), effort, at_limit)
 
     def _limit(self, wanted: Array) -> None:
         """Keep what is wanted, shape (m, 3, n), so near that no joint is asked to be too fast.

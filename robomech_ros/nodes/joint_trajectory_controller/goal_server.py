@@ -16,22 +16,21 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
-from robomech_ros.execution.tolerance import Tolerances
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.outcomes import Code
 
-__all__ = ["Dialect", "GoalServer", "fill_states"]
+__all__ = ["ActionMessages", "GoalServer"]
 
 # A client may ask for the result this long after the motion has ended, s.
 _RESULT_KEPT = 60
 
 
-class Dialect(Protocol):
-    """An action type: what its goals ask for, and how its results are put.
+class ActionMessages(Protocol):
+    """Messages of an action: what its goals ask for, and how its results are put.
 
     Attributes
     ----------
@@ -45,26 +44,26 @@ class Dialect(Protocol):
     name: str
 
     def tolerances(
-        self, goal: Any, default: Tolerances, joint_names: Sequence[str]
+        self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal, and say what of them does not hold."""
 
     def refused(self, error: Exception) -> Any:
         """Make the result of a goal that is not executed; most errors are RobomechError."""
 
-    def ended(self, outcome: Outcome, note: str) -> Any:
+    def ended(self, result: GoalResult, note: str) -> Any:
         """Make the result of a motion."""
 
-    def feedback(self, job: Job, wanted: State, actual: State, stamp: Time) -> Any:
+    def feedback(self, goal: TrajectoryGoal, desired: State, actual: State, stamp: Time) -> Any:
         """Tell how far a motion has come."""
 
 
 @dataclass
-class _Goal:
+class _ServedGoal:
     """A goal on its way."""
 
     handle: ServerGoalHandle
-    job: Job
+    goal: TrajectoryGoal
 
 
 class GoalServer:
@@ -76,21 +75,21 @@ class GoalServer:
         Owner of the action server.
     robot : SimulatedRobot
         What executes.
-    dialect : Dialect
-        The action.
+    messages : ActionMessages
+        Those of the action.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot, dialect: Dialect) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot, messages: ActionMessages) -> None:
         self._node = node
         self._robot = robot
-        self._dialect = dialect
-        self._goals: dict[bytes, _Goal] = {}
+        self._messages = messages
+        self._served: dict[bytes, _ServedGoal] = {}
         self._idle: Future = Future()
         self._destroyed = False
         self._server = ActionServer(
             node,
-            dialect.kind,
-            f"~/{dialect.name}",
+            messages.kind,
+            f"~/{messages.name}",
             self._execute,
             cancel_callback=self._cancel,
             result_timeout=_RESULT_KEPT,
@@ -99,68 +98,76 @@ class GoalServer:
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()
         try:
-            job, note = self._start(handle.request, ended)
-        except RobomechError as error:
-            self._node.get_logger().warning(f"goal refused: {error}")
-            handle.abort()
-            return self._dialect.refused(error)
+            goal, note = self._start(handle.request, ended)
         except Exception as error:
-            text = f"goal failed, please report:\n{traceback.format_exc()}"
-            self._node.get_logger().error(text)
+            self._log_refusal(error)
             handle.abort()
-            return self._dialect.refused(error)
-        key = _key(handle)
-        with self._robot.lock:
-            self._goals[key] = _Goal(handle, job)
-        if handle.is_cancel_requested:
-            self._cancel(handle)
-        outcome: Outcome = await ended
-        with self._robot.lock:
-            del self._goals[key]
-        self._conclude(handle, outcome)
-        if not self._goals and not self._idle.done():
+            return self._messages.refused(error)
+        result = await self._serve(_ServedGoal(handle, goal), ended)
+        self._conclude(handle, result)
+        if not self._served and not self._idle.done():
             self._idle.set_result(None)
-        return self._dialect.ended(outcome, note)
+        return self._messages.ended(result, note)
 
-    def _start(self, goal: Any, ended: Future) -> tuple[Job, str]:
-        """Have a goal executed; returns its job, and what of it does not hold."""
+    def _start(self, message: Any, ended: Future) -> tuple[TrajectoryGoal, str]:
+        """Have a goal executed; returns it, and what of the message does not hold."""
         notes: list[str] = []
 
         def tolerances(default: Tolerances) -> Tolerances:
-            found, note = self._dialect.tolerances(goal, default, self._robot.joint_names)
+            found, note = self._messages.tolerances(message, default, self._robot.joint_names)
             notes.append(note)
             return found
 
-        def end(outcome: Outcome) -> None:
-            ended.set_result(outcome)
+        def end(result: GoalResult) -> None:
+            ended.set_result(result)
             wake(self._node)
 
         by = "a newer goal of the action"
-        job = self._robot.execute(goal.trajectory, by, end, tolerances)
+        goal = self._robot.execute(message.trajectory, by, end, tolerances)
         if notes[0]:
             self._node.get_logger().warning(notes[0])
-        return job, notes[0]
+        return goal, notes[0]
 
-    def _conclude(self, handle: ServerGoalHandle, outcome: Outcome) -> None:
-        if outcome.end is End.REACHED:
+    def _log_refusal(self, error: Exception) -> None:
+        """Log why a goal is not executed; to be called while the error is handled."""
+        if isinstance(error, RobomechError):
+            self._node.get_logger().warning(f"goal refused: {error}")
+        else:
+            text = f"goal failed, please report:\n{traceback.format_exc()}"
+            self._node.get_logger().error(text)
+
+    async def _serve(self, served: _ServedGoal, ended: Future) -> GoalResult:
+        """Let the client cancel a goal and see how far it has come, until it has ended."""
+        key = _key(served.handle)
+        with self._robot.lock:
+            self._served[key] = served
+        if served.handle.is_cancel_requested:
+            self._cancel(served.handle)
+        result: GoalResult = await ended
+        with self._robot.lock:
+            del self._served[key]
+        return result
+
+    def _conclude(self, handle: ServerGoalHandle, result: GoalResult) -> None:
+        if result.end is End.REACHED:
             handle.succeed()
-        elif outcome.end is End.CANCELLED and handle.is_cancel_requested:
+        elif result.end is End.CANCELLED and handle.is_cancel_requested:
             handle.canceled()
         else:
             handle.abort()
-        if outcome.code:
-            self._node.get_logger().warning(f"goal ended early: {outcome.text}")
+        if result.code:
+            self._node.get_logger().warning(f"goal ended early: {result.text}")
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
-        goal = self._goals.get(_key(handle))
-        if goal is None:
+        served = self._served.get(_key(handle))
+        if served is None:
             # It has not begun yet: it is cancelled as soon as it begins.
             return CancelResponse.ACCEPT
         text = "cancelled by the client; the robot has stopped on its path"
         with self._robot.lock:
-            if goal.job.outcome is not None:
+            if served.goal.result is not None:
                 return CancelResponse.REJECT
-            self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, goal.job)
+            self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, served.goal)
         return CancelResponse.ACCEPT
 
     def publish_feedback(self) -> None:
@@ -168,10 +175,10 @@ class GoalServer:
         follower = self._robot.follower
         seconds, nanoseconds = self._robot.stamp()
         stamp = Time(sec=seconds, nanosec=nanoseconds)
-        for goal in self._goals.values():
-            wanted = follower.actual if goal.job is follower.waiting else follower.wanted
-            goal.handle.publish_feedback(
-                self._dialect.feedback(goal.job, wanted, follower.actual, stamp)
+        for served in self._served.values():
+            desired = follower.actual if served.goal is follower.waiting else follower.desired
+            served.handle.publish_feedback(
+                self._messages.feedback(served.goal, desired, follower.actual, stamp)
             )
 
     def destroy(self) -> None:
@@ -183,26 +190,9 @@ class GoalServer:
     def all_ended(self) -> Future:
         """Give a future that is done when the results of all goals have been handed over."""
         self._idle = Future()
-        if not self._goals:
+        if not self._served:
             self._idle.set_result(None)
         return self._idle
-
-
-def fill_states(message: Any, wanted: State, actual: State, time: float) -> None:
-    """Fill the points desired, actual and error of a feedback, at a time (s) of the trajectory."""
-    _put(message.desired, wanted)
-    _put(message.actual, actual)
-    message.error.positions = floats(wanted.position - actual.position)
-    message.error.velocities = floats(wanted.velocity - actual.velocity)
-    message.desired.time_from_start = duration_from_seconds(time)
-    message.actual.time_from_start = message.desired.time_from_start
-    message.error.time_from_start = message.desired.time_from_start
-
-
-def _put(point: Any, state: State) -> None:
-    point.positions = floats(state.position)
-    point.velocities = floats(state.velocity)
-    point.accelerations = floats(state.acceleration)
 
 
 def _key(handle: ServerGoalHandle) -> bytes:

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,13 +11,15 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Follower
 from robomech_ros.execution.controller.saturation import saturation_text
-from robomech_ros.execution.controller.trajectory_goal import Job, Outcome
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
+from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.received_trajectory import given_trajectory
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
+from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
     ControllerSettings,
@@ -28,25 +29,14 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     initial_position,
 )
 from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.waypoints import Waypoints
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
 
-__all__ = ["Counts", "SimulatedRobot"]
+__all__ = ["SimulatedRobot"]
 
 _NANO = 1_000_000_000
-
-
-@dataclass
-class Counts:
-    """What has happened so far, for the diagnostics."""
-
-    accepted: int = 0
-    reached: int = 0
-    ended_early: int = 0
-    refused: int = 0
-    last_refusal: str = ""
-    last_end: str = ""
 
 
 class SimulatedRobot:
@@ -68,6 +58,12 @@ class SimulatedRobot:
     ----------
     lock : RLock
         To be held while the robot is used.
+    counts : MotionCounts
+        What has become of trajectories so far.
+    simulated_joints : SimulatedJoints
+        The joints themselves.
+    follower : Follower
+        What moves them.
     refuse_all : str
         Why no trajectory is accepted any more; empty while trajectories are accepted.
 
@@ -85,7 +81,7 @@ class SimulatedRobot:
         self.chain = chain
         self.joint_names = list(chain.joint_names)
         self.lock = threading.RLock()
-        self.counts = Counts()
+        self.counts = MotionCounts()
         self.refuse_all = ""
         self._settings = settings
         self._clock = clock
@@ -93,12 +89,9 @@ class SimulatedRobot:
         self._initial = initial_position(settings, chain)
         self._plant = _dynamic_plant(chain, settings, self._initial)
         self._tolerances = default_tolerances(settings, chain.n)
+        self.simulated_joints = SimulatedJoints(self._initial, settings.tracking_lag, self._plant)
         self.follower = Follower(
-            Joints.of(chain),
-            self._initial,
-            follower_settings(settings),
-            self._clock.now(),
-            self._plant,
+            Joints.of(chain), self.simulated_joints, follower_settings(settings), clock.now()
         )
         clock.on_jump(self.follower.clock_jumped)
 
@@ -114,7 +107,7 @@ class SimulatedRobot:
 
     def saturation(self) -> str:
         """Say which drives were at their limits since the last motion began; empty for none."""
-        return saturation_text(self.follower.simulation.at_limit, self.joint_names)
+        return saturation_text(self.simulated_joints.at_limit, self.joint_names)
 
     def carry(self, settings: ControllerSettings) -> None:
         """Have it carry the payload of these settings from now on."""
@@ -133,9 +126,9 @@ class SimulatedRobot:
         self,
         trajectory: JointTrajectory,
         by: str,
-        on_end: Callable[[Outcome], None],
+        on_end: Callable[[GoalResult], None],
         tolerances: Callable[[Tolerances], Tolerances] = lambda default: default,
-    ) -> Job:
+    ) -> TrajectoryGoal:
         """Execute a trajectory from now on, or from its stamp on.
 
         Parameters
@@ -145,13 +138,13 @@ class SimulatedRobot:
         by : str
             Who sent it, for the text of the motion that it replaces.
         on_end : callable
-            Called once, with the outcome.
+            Called once, with the result.
         tolerances : callable, optional
             Makes the tolerances of the motion from those that hold by default.
 
         Returns
         -------
-        Job
+        TrajectoryGoal
 
         Raises
         ------
@@ -159,47 +152,41 @@ class SimulatedRobot:
             It is refused; the present motion goes on.
         """
         try:
-            if self.refuse_all:
-                raise TrajectoryRefusedError(self.refuse_all)
-            # Cycles go on while a long one is read.
-            waypoints = read_waypoints(
-                given_trajectory(trajectory),
-                self.joint_names,
-                self._settings.max_points,
-                self._settings.max_duration,
-                partial=self._settings.allow_partial_joints_goal,
-                to_rest=not self._settings.allow_nonzero_velocity_at_trajectory_end,
-            )
+            waypoints = self._read(trajectory)
             held_to = tolerances(self._tolerances)
+
+            def end(result: GoalResult) -> None:
+                self.counts.end(result)
+                on_end(result)
+
             with self.lock:
                 now = self._clock.now()
                 delay = self._clock.until(trajectory.header.stamp, now)
-                job = self.follower.start(waypoints, held_to, now, delay, self._counted(on_end), by)
-                self.counts.accepted += 1
-                self.counts.last_refusal = ""
-                return job
+                goal = self.follower.start(waypoints, held_to, now, delay, end, by)
+                self.counts.accept()
+                return goal
         except RobomechError as error:
             with self.lock:
-                self.counts.refused += 1
-                self.counts.last_refusal = str(error)
+                self.counts.refuse(str(error))
             raise
+
+    def _read(self, trajectory: JointTrajectory) -> Waypoints:
+        """Check a trajectory; cycles go on while a long one is read, so without the lock."""
+        if self.refuse_all:
+            raise TrajectoryRefusedError(self.refuse_all)
+        settings = self._settings
+        return read_waypoints(
+            received_trajectory(trajectory),
+            self.joint_names,
+            settings.max_points,
+            settings.max_duration,
+            partial=settings.allow_partial_joints_goal,
+            to_rest=not settings.allow_nonzero_velocity_at_trajectory_end,
+        )
 
     def reset(self, text: str) -> None:
         """Put the robot back to where it was at start, at once."""
         self.follower.reset(self._initial, text)
-
-    def _counted(self, on_end: Callable[[Outcome], None]) -> Callable[[Outcome], None]:
-        def count(outcome: Outcome) -> None:
-            if outcome.code:
-                self.counts.ended_early += 1
-                self.counts.last_end = outcome.text
-            else:
-                self.counts.reached += 1
-                said = f"; {outcome.text}" if outcome.text else ""
-                self.counts.last_end = f"goal reached{said}"
-            on_end(outcome)
-
-        return count
 
 
 def _dynamic_plant(

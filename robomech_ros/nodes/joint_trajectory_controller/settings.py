@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.execution.controller.follower import FollowerSettings
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.robots import SerialChain
@@ -241,7 +241,6 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
     """Pick what the follower needs."""
     return FollowerSettings(
         start_tolerance=settings.start_tolerance,
-        lag=settings.tracking_lag,
         longest_wait=settings.max_duration,
         command_timeout=settings.cmd_timeout,
         interpolate=settings.interpolation_method == SPLINES,

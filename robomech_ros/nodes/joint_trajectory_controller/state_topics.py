@@ -6,13 +6,13 @@ from typing import Any
 from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
 from control_msgs.srv import QueryTrajectoryState
 from rclpy.node import Node
-from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.desired_state import planned_state
+from robomech_ros.execution.controller.desired_state import desired_state
 from robomech_ros.execution.joints import State
 from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
 __all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
@@ -21,7 +21,7 @@ _DEPTH = 10
 
 
 class ControllerState:
-    """Publishes where the joints are wanted and where they are, while somebody listens.
+    """Publishes where the joints should be and where they are, while somebody listens.
 
     Parameters
     ----------
@@ -43,20 +43,20 @@ class ControllerState:
         """Publish the present state; the robot's lock is to be held."""
         if not self._publisher.get_subscription_count():
             return
-        message, wanted, actual = self._message, self._follower.wanted, self._follower.actual
-        job = self._follower.active
-        time = duration_from_seconds(job.time if job is not None else 0.0)
-        message.speed_scaling_factor = self._follower.scale
+        message, desired, actual = self._message, self._follower.desired, self._follower.actual
+        goal = self._follower.active
+        time = duration_from_seconds(goal.time if goal is not None else 0.0)
+        message.speed_scaling_factor = self._follower.motion.scale
         stamp = message.header.stamp
         stamp.sec, stamp.nanosec = self._robot.stamp()
-        message.reference = _point(wanted, time)
-        message.feedback = _point(actual, time)
+        message.reference = point_from_state(desired, time)
+        message.feedback = point_from_state(actual, time)
         error = State(
-            wanted.position - actual.position,
-            wanted.velocity - actual.velocity,
-            wanted.acceleration - actual.acceleration,
+            desired.position - actual.position,
+            desired.velocity - actual.velocity,
+            desired.acceleration - actual.acceleration,
         )
-        message.error = _point(error, time)
+        message.error = point_from_state(error, time)
         # What the simulated joints are told are positions.
         message.output.positions = message.reference.positions
         message.output.time_from_start = time
@@ -86,11 +86,11 @@ class SpeedScaling:
             return
         with self._robot.lock:
             self._robot.advance()
-            self._robot.follower.scale = message.factor
+            self._robot.follower.motion.scale = message.factor
 
 
 class StateQuery:
-    """Answers where the joints are wanted at a time.
+    """Answers where the joints should be at a time.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class StateQuery:
             with self._robot.lock:
                 self._robot.advance()
                 ahead = self._clock.until(request.time, self._robot.follower.now)
-                state = planned_state(self._robot.follower, ahead)
+                state = desired_state(self._robot.follower, ahead)
         except RobomechError as error:
             response.message = str(error)
             return response
@@ -130,12 +130,3 @@ class StateQuery:
         response.velocity = floats(state.velocity)
         response.acceleration = floats(state.acceleration)
         return response
-
-
-def _point(state: State, time: Any) -> JointTrajectoryPoint:
-    return JointTrajectoryPoint(
-        positions=floats(state.position),
-        velocities=floats(state.velocity),
-        accelerations=floats(state.acceleration),
-        time_from_start=time,
-    )

@@ -26,7 +26,7 @@ from robomech_ros.nodes.common.conversions import duration_from_seconds
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
-from robomech_ros.nodes.common.received_trajectory import given_trajectory
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.common.status_report import Condition, StatusReport
 from robomech_ros.nodes.process.run import run_node
@@ -38,7 +38,7 @@ from robomech_ros.nodes.trajectory_publisher.settings import (
     PublisherSettings,
     answering_transport,
     asked_tolerances,
-    dispatcher_settings,
+    dispatch_settings,
     goal_dialect,
 )
 from robomech_ros.nodes.trajectory_publisher.speed_control import SpeedControl
@@ -86,7 +86,7 @@ class TrajectoryPublisherNode(Node):
         )
         self._link = ControllerLink(self, settings.controller, self._motion_clock, action)
         self._dispatcher = Dispatcher(
-            self._link, dispatcher_settings(settings), self._log_end, self._log_stall
+            self._link, dispatch_settings(settings), self._log_end, self._log_stall
         )
         self._timer = self.create_timer(
             1.0 / settings.watch_rate, self._look, clock=self._motion_clock.clock
@@ -164,7 +164,7 @@ class TrajectoryPublisherNode(Node):
             if self._robot_joints and name not in self._robot_joints:
                 raise UnknownJointError(name, self._robot_joints)
         waypoints = read_waypoints(
-            given_trajectory(trajectory), names, settings.max_points, settings.max_duration
+            received_trajectory(trajectory), names, settings.max_points, settings.max_duration
         )
         delay = self._motion_clock.until(trajectory.header.stamp, self._motion_clock.now())
         return Delivery(trajectory, names, waypoints, transport, delay)

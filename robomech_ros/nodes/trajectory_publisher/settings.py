@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.execution.client.delivery import Transport
-from robomech_ros.execution.client.dispatch_settings import DispatcherSettings
+from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances, GoalDialect
@@ -13,7 +13,7 @@ __all__ = [
     "PublisherSettings",
     "answering_transport",
     "asked_tolerances",
-    "dispatcher_settings",
+    "dispatch_settings",
     "goal_dialect",
 ]
 
@@ -155,9 +155,9 @@ def goal_dialect(transport: Transport) -> GoalDialect:
     return FollowGoals()
 
 
-def dispatcher_settings(settings: PublisherSettings) -> DispatcherSettings:
+def dispatch_settings(settings: PublisherSettings) -> DispatchSettings:
     """Pick what the dispatcher needs."""
-    return DispatcherSettings(
+    return DispatchSettings(
         capacity=settings.queue_size,
         start_tolerance=settings.start_tolerance,
         goal_tolerance=settings.goal_tolerance,

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import Execute
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_robot
 
@@ -100,7 +100,7 @@ class Driver(Watcher):
         self._action = ActionClient(
             client, ExecuteTrajectory, f"{self.prefix}{NAME}/execute_trajectory"
         )
-        start(JointStateSimulatorNode, namespace=namespace, **parameters)
+        start(JointTrajectoryControllerNode, namespace=namespace, **parameters)
         assert self._action.wait_for_server(TIMEOUT)
         self.until(lambda: self.states and self._topic.get_subscription_count())
 
@@ -175,7 +175,7 @@ class Suite(Watcher):
 
     def start_controller(self, **parameters):
         parameters.setdefault("robot_description", ROBOT)
-        self.graph.start(JointStateSimulatorNode, namespace=self.namespace, **parameters)
+        self.graph.start(JointTrajectoryControllerNode, namespace=self.namespace, **parameters)
 
     def trajectory(self, start, goal, duration=0.2, names=None):
         """From rest to rest, rad from the initial position."""

@@ -10,7 +10,7 @@ from drivers import NAME, ROBOT, TIMEOUT, Driver, Suite, ended
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_robot
 
@@ -132,7 +132,7 @@ def test_two_trajectory_publishers_at_once(graph):
 
 
 def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
-    controllers = [process(JointStateSimulatorNode, robot_description=ROBOT)]
+    controllers = [process(JointTrajectoryControllerNode, robot_description=ROBOT)]
     arm = Suite(graph, with_controller=False, controller_timeout=1.0)
     arm.until(lambda: arm.states)
     lost = arm.start_execute(arm.trajectory(0.0, 5 * MOVE, duration=20.0))
@@ -144,7 +144,7 @@ def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
     assert "the controller is gone" in answer.error_msg
     assert "how the motion ended is not known; at last joint 'waist' is at" in answer.error_msg
     since = len(arm.states)
-    process(JointStateSimulatorNode, robot_description=ROBOT)
+    process(JointTrajectoryControllerNode, robot_description=ROBOT)
     # What waited begins where the robot is not: it is refused, and the robot that came back stays.
     answer = ended(queued)
     assert answer.error_code == ErrorCode.REJECTED
@@ -167,7 +167,7 @@ def test_a_client_of_a_controller_that_dies_is_not_moved_again(graph, process):
     started[0].send_signal(signal.SIGKILL)
     started[0].wait(TIMEOUT)
     since = len(arm.states)
-    process(JointStateSimulatorNode, robot_description=ROBOT)
+    process(JointTrajectoryControllerNode, robot_description=ROBOT)
     arm.until(lambda: len(arm.states) > since + 50)
     places = np.array([state.position for state in arm.states[since + 1 :]])
     np.testing.assert_array_equal(places, np.broadcast_to(places[-1], places.shape))

@@ -8,7 +8,7 @@ from action_msgs.msg import GoalStatus
 from drivers import ROBOT, Suite, ended
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 
 MOVE = np.array([0.1, -0.05, 0.08, 0.0, 0.1, -0.1])
 SAID = "the clock jumped {} s on the way, and the robot went on from where it was"
@@ -91,7 +91,7 @@ def test_what_waits_for_a_stamp_that_is_jumped_over(simulated_time, drive):
 def test_the_publisher_waits_for_what_is_under_way(graph, simulated_time, jump):
     parameters = {"robot_description": ROBOT, "use_sim_time": True}
     arm = Suite(graph, with_controller=False, **parameters)
-    graph.start(JointStateSimulatorNode, **parameters)
+    graph.start(JointTrajectoryControllerNode, **parameters)
     arm.plan(0.0, MOVE, duration=1.5)
     waiting = arm.start_execute()
     arm.until_moving()
@@ -110,7 +110,7 @@ def test_the_publisher_waits_for_a_stamp_that_the_clock_jumped_away_from(
     parameters = {"robot_description": ROBOT, "use_sim_time": True}
     patience = {"controller_timeout": 0.5, "arrival_timeout": 0.3, "standstill_timeout": 0.3}
     arm = Suite(graph, with_controller=False, transport=transport, **parameters, **patience)
-    graph.start(JointStateSimulatorNode, **parameters)
+    graph.start(JointTrajectoryControllerNode, **parameters)
     arm.until(lambda: arm.states)
     trajectory = arm.trajectory(0.0, MOVE, duration=0.5)
     trajectory.header.stamp = simulated_time.stamp(1.0)

@@ -13,7 +13,7 @@ from rcl_interfaces.srv import SetParameters
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.dynamics import gravity_torque
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import load_robot
 
 MOVE = np.full(6, 0.4)
@@ -50,7 +50,7 @@ def test_a_signal_at_rest(drive_process):
 
 
 def test_a_parameter_out_of_range(process):
-    child = process(JointStateSimulatorNode, robot_description="puma560", publish_rate=5000.0)
+    child = process(JointTrajectoryControllerNode, robot_description="puma560", publish_rate=5000.0)
     _, said = child.communicate(timeout=TIMEOUT)
     assert child.returncode == 2
     assert "'publish_rate' is 5000.0; allowed is a number from 1 to 1000 Hz" in said

@@ -9,7 +9,7 @@ from action_msgs.msg import GoalStatus
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.joint_trajectory_controller import robot
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 
 MOVE = np.full(6, 0.05)
 
@@ -191,4 +191,4 @@ def test_a_refused_goal_does_not_disturb_the_one_that_runs(arm):
 )
 def test_bad_parameters(graph, parameters, text):
     with pytest.raises(RobomechError, match=text):
-        graph.start(JointStateSimulatorNode, **{"robot_description": "puma560", **parameters})
+        graph.start(JointTrajectoryControllerNode, **{"robot_description": "puma560", **parameters})

@@ -131,13 +131,13 @@ def test_the_node_leaves_no_thread_behind(drive):
 def test_a_state_has_the_time_for_which_it_was_computed(arm):
     """However long it then takes until it is published."""
     node = next(n for n in arm.graph._nodes if n.get_name() == "joint_trajectory_controller")
-    publish, delays = node._states.publish, itertools.cycle((0.0, 0.02, 0.005))
+    publish, delays = node._control_cycle.states.publish, itertools.cycle((0.0, 0.02, 0.005))
 
     def publish_late(*what):
         time.sleep(next(delays))
         publish(*what)
 
-    node._states.publish = publish_late
+    node._control_cycle.states.publish = publish_late
     start = arm.position
     assert arm.execute(arm.trajectory((1.0, MOVE), velocities=False))[0] == 4
     stamps = [state.header.stamp for state in arm.states]

@@ -17,17 +17,17 @@ from robomech_ros.dynamics import gravity_torque, mass_matrix, with_payload
 from robomech_ros.dynamics.simulation.controlled_arm import CONTROLS
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Follower, Phase
-from robomech_ros.execution.controller.simulated_joints import Faults, at_rest
+from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
-from robomech_ros.execution.joints import Joints
-from robomech_ros.execution.tolerance import Tolerances
+from robomech_ros.execution.joints import Joints, at_rest
+from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import (
     DynamicPlant,
     MotionRanAwayError,
 )
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, load_robot
@@ -74,12 +74,12 @@ def until_still(arm):
 def follower(chain=PUMA, position=HOME, **parameters):
     settings = ControllerSettings(simulation="dynamic", **parameters)
     plant = DynamicPlant(chain, settings, position)
-    return Follower(Joints.of(chain), position, plant=plant)
+    return Follower(Joints.of(chain), SimulatedJoints(position, plant=plant))
 
 
 def start(robot, change, duration, ends):
     """Begin a quintic from rest to rest, at time 0, held to no path."""
-    place = robot.wanted.position
+    place = robot.desired.position
     still = np.zeros((2, len(place)))
     waypoints = Waypoints(
         np.array([0.0, duration]), np.array([place, place + change]), still, still
@@ -95,7 +95,7 @@ def cycles(robot, begin, end, period=0.01):
     for time in np.arange(begin + period, end + 0.5 * period, period):
         robot.advance(time)
         positions.append(robot.actual.position)
-        errors.append(robot.wanted.position - robot.actual.position)
+        errors.append(robot.desired.position - robot.actual.position)
     return np.abs(errors), np.array(positions)
 
 
@@ -200,7 +200,7 @@ def test_damping_and_bandwidth():
     chain, ends = load_robot(rod(effort=0.0)), []
     for damping, overshoot in ((1.0, 0.0), (0.5, 0.163)):
         moving = follower(chain, np.zeros(1), dynamic_bandwidth=20.0, dynamic_damping=damping)
-        moving.simulation._plant.put(np.array([-0.1]))
+        moving.simulated_joints._plant.put(np.array([-0.1]))
         _, positions = cycles(moving, 0.0, 1.0)
         assert positions.max() / 0.1 == pytest.approx(overshoot, abs=0.02)
         assert abs(positions[-1, 0]) < 1e-4
@@ -212,7 +212,7 @@ def test_a_robot_that_is_halted_does_not_jump():
     start(moving, MOVE, 1.0, ends)
     _, before = cycles(moving, 0.0, 0.5)
     moving.halt(Code.PREEMPTED, "enough")
-    stood = moving.wanted.position
+    stood = moving.desired.position
     _, after = cycles(moving, 0.5, 1.0)
     assert (ends[0].text, moving.phase) == ("enough", Phase.HOLDING)
     np.testing.assert_array_equal(stood, before[-1])
@@ -226,7 +226,7 @@ def test_a_robot_that_is_halted_does_not_jump():
 def test_stuck_joints_and_commands_that_come_late():
     moving, ends = follower(), []
     stuck = np.arange(6) == 2
-    moving.simulation.inject(Faults(stuck=stuck, offset=np.zeros(6)))
+    moving.simulated_joints.inject(Faults(stuck=stuck, offset=np.zeros(6)))
     start(moving, MOVE, 0.5, ends)
     _, positions = cycles(moving, 0.0, 2.0)
     assert np.ptp(positions[:, 2]) == 0.0
@@ -234,7 +234,8 @@ def test_stuck_joints_and_commands_that_come_late():
     np.testing.assert_allclose(positions[-1], HOME + np.where(stuck, 0.0, MOVE), atol=0.1)
     assert "joint 'elbow' was at its effort limit for" in ends[0].text
     late, ends = follower(), []
-    late.simulation.inject(Faults(stuck=np.zeros(6, dtype=bool), offset=np.zeros(6), delay=0.1))
+    delayed = Faults(stuck=np.zeros(6, dtype=bool), offset=np.zeros(6), delay=0.1)
+    late.simulated_joints.inject(delayed)
     start(late, MOVE, 1.0, ends)
     errors, _ = cycles(late, 0.0, 1.5)
     # A quintic's greatest speed is 15/8 of the mean one.
@@ -291,11 +292,11 @@ def test_what_cannot_be_simulated_is_refused(graph):
     ):
         given = {"simulation": "dynamic", "robot_description": robot, **parameters}
         with pytest.raises(RobomechError, match=text):
-            graph.start(JointStateSimulatorNode, **given)
+            graph.start(JointTrajectoryControllerNode, **given)
 
 
 def test_a_robot_without_inertias_on_the_topic_is_not_taken(graph):
-    graph.start(JointStateSimulatorNode, simulation="dynamic")
+    graph.start(JointTrajectoryControllerNode, simulation="dynamic")
     sender = graph.client.create_publisher(String, "robot_description", LATCHED)
     bare = rod().replace("<inertial>", "<!--").replace("</inertial>", "-->")
     for text in (bare, rod()):

@@ -17,7 +17,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import JointPoses, joint_pose
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import Joint, load_robot
 from robomech_ros.spatial import (
     matrix_from_axis_angle,
@@ -107,7 +107,8 @@ def test_poses_of_many_joints_at_once():
 
 
 def test_no_frames_unless_wanted(graph):
-    node = graph.start(JointStateSimulatorNode, robot_description="puma560", publish_frames="never")
+    given = {"robot_description": "puma560", "publish_frames": "never"}
+    node = graph.start(JointTrajectoryControllerNode, **given)
     assert {topic for topic, _ in node.get_topic_names_and_types()}.isdisjoint(
         {"/tf", "/tf_static"}
     )
@@ -143,7 +144,7 @@ def test_faults_that_cannot_be(graph, drive):
         ({"fault_dropped_commands": 1.5}, "'fault_dropped_commands' is 1.5"),
     ):
         with pytest.raises(RobomechError, match=text):
-            graph.start(JointStateSimulatorNode, robot_description="puma560", **parameters)
+            graph.start(JointTrajectoryControllerNode, robot_description="puma560", **parameters)
     arm = drive()
     answer = set_parameter(arm, "fault_stuck_joints", string_value="waste")
     assert not answer.successful

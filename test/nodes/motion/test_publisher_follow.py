@@ -14,7 +14,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.joint_trajectory_controller.node import JointStateSimulatorNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
@@ -89,7 +89,7 @@ def test_under_the_name_that_a_controller_has(graph):
     arm = Suite(graph, with_controller=False, transport=FOLLOW, controller="left/arm_controller")
     arguments = ["--ros-args", "-r", "__node:=arm_controller", "-r", "__ns:=/left"]
     graph.start(
-        lambda **options: JointStateSimulatorNode(
+        lambda **options: JointTrajectoryControllerNode(
             cli_args=[*arguments, "-r", "joint_states:=/joint_states"], **options
         ),
         robot_description=ROBOT,

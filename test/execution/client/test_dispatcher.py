@@ -6,7 +6,7 @@ from execution_cases import to_rest
 
 from robomech_ros.execution.client.comparison import apart
 from robomech_ros.execution.client.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.client.dispatch_settings import DispatcherSettings, QueueFullError
+from robomech_ros.execution.client.dispatch_settings import DispatchSettings, QueueFullError
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
@@ -60,7 +60,7 @@ def robot():
 
 @pytest.fixture
 def dispatcher(robot):
-    settings = DispatcherSettings(
+    settings = DispatchSettings(
         capacity=3, controller_timeout=2.0, arrival_timeout=1.0, standstill_timeout=0.5
     )
     return Dispatcher(robot, settings)
@@ -282,9 +282,7 @@ def test_a_full_queue(robot, dispatcher):
 
 def test_without_controller_topics_wait_and_callers_are_told(robot):
     stalls, told = [], []
-    dispatcher = Dispatcher(
-        robot, DispatcherSettings(controller_timeout=2.0), on_stall=stalls.append
-    )
+    dispatcher = Dispatcher(robot, DispatchSettings(controller_timeout=2.0), on_stall=stalls.append)
     robot.lacking = "action '/arm/execute'"
     waits, asks = delivery(), delivery(transport=Transport.ACTION)
     waits.listen(told.append)
@@ -473,7 +471,7 @@ def test_what_was_paused_goes_on_to_its_end(robot, dispatcher):
 
 
 def test_a_speed_at_which_a_trajectory_would_last_too_long_changes_nothing(robot):
-    dispatcher = Dispatcher(robot, DispatcherSettings(max_duration=100.0))
+    dispatcher = Dispatcher(robot, DispatchSettings(max_duration=100.0))
     one, two = delivery(), delivery()
     planned = one.waypoints.curve
     dispatcher.offer(one, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Tolerances", "override"]
+__all__ = ["Tolerances", "override_tolerances"]
 
 DEFAULT = 0.0
 NONE = -1.0
@@ -42,7 +42,7 @@ class Tolerances:
     goal_acceleration: FloatArray | None = None
 
 
-def override(
+def override_tolerances(
     default: FloatArray,
     given: Sequence[float],
     order: Sequence[int],

@@ -1,4 +1,4 @@
-"""The action follow_joint_trajectory of control_msgs, as joint_trajectory_controller serves it."""
+"""Messages of the action follow_joint_trajectory of control_msgs, as ros2_control has them."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -10,7 +10,7 @@ from builtin_interfaces.msg import Time
 from control_msgs.action import FollowJointTrajectory
 
 from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
-from robomech_ros.execution.controller.trajectory_goal import End, Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import (
     JointMismatchError,
@@ -18,12 +18,12 @@ from robomech_ros.execution.refusals import (
     TrajectoryOverError,
     TrajectoryRefusedError,
 )
-from robomech_ros.execution.tolerance import NONE, Tolerances
-from robomech_ros.nodes.joint_trajectory_controller.goal_server import fill_states
+from robomech_ros.execution.tolerances import NONE, Tolerances
+from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["FollowAction"]
+__all__ = ["FollowMessages"]
 
 _RESULT = FollowJointTrajectory.Result
 _CODES: dict[int, int] = {
@@ -34,8 +34,8 @@ _CODES: dict[int, int] = {
 _NANO = 1e-9
 
 
-class FollowAction:
-    """Reads goals and writes results of FollowJointTrajectory; see `Dialect`.
+class FollowMessages:
+    """Reads goals and writes results of FollowJointTrajectory; see `ActionMessages`.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class FollowAction:
         self._has_index = hasattr(self._feedback, "index")
 
     def tolerances(
-        self, goal: Any, default: Tolerances, joint_names: Sequence[str]
+        self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal.
 
@@ -63,7 +63,7 @@ class FollowAction:
         TrajectoryRefusedError
             The goal moves joints of several degrees of freedom.
         """
-        compound = goal.multi_dof_trajectory
+        compound = message.multi_dof_trajectory
         if compound.joint_names or compound.points:
             named = ", ".join(compound.joint_names[:5]) or f"{len(compound.points)} points"
             raise _CompoundJointError(
@@ -71,7 +71,7 @@ class FollowAction:
                 "several degrees of freedom"
             )
         try:
-            return _with_tolerances(goal, default, joint_names), ""
+            return _with_tolerances(message, default, joint_names), ""
         except RobomechError as error:
             return default, f"the default tolerances hold, as one of the goal cannot: {error}"
 
@@ -86,22 +86,22 @@ class FollowAction:
             code = _RESULT.PATH_TOLERANCE_VIOLATED
         return _RESULT(error_code=code, error_string=str(error))
 
-    def ended(self, outcome: Outcome, note: str) -> Any:
+    def ended(self, result: GoalResult, note: str) -> Any:
         """Make the result of a motion; a cancelled one has code 0, as in ros2_control."""
-        code = _CODES.get(outcome.code, _RESULT.INVALID_GOAL)
-        if outcome.end is End.CANCELLED:
+        code = _CODES.get(result.code, _RESULT.INVALID_GOAL)
+        if result.end is End.CANCELLED:
             code = _RESULT.SUCCESSFUL
-        text = "; ".join(part for part in (outcome.text, note) if part)
-        return _RESULT(error_code=_RESULT.INVALID_GOAL if code is None else code, error_string=text)
+        text = "; ".join(part for part in (result.text, note) if part)
+        return _RESULT(error_code=code, error_string=text)
 
-    def feedback(self, job: Job, wanted: State, actual: State, stamp: Time) -> Any:
+    def feedback(self, goal: TrajectoryGoal, desired: State, actual: State, stamp: Time) -> Any:
         """Tell how far a motion has come."""
         self._feedback.header.stamp = stamp
-        fill_states(self._feedback, wanted, actual, job.time)
-        self._feedback.error.accelerations = (wanted.acceleration - actual.acceleration).tolist()
+        fill_feedback(self._feedback, desired, actual, goal.time)
+        self._feedback.error.accelerations = (desired.acceleration - actual.acceleration).tolist()
         if self._has_index:
-            times = job.waypoints.times
-            place = int(np.searchsorted(times, job.time + job.late, side="right"))
+            times = goal.waypoints.times
+            place = int(np.searchsorted(times, goal.time + goal.late, side="right"))
             self._feedback.index = min(place, len(times) - 1)
         return self._feedback
 

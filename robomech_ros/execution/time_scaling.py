@@ -4,7 +4,6 @@ The joints follow q(s(t)) with the pace p = ds/dt, so that they have the velocit
 acceleration q'' p^2 + q' dp/dt.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,29 +11,18 @@ import numpy as np
 from robomech_ros.execution.stopping import pace_drop
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray, Sample
-from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = [
-    "Schedule",
-    "constant_pace",
-    "pace_change",
-    "paced_step",
-    "paced_waypoints",
-    "slowed_waypoints",
-]
+__all__ = ["TimeScaling", "constant_pace", "pace_change", "paced_step"]
 
 # The pace never rises from 0 to 1 in less than this, s.
 SHORTEST_START = 0.02
 # Steps of the integration, s, and how many there are at most.
 _STEP = 0.0025
 _MAX_STEPS = 8000
-# Time between points while the pace changes, and what points are apart at least, s.
-_PERIOD = 0.02
-_NEAREST = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Schedule:
+class TimeScaling:
     """Where on a curve its execution is at which time: a change of pace, then a constant pace.
 
     Attributes
@@ -59,17 +47,17 @@ class Schedule:
 
     def place(self, now: float) -> float:
         """Give the place on the curve (s) at a time (s)."""
-        return self._at(now - self.begin)[0]
+        return self.after(now - self.begin)[0]
 
     def pace_at(self, now: float) -> float:
         """Give the pace at a time (s)."""
-        return self._at(now - self.begin)[1]
+        return self.after(now - self.begin)[1]
 
-    def _at(self, time: float) -> tuple[float, float, float]:
-        """Give place, pace and its rate at a time since `begin` (s)."""
-        after = time - self.times[-1]
-        if after >= 0.0:
-            return float(self.places[-1] + self.pace * after), self.pace, 0.0
+    def after(self, time: float) -> tuple[float, float, float]:
+        """Give place, pace and its rate some time (s) after `begin`."""
+        over = time - self.times[-1]
+        if over >= 0.0:
+            return float(self.places[-1] + self.pace * over), self.pace, 0.0
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         since, rate = max(time - self.times[k], 0.0), float(self.rates[k])
         pace = float(self.paces[k])
@@ -80,9 +68,9 @@ class Schedule:
         )
 
 
-def constant_pace(begin: float, place: float, pace: float) -> Schedule:
-    """Make the schedule that is at a place (s) at a time (s) and keeps its pace."""
-    return Schedule(begin, np.zeros(1), np.array([place]), np.array([pace]), np.zeros(1))
+def constant_pace(begin: float, place: float, pace: float) -> TimeScaling:
+    """Make the scaling that is at a place (s) at a time (s) and keeps its pace."""
+    return TimeScaling(begin, np.zeros(1), np.array([place]), np.array([pace]), np.zeros(1))
 
 
 def pace_change(
@@ -92,7 +80,7 @@ def pace_change(
     pace: float,
     target: float,
     limit: FloatArray,
-) -> Schedule:
+) -> TimeScaling:
     """Change the pace as fast as the acceleration limits allow.
 
     Parameters
@@ -110,7 +98,7 @@ def pace_change(
 
     Returns
     -------
-    Schedule
+    TimeScaling
     """
     rows = [(0.0, place, pace, 0.0)]
     time, end = 0.0, float(curve.breaks[-1])
@@ -124,7 +112,7 @@ def pace_change(
         pace = target if step < _STEP else pace + rate * step
         time += step
         rows.append((time, place, pace, 0.0))
-    return Schedule(begin, *np.array(rows).T)
+    return TimeScaling(begin, *np.array(rows).T)
 
 
 def paced_step(
@@ -184,93 +172,3 @@ def _pace_rise(sample: Sample, pace: float, limit: FloatArray) -> float:
         return 1.0 / SHORTEST_START
     rise = float(np.min(spare[moving] / speed[moving]))
     return min(max(rise, 0.0), 1.0 / SHORTEST_START)
-
-
-def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
-    """Give waypoints of the same path at a constant pace: times longer, rates lower."""
-    velocities, accelerations = waypoints.velocities, waypoints.accelerations
-    return Waypoints(
-        waypoints.times / pace,
-        waypoints.positions,
-        None if velocities is None else velocities * pace,
-        None if accelerations is None else accelerations * pace * pace,
-    )
-
-
-def paced_waypoints(
-    curve: PiecewisePolynomial, waypoints: Waypoints, schedule: Schedule, lead: float
-) -> Waypoints:
-    """Give waypoints of what is left of a curve, by a schedule.
-
-    Parameters
-    ----------
-    curve : PiecewisePolynomial
-        What is executed, from t = 0 on.
-    waypoints : Waypoints
-        Those that it was made of.
-    schedule : Schedule
-        Where on the curve its execution is.
-    lead : float
-        Time of the first point, which is at the begin of the schedule, s.
-
-    Returns
-    -------
-    Waypoints
-        With velocities while the pace changes, since the accelerations of cubics follow where its
-        rate steps; then with what `waypoints` has.  The last one is at rest, on the path where
-        the schedule stops, else at its end.
-    """
-    over = float(schedule.times[-1])
-    times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]
-    points = [_point(curve, schedule, time) for time in times]
-    rows = [np.array(values) for values in zip(*points, strict=True)]
-    rows[2][:-1] = math.nan
-    if not schedule.pace:
-        rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times) + lead, rows, None)
-    place, _, _ = schedule._at(times[-1])
-    left = waypoints.times > place + _NEAREST * schedule.pace
-    rest = slowed_waypoints(_chosen(waypoints, left), schedule.pace)
-    if not left.any():
-        # The end is nearer than points may be to each other.
-        times[-1] = max(times[-1], float(times[-1]) + (curve.breaks[-1] - place) / schedule.pace)
-        rows[0][-1] = waypoints.positions[-1]
-        rows[1][-1], rows[2][-1] = 0.0, math.nan
-        return _joined(np.array(times) + lead, rows, None)
-    since = lead + times[-1] - place / schedule.pace
-    later = Waypoints(rest.times + since, rest.positions, rest.velocities, rest.accelerations)
-    return _joined(np.array(times) + lead, rows, later)
-
-
-def _point(
-    curve: PiecewisePolynomial, schedule: Schedule, time: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    place, pace, rate = schedule._at(time)
-    sample = curve.sample(min(place, curve.breaks[-1]))
-    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
-    return sample.position, sample.velocity * pace, acceleration
-
-
-def _chosen(waypoints: Waypoints, which: np.ndarray) -> Waypoints:
-    velocities, accelerations = waypoints.velocities, waypoints.accelerations
-    return Waypoints(
-        waypoints.times[which],
-        waypoints.positions[which],
-        None if velocities is None else velocities[which],
-        None if accelerations is None else accelerations[which],
-    )
-
-
-def _joined(times: FloatArray, rows: list[FloatArray], later: Waypoints | None) -> Waypoints:
-    """Put waypoints behind others; rows of NaN stand for what they lack."""
-    if later is None:
-        return Waypoints(times, *rows)
-    lacking = np.full_like(later.positions, math.nan)
-    velocities = lacking if later.velocities is None else later.velocities
-    accelerations = lacking if later.accelerations is None else later.accelerations
-    return Waypoints(
-        np.concatenate([times, later.times]),
-        np.vstack([rows[0], later.positions]),
-        np.vstack([rows[1], velocities]),
-        np.vstack([rows[2], accelerations]),
-    )

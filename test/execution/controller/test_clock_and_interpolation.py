@@ -17,42 +17,42 @@ GOAL = np.array([0.5, 0.2, -0.1])
 
 def test_a_clock_that_jumps_is_told():
     arm = follower()
-    job = arm.start(to_rest(GOAL), tolerances(), 0.0)
+    sent = arm.start(to_rest(GOAL), tolerances(), 0.0)
     run(arm, 0.0, 0.5)
     arm.clock_jumped(5.0)
     seen = run(arm, 0.5, 1.2)
     assert_continuous(seen)
-    assert (job.outcome.end, job.outcome.code) == (End.REACHED, 0)
-    assert job.outcome.text == (
+    assert (sent.result.end, sent.result.code) == (End.REACHED, 0)
+    assert sent.result.text == (
         "the clock jumped forward by 5 s on the way, and the robot went on from where it was"
     )
-    job = arm.start(to_rest((0.0, 0.0, 0.0), start=GOAL), tolerances(), 1.2)
+    sent = arm.start(to_rest((0.0, 0.0, 0.0), start=GOAL), tolerances(), 1.2)
     arm.clock_jumped(-5.0)
     arm.stop(End.CANCELLED, 222, "cancelled")
     run(arm, 1.2, 1.3)
-    assert job.outcome.text.startswith("cancelled; the clock jumped back by 5 s on the way")
+    assert sent.result.text.startswith("cancelled; the clock jumped back by 5 s on the way")
 
 
 def test_what_waits_keeps_to_its_stamp_when_the_clock_jumps():
     arm = follower()
     # Reached at 2.0 and 4.0 s by the stamps, which are 1.5 s nearer after the jump.
     waypoints = Waypoints(np.array([1.0, 3.0]), np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]))
-    job = arm.start(waypoints, tolerances(), 0.0, delay=1.0)
+    sent = arm.start(waypoints, tolerances(), 0.0, delay=1.0)
     arm.clock_jumped(0.7)
     run(arm, 0.0, 0.3)
     assert not arm.actual.velocity.any()
     arm.clock_jumped(1.8)
     seen = run(arm, 0.3, 0.4)
     # What should have been reached by now is passed over.
-    assert job.late == pytest.approx(1.8)
+    assert sent.late == pytest.approx(1.8)
     assert seen[-1][1].velocity[0] == pytest.approx(0.2 / 1.2)
     run(arm, 0.4, 1.6)
-    assert (job.outcome.end, job.outcome.text) == (End.REACHED, "")
+    assert (sent.result.end, sent.result.text) == (End.REACHED, "")
     late = arm.start(to_rest(GOAL, start=(0.2, 0.0, 0.0)), tolerances(), 1.6, delay=1.0)
     arm.clock_jumped(3.0)
     run(arm, 1.6, 1.7)
-    assert (late.outcome.end, late.outcome.code) == (End.ABORTED, 221)
-    assert late.outcome.text.startswith("when its time had come: the trajectory ended 1 s ago")
+    assert (late.result.end, late.result.code) == (End.ABORTED, 221)
+    assert late.result.text.startswith("when its time had come: the trajectory ended 1 s ago")
     assert not arm.actual.velocity.any()
 
 
@@ -61,29 +61,29 @@ def test_a_stamp_in_the_future_that_does_not_wait():
     first = arm.start(to_rest(GOAL), tolerances(), 0.0)
     seen = run(arm, 0.0, 0.5)
     second = arm.start(to_rest((0.0, 0.0, 0.0), start=(0.1, 0.1, 0.1)), tolerances(), 0.5, delay=1)
-    assert (first.outcome.code, first.outcome.text) == (222, "preempted by a newer trajectory")
+    assert (first.result.code, first.result.text) == (222, "preempted by a newer trajectory")
     seen += run(arm, 0.5, 1.5)
     # Its first point is reached when the stamp says so.
     np.testing.assert_allclose(arm.actual.position, 0.1, atol=1e-9)
     seen += run(arm, 1.5, 2.6)
     assert_continuous(seen)
-    assert second.outcome.end is End.REACHED
+    assert second.result.end is End.REACHED
 
 
 def test_without_interpolation_the_joints_are_told_the_next_point():
     arm = follower(interpolate=False)
     points = Waypoints(np.array([0.5, 1.0, 1.5]), np.outer([0.1, 0.3, 0.2], np.ones(3)))
-    job = arm.start(points, tolerances(), 0.0)
+    sent = arm.start(points, tolerances(), 0.0)
     for now, state in run(arm, 0.0, 1.6):
         told = 0.0 if now < 0.5 - 1e-9 else 0.3 if now < 1.0 - 1e-9 else 0.2
         np.testing.assert_array_equal(state.position, told, err_msg=str(now))
         np.testing.assert_array_equal(state.velocity, 0.0)
-    assert job.outcome.end is End.REACHED
+    assert sent.result.end is End.REACHED
     single = arm.start(single_point(GOAL, 0.5), tolerances(), 2.0)
     run(arm, 2.0, 2.48)
     np.testing.assert_array_equal(arm.actual.position, 0.2)
     run(arm, 2.48, 2.53)
-    assert single.outcome.end is End.REACHED
+    assert single.result.end is End.REACHED
     np.testing.assert_array_equal(arm.actual.position, GOAL)
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from execution_cases import PERIOD, follower, run, single_point, to_rest, tolerances
 
-from robomech_ros.execution.controller.simulated_joints import Faults, JointSimulation, at_rest
+from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
+from robomech_ros.execution.joints import at_rest
 
 GOAL = np.array([0.5, 0.2, -0.1])
 
@@ -17,7 +18,7 @@ def faults(**wrong):
 
 def faulty(**wrong):
     arm = follower()
-    arm.simulation.inject(faults(**wrong))
+    arm.simulated_joints.inject(faults(**wrong))
     return arm
 
 
@@ -29,23 +30,23 @@ def test_none():
 
 def test_a_stuck_joint_violates_the_path_tolerance():
     arm = faulty(stuck=np.array([False, True, False]))
-    job = arm.start(to_rest(GOAL), tolerances(path=0.05), 0.0)
+    sent = arm.start(to_rest(GOAL), tolerances(path=0.05), 0.0)
     run(arm, 0.0, 1.5)
-    assert (job.outcome.end, job.outcome.code) == (End.ABORTED, 223)
-    assert "joint 'elbow' is 0.05" in job.outcome.text
-    assert "off its path, the tolerance is 0.05 rad" in job.outcome.text
+    assert (sent.result.end, sent.result.code) == (End.ABORTED, 223)
+    assert "joint 'elbow' is 0.05" in sent.result.text
+    assert "off its path, the tolerance is 0.05 rad" in sent.result.text
     assert arm.actual.position[1] == 0.0
     assert arm.actual.position[0] > 0.05
 
 
 def test_a_stuck_joint_comes_loose():
     arm = faulty(stuck=np.array([True, False, False]))
-    job = arm.start(to_rest(GOAL), tolerances(goal_time=np.inf), 0.0)
+    sent = arm.start(to_rest(GOAL), tolerances(goal_time=np.inf), 0.0)
     run(arm, 0.0, 5.0)
-    assert job.outcome is None
-    arm.simulation.inject(faults())
+    assert sent.result is None
+    arm.simulated_joints.inject(faults())
     run(arm, 5.0, 5.1)
-    assert job.outcome.end is End.REACHED
+    assert sent.result.end is End.REACHED
     np.testing.assert_allclose(arm.actual.position, GOAL, atol=1e-12)
 
 
@@ -62,18 +63,18 @@ def test_delay():
 
 def test_dropped_commands_are_made_up_for_by_the_next():
     arm = faulty(dropped=0.5, seed=3)
-    job = arm.start(to_rest(GOAL), tolerances(path=0.05), 0.0)
+    sent = arm.start(to_rest(GOAL), tolerances(path=0.05), 0.0)
     positions = np.array([state.position[0] for _, state in run(arm, 0.0, 1.1)])
     still = np.diff(positions[:100]) == 0.0
     assert 30 < still.sum() < 70
-    assert job.outcome.end is End.REACHED
+    assert sent.result.end is End.REACHED
 
 
 def test_all_commands_dropped():
     arm = faulty(dropped=1.0)
-    job = arm.start(to_rest(GOAL), tolerances(goal_time=0.1), 0.0)
+    sent = arm.start(to_rest(GOAL), tolerances(goal_time=0.1), 0.0)
     run(arm, 0.0, 1.3)
-    assert (job.outcome.end, job.outcome.code) == (End.ABORTED, 224)
+    assert (sent.result.end, sent.result.code) == (End.ABORTED, 224)
     np.testing.assert_array_equal(arm.actual.position, 0.0)
 
 
@@ -82,9 +83,9 @@ def test_offset_is_seen_and_does_not_grow():
     arm = faulty(offset=shift)
     for k in range(3):
         goal = GOAL * (1 - k % 2)
-        job = arm.start(single_point(goal, 1.0), tolerances(), 2.0 * k)
+        sent = arm.start(single_point(goal, 1.0), tolerances(), 2.0 * k)
         run(arm, 2.0 * k, 2.0 * k + 1.5)
-        assert job.outcome.end is End.REACHED
+        assert sent.result.end is End.REACHED
         np.testing.assert_allclose(arm.actual.position, goal + shift, atol=1e-12)
         arm.stop(End.ABORTED, 222, "hold")
     arm.halt(222, "halt")
@@ -103,7 +104,7 @@ def test_noise_is_the_same_for_the_same_seed():
 
 
 def test_lag_is_that_of_first_order():
-    joints = JointSimulation(np.zeros(3), lag=0.5)
+    joints = SimulatedJoints(np.zeros(3), lag=0.5)
     for _ in range(50):
         state = joints.follow(at_rest(GOAL), PERIOD)
     np.testing.assert_allclose(state.position, GOAL * (1.0 - np.exp(-1.0)), rtol=1e-12)

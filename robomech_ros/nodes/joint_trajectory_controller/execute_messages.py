@@ -1,4 +1,4 @@
-"""The action execute_trajectory of robomech_interfaces."""
+"""Messages of the action execute_trajectory of robomech_interfaces."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,21 +7,21 @@ from typing import Any
 from builtin_interfaces.msg import Time
 
 from robomech_interfaces.action import ExecuteTrajectory
-from robomech_ros.execution.controller.trajectory_goal import Job, Outcome
+from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.received_trajectory import joint_order
-from robomech_ros.execution.tolerance import Tolerances, override
+from robomech_ros.execution.tolerances import Tolerances, override_tolerances
 from robomech_ros.nodes.common.conversions import floats, seconds_from_duration
 from robomech_ros.nodes.common.error_codes import code_of
-from robomech_ros.nodes.joint_trajectory_controller.goal_server import fill_states
+from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback
 
-__all__ = ["ExecuteAction"]
+__all__ = ["ExecuteMessages"]
 
 _FIELDS = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_tolerance")
 
 
-class ExecuteAction:
-    """Reads goals and writes results of ExecuteTrajectory; see `Dialect`.
+class ExecuteMessages:
+    """Reads goals and writes results of ExecuteTrajectory; see `ActionMessages`.
 
     Parameters
     ----------
@@ -37,18 +37,18 @@ class ExecuteAction:
         self._feedback = ExecuteTrajectory.Feedback(joint_names=self._joint_names)
 
     def tolerances(
-        self, goal: Any, default: Tolerances, joint_names: Sequence[str]
+        self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal; those that do not make sense are refused."""
-        names = goal.trajectory.joint_names
+        names = message.trajectory.joint_names
         order = joint_order(names, joint_names, partial=True)
         path, at_goal, velocity = (
-            override(values, getattr(goal, field), order, names, field)
+            override_tolerances(values, getattr(message, field), order, names, field)
             for field, values in zip(
                 _FIELDS, (default.path, default.goal, default.velocity), strict=True
             )
         )
-        time = seconds_from_duration(goal.goal_time_tolerance, "goal_time_tolerance")
+        time = seconds_from_duration(message.goal_time_tolerance, "goal_time_tolerance")
         found = replace(
             default, path=path, goal=at_goal, velocity=velocity, goal_time=time or default.goal_time
         )
@@ -60,18 +60,18 @@ class ExecuteAction:
             joint_names=self._joint_names, error_code=code_of(error), error_msg=str(error)
         )
 
-    def ended(self, outcome: Outcome, note: str) -> Any:
+    def ended(self, result: GoalResult, note: str) -> Any:
         """Make the result of a motion."""
         return ExecuteTrajectory.Result(
             joint_names=self._joint_names,
-            final_position_error=floats(outcome.error),
-            error_code=outcome.code,
-            error_msg=outcome.text,
+            final_position_error=floats(result.error),
+            error_code=result.code,
+            error_msg=result.text,
         )
 
-    def feedback(self, job: Job, wanted: State, actual: State, stamp: Time) -> Any:
+    def feedback(self, goal: TrajectoryGoal, desired: State, actual: State, stamp: Time) -> Any:
         """Tell how far a motion has come."""
         self._feedback.header.stamp = stamp
-        fill_states(self._feedback, wanted, actual, job.time)
-        self._feedback.progress = job.progress
+        fill_feedback(self._feedback, desired, actual, goal.time)
+        self._feedback.progress = goal.progress
         return self._feedback

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.execution.tolerance import override
+from robomech_ros.execution.tolerances import override_tolerances
 
 DEFAULT = np.array([0.1, 0.2, 0.3])
 NAMES = ["c", "a", "b"]
@@ -12,11 +12,11 @@ ORDER = [1, 2, 0]
 
 
 def test_empty_leaves_the_defaults():
-    assert override(DEFAULT, [], ORDER, NAMES, "tolerance") is DEFAULT
+    assert override_tolerances(DEFAULT, [], ORDER, NAMES, "tolerance") is DEFAULT
 
 
 def test_values_follow_the_order_of_the_trajectory():
-    values = override(DEFAULT, [-1.0, 0.5, 0.0], ORDER, NAMES, "tolerance")
+    values = override_tolerances(DEFAULT, [-1.0, 0.5, 0.0], ORDER, NAMES, "tolerance")
     np.testing.assert_array_equal(values, [0.5, 0.2, np.inf])
 
 
@@ -30,4 +30,4 @@ def test_values_follow_the_order_of_the_trajectory():
 )
 def test_refusals(given, error, text):
     with pytest.raises(error, match=text):
-        override(DEFAULT, given, ORDER, NAMES, "tolerance")
+        override_tolerances(DEFAULT, given, ORDER, NAMES, "tolerance")

@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-from robomech_ros.execution.pacing import (
-    constant_pace,
-    pace_change,
-    paced_waypoints,
-    slowed_waypoints,
-)
+from robomech_ros.execution.client.paced_waypoints import paced_waypoints, slowed_waypoints
+from robomech_ros.execution.time_scaling import constant_pace, pace_change
 from robomech_ros.trajectory import Waypoints, point_to_point, verify
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import discretise

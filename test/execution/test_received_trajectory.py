@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.execution.received_trajectory import GivenTrajectory, read_waypoints
+from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 
 NAMES = ("one", "two")
@@ -27,7 +27,7 @@ def good():
 
 
 def read(parts):
-    return read_waypoints(GivenTrajectory(**parts), NAMES, max_points=5, max_duration=100.0)
+    return read_waypoints(ReceivedTrajectory(**parts), NAMES, max_points=5, max_duration=100.0)
 
 
 def test_joints_are_matched_by_name():

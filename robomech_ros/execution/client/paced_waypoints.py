@@ -1,0 +1,107 @@
+"""Waypoints of a trajectory that is executed at another pace than planned."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.execution.time_scaling import TimeScaling
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["paced_waypoints", "slowed_waypoints"]
+
+# Time between points while the pace changes, and what points are apart at least, s.
+_PERIOD = 0.02
+_NEAREST = 1e-3
+
+
+def slowed_waypoints(waypoints: Waypoints, pace: float) -> Waypoints:
+    """Give waypoints of the same path at a constant pace: times longer, rates lower."""
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return Waypoints(
+        waypoints.times / pace,
+        waypoints.positions,
+        None if velocities is None else velocities * pace,
+        None if accelerations is None else accelerations * pace * pace,
+    )
+
+
+def paced_waypoints(
+    curve: PiecewisePolynomial, waypoints: Waypoints, scaling: TimeScaling, lead: float
+) -> Waypoints:
+    """Give waypoints of what is left of a curve, by a scaling.
+
+    Parameters
+    ----------
+    curve : PiecewisePolynomial
+        What is executed, from t = 0 on.
+    waypoints : Waypoints
+        Those that it was made of.
+    scaling : TimeScaling
+        Where on the curve its execution is.
+    lead : float
+        Time of the first point, which is at the begin of the scaling, s.
+
+    Returns
+    -------
+    Waypoints
+        With velocities while the pace changes, since the accelerations of cubics follow where its
+        rate steps; then with what `waypoints` has.  The last one is at rest, on the path where
+        the scaling stops, else at its end.
+    """
+    over = float(scaling.times[-1])
+    times = [*np.arange(0.0, over - _NEAREST, _PERIOD), over]
+    points = [_point(curve, scaling, time) for time in times]
+    rows = [np.array(values) for values in zip(*points, strict=True)]
+    rows[2][:-1] = math.nan
+    if not scaling.pace:
+        rows[1][-1], rows[2][-1] = 0.0, math.nan
+        return _joined(np.array(times) + lead, rows, None)
+    place, _, _ = scaling.after(times[-1])
+    left = waypoints.times > place + _NEAREST * scaling.pace
+    rest = slowed_waypoints(_chosen(waypoints, left), scaling.pace)
+    if not left.any():
+        # The end is nearer than points may be to each other.
+        times[-1] = max(times[-1], float(times[-1]) + (curve.breaks[-1] - place) / scaling.pace)
+        rows[0][-1] = waypoints.positions[-1]
+        rows[1][-1], rows[2][-1] = 0.0, math.nan
+        return _joined(np.array(times) + lead, rows, None)
+    since = lead + times[-1] - place / scaling.pace
+    later = Waypoints(rest.times + since, rest.positions, rest.velocities, rest.accelerations)
+    return _joined(np.array(times) + lead, rows, later)
+
+
+def _point(
+    curve: PiecewisePolynomial, scaling: TimeScaling, time: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    place, pace, rate = scaling.after(time)
+    sample = curve.sample(min(place, curve.breaks[-1]))
+    acceleration = sample.acceleration * pace * pace + sample.velocity * rate
+    return sample.position, sample.velocity * pace, acceleration
+
+
+def _chosen(waypoints: Waypoints, which: npt.NDArray[np.bool_]) -> Waypoints:
+    velocities, accelerations = waypoints.velocities, waypoints.accelerations
+    return Waypoints(
+        waypoints.times[which],
+        waypoints.positions[which],
+        None if velocities is None else velocities[which],
+        None if accelerations is None else accelerations[which],
+    )
+
+
+def _joined(times: FloatArray, rows: list[FloatArray], later: Waypoints | None) -> Waypoints:
+    """Put waypoints behind others; rows of NaN stand for what they lack."""
+    if later is None:
+        return Waypoints(times, *rows)
+    lacking = np.full_like(later.positions, math.nan)
+    velocities = lacking if later.velocities is None else later.velocities
+    accelerations = lacking if later.accelerations is None else later.accelerations
+    return Waypoints(
+        np.concatenate([times, later.times]),
+        np.vstack([rows[0], later.positions]),
+        np.vstack([rows[1], velocities]),
+        np.vstack([rows[2], accelerations]),
+    )

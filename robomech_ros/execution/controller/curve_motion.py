@@ -1,0 +1,91 @@
+"""Moves joints along a curve at a pace that changes, slows them down on it, or holds them.
+
+With the pace p = ds/dt along a curve q(s) the joints have the velocity q' p and the acceleration
+q'' p^2 + q' dp/dt.
+"""
+
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
+from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
+from robomech_ros.execution.joints import State, at_rest
+from robomech_ros.execution.stopping import slowed_down
+from robomech_ros.execution.time_scaling import paced_step
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CurveMotion"]
+
+
+class CurveMotion:
+    """Where the joints should be and where they are.
+
+    Parameters
+    ----------
+    simulated_joints : SimulatedJoints
+        The n joints, which stand.
+    acceleration : ndarray, shape (n,)
+        Their acceleration limits, rad/s^2 or m/s^2.
+
+    Attributes
+    ----------
+    desired, actual : State
+        Where the curve is and where the sensors show the joints.
+    pace : float
+        How fast the curve is followed: 1, or less while slowing down or scaled.
+    scale : float
+        The pace to be reached, 0 to 1; it may be set at any time.
+    """
+
+    def __init__(self, simulated_joints: SimulatedJoints, acceleration: FloatArray) -> None:
+        self._joints = simulated_joints
+        self._acceleration = acceleration
+        self.pace = self.scale = 1.0
+        self.desired = self.actual = at_rest(simulated_joints.position)
+
+    def begin(self) -> None:
+        """Get ready for another curve."""
+        # A curve that begins moving begins with the speed that the joints have.
+        self.pace = 1.0 if self.desired.velocity.any() else self.scale
+        self._joints.count_anew()
+
+    def state_at(self, goal: TrajectoryGoal, time: float, rate: float = 0.0) -> State:
+        """Give the state at a time (s) of a goal's curve, while the pace changes by `rate`."""
+        sample, pace = goal.curve.sample(time), self.pace
+        acceleration = sample.acceleration * pace * pace + sample.velocity * rate
+        return State(sample.position, sample.velocity * pace, acceleration)
+
+    def go_on(self, goal: TrajectoryGoal, span: float) -> None:
+        """Follow the curve of a goal for `span` (s)."""
+        goal.time, self.pace, rate = paced_step(
+            goal.curve, goal.time, self.pace, self.scale, span, self._acceleration
+        )
+        self.desired = self.state_at(goal, goal.time, rate)
+        self.hold(span)
+
+    def slow_down(self, goal: TrajectoryGoal, span: float) -> bool:
+        """Slow down on the curve of a goal for `span` (s); returns whether it stands then."""
+        goal.time, self.pace, drop = slowed_down(
+            goal.curve, goal.time, self.pace, span, self._acceleration
+        )
+        if self.pace <= 0.0 or goal.time >= goal.curve.duration:
+            self.pace = 0.0
+            self.desired = at_rest(goal.curve.sample(goal.time).position)
+        else:
+            self.desired = self.state_at(goal, goal.time, -drop)
+        self.hold(span)
+        return self.pace <= 0.0
+
+    def hold(self, span: float) -> None:
+        """Let the joints follow what is desired for `span` (s)."""
+        self.actual = self._joints.follow(self.desired, span)
+
+    def settle(self, position: FloatArray) -> None:
+        """Want the joints at rest at a position (rad or m) that they have reached."""
+        self.desired = at_rest(position)
+        self.hold(0.0)
+
+    def stand(self) -> None:
+        """Have the joints stand where they are."""
+        self.desired, self.actual = at_rest(self._joints.position), self._joints.stand()
+
+    def put(self, position: FloatArray) -> None:
+        """Have the joints stand somewhere else (rad or m), at once."""
+        self.desired, self.actual = at_rest(position), self._joints.put(position)

@@ -1,0 +1,72 @@
+"""How others command the robot: the topic joint_trajectory, the services hold and reset."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
+from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.outcomes import Code, name_of
+
+__all__ = ["Commands"]
+
+_DEPTH = 10
+# A stream replaces its trajectory a hundred times a second: that is said this often at the most, s.
+_SELDOM = 5.0
+
+
+class Commands:
+    """Passes on what others want of the robot, beside the actions.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription and the services.
+    robot : SimulatedRobot
+        What executes.
+    on_reset : callable
+        Called when the robot was put elsewhere at once; the robot's lock is held.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot, on_reset: Callable[[], None]) -> None:
+        self._logger = node.get_logger()
+        self._robot = robot
+        self._on_reset = on_reset
+        node.create_subscription(JointTrajectory, "~/joint_trajectory", self._execute, _DEPTH)
+        node.create_service(Trigger, "~/hold", self._hold)
+        node.create_service(Trigger, "~/reset", self._reset)
+
+    def _execute(self, trajectory: JointTrajectory) -> None:
+        try:
+            by = "a trajectory on the topic joint_trajectory"
+            self._robot.execute(trajectory, by, self._log_end)
+        except RobomechError as error:
+            code = code_of(error)
+            self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")
+
+    def _log_end(self, result: GoalResult) -> None:
+        if result.code:
+            text = f"trajectory ended early: {result.text}"
+            self._logger.warning(text, throttle_duration_sec=_SELDOM)
+
+    def _hold(self, request: Any, response: Any) -> Any:
+        text = "stopped by the service hold"
+        with self._robot.lock:
+            stopped = self._robot.follower.stop(End.ABORTED, Code.PREEMPTED, text)
+        response.success = True
+        response.message = "the robot slows down and holds" if stopped else "the robot holds"
+        return response
+
+    def _reset(self, request: Any, response: Any) -> Any:
+        with self._robot.lock:
+            self._robot.advance()
+            self._robot.reset("ended by the service reset")
+            self._on_reset()
+        response.success = True
+        response.message = "the robot is at its initial position"
+        return response

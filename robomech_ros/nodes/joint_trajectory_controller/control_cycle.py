@@ -1,0 +1,115 @@
+"""What the controller does in every cycle: move the robot on, and publish what is due."""
+
+import traceback
+from collections.abc import Callable, Sequence
+
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
+from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import frame_publisher
+from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
+from robomech_ros.outcomes import Code
+
+__all__ = ["ControlCycle"]
+
+# What a motion says again and again is logged this often at the most, s.
+_SELDOM = 5.0
+
+
+class ControlCycle:
+    """Moves the robot, and tells where it is.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    robot : SimulatedRobot
+        What moves.
+    model : RobotModel
+        The whole robot, with the joints that do not belong to the chain.
+    settings : ControllerSettings
+        Which rates there are.
+    control : ControlInterfaces
+        Gets its states.
+    servers : sequence of GoalServer
+        Get their feedback.
+    on_moved : callable
+        Called in every cycle when the robot has moved on; the robot's lock is held.
+
+    Attributes
+    ----------
+    states : StatePublisher
+        Publishes joint_states.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        robot: SimulatedRobot,
+        model: RobotModel,
+        settings: ControllerSettings,
+        control: ControlInterfaces,
+        servers: Sequence[GoalServer],
+        on_moved: Callable[[], None],
+    ) -> None:
+        self._logger = node.get_logger()
+        self._robot = robot
+        self.states = StatePublisher(node, model, robot.dynamic)
+        self._frames = frame_publisher(node, model.description, settings.publish_frames)
+        self._control = control
+        self._servers = servers
+        self._on_moved = on_moved
+        rate = settings.publish_rate
+        self._cycles_per_feedback = max(round(rate / settings.action_monitor_rate), 1)
+        self._cycles_per_frames = max(round(rate / settings.frame_rate), 1)
+        self._cycles_per_state = max(round(rate / settings.state_publish_rate), 1)
+        self._count = 0
+        self._limited = False
+
+    def run(self) -> None:
+        """Do what is to be done in one cycle."""
+        with self._robot.lock:
+            self._move()
+            self.publish_joint_states()
+            self._log_saturation()
+            self._on_moved()
+            self._publish_what_is_due()
+
+    def publish_joint_states(self) -> None:
+        """Publish where the joints are; the robot's lock is to be held."""
+        robot = self._robot
+        self.states.publish(robot.follower.actual, robot.simulated_joints.effort, robot.stamp())
+
+    def _move(self) -> None:
+        try:
+            self._robot.advance()
+        except RobomechError as error:
+            self._logger.error(str(error), throttle_duration_sec=_SELDOM)
+            self._robot.follower.halt(Code.PATH_TOLERANCE, str(error))
+        except Exception:
+            self._logger.error(f"motion failed, please report:\n{traceback.format_exc()}")
+            text = "internal error of the controller, see its log"
+            self._robot.follower.halt(Code.INTERNAL, text)
+
+    def _log_saturation(self) -> None:
+        """Log once in each motion that drives are at their limits."""
+        limited = bool(self._robot.simulated_joints.at_limit.any())
+        if limited and not self._limited:
+            text = f"the robot may not follow: {self._robot.saturation()} so far"
+            self._logger.warning(text, throttle_duration_sec=_SELDOM)
+        self._limited = limited
+
+    def _publish_what_is_due(self) -> None:
+        self._count += 1
+        if self._frames is not None and self._count % self._cycles_per_frames == 0:
+            self._frames.publish(self.states.positions)
+        if self._count % self._cycles_per_state == 0:
+            self._control.publish()
+        if self._count % self._cycles_per_feedback == 0:
+            for server in self._servers:
+                server.publish_feedback()
