@@ -2,6 +2,7 @@
 
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -16,14 +17,24 @@ release = version = _found[1] if _found else ""
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["_build"]
-suppress_warnings = ["myst.header"]
+# Several results have fields of one name; none of them is meant as a link.
+suppress_warnings = ["myst.header", "ref.python"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+
+# Packages load their parts when first asked for; autodoc sees only what is loaded.
+for _name in re.findall(
+    r"automodule:: (\S+)", Path(__file__).with_name("api.md").read_text("utf-8")
+):
+    _package = import_module(_name)
+    for _part in getattr(_package, "__all__", ()):
+        getattr(_package, _part)
 
 autodoc_member_order = "groupwise"
 autodoc_typehints = "none"  # the numpydoc sections say it, with shape, unit and frame
 autodoc_mock_imports = ["rclpy"]
 napoleon_google_docstring = False
 napoleon_use_rtype = False
+napoleon_use_ivar = True  # fields of a result are not documented a second time as members
 
 html_theme = "sphinx_rtd_theme"

@@ -51,6 +51,12 @@ def test_python_examples_run_and_give_what_their_comments_say(page, monkeypatch,
             assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
 
 
+def test_every_page_is_in_the_table_of_contents():
+    named = re.findall(r"^[a-z_]+$", (DOC / "index.md").read_text("utf-8"), re.MULTILINE)
+    pages = {path.stem for path in DOC.iterdir() if path.suffix in (".md", ".rst")} - {"index"}
+    assert sorted(named) == sorted(pages)
+
+
 def test_robot_in_yaml_loads_and_the_file_beside_a_urdf_is_accepted(tmp_path):
     table, beside = blocks(DOC / "robots.md", "yaml")
     assert load_robot(table).joint_names == ("joint_1", "joint_2")
@@ -83,3 +89,28 @@ def test_every_error_code_is_explained():
     definition = DOC.parent / "robomech_interfaces" / "msg" / "ErrorCode.msg"
     constants = re.findall(r"^uint16 (\w+)=(\d+)", definition.read_text("utf-8"), re.MULTILINE)
     assert explained == [(number, name) for name, number in constants]
+
+
+def test_every_folder_of_the_package_is_in_the_architecture():
+    text = (DOC / "architecture.md").read_text(encoding="utf-8")
+    tree = text.split("```text\n", 1)[1].split("```", 1)[0]
+    shown: set[str] = set()
+    above: list[str] = []
+    for line in tree.splitlines()[1:]:
+        names = re.findall(r"(?<=\s)(\w+)/(?=\s|$)", f" {line}")
+        if names:
+            del above[line.index(names[0]) // 4 - 1 :]
+            shown |= {"/".join([*above, name]) for name in names}
+            above.append(names[0])
+    package = DOC.parent / "robomech_ros"
+    folders = {str(path.parent.relative_to(package)) for path in package.rglob("*.py")} - {"."}
+    assert shown == folders
+
+
+@pytest.mark.parametrize("page", ["architecture", "extending"])
+def test_every_module_that_is_named_is_there(page):
+    text = (DOC / f"{page}.md").read_text(encoding="utf-8")
+    root = DOC.parent
+    modules = [path.relative_to(root).as_posix() for path in root.glob("*/**/*.py")]
+    for named in re.findall(r"`([\w/]+\.py)`", text):
+        assert any(f"/{module}".endswith(f"/{named}") for module in modules), named

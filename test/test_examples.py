@@ -46,7 +46,7 @@ def test_every_script_is_short_says_how_to_run_it_and_is_listed(path):
     text = path.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 60
     assert f"python examples/{path.name}" in text.split('"""')[1]
-    assert f"[`{path.name}`]({path.name})" in (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    assert f"[`{path.name}`](./{path.name})" in (EXAMPLES / "README.md").read_text(encoding="utf-8")
 
 
 def test_every_script_is_run_by_a_test():
