@@ -1,16 +1,22 @@
-"""Rigid bodies: mass, centre of mass and inertia, and whether a body can have them."""
+"""Rigid bodies: mass, centre of mass and inertia, what bodies can have, and those of a chain."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import INERTIA_ROUNDING, LARGEST_INERTIA, LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import (
+    BadValueError,
+    MissingInertiaError,
+    NonFiniteError,
+    WrongSizeError,
+)
+from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
 from robomech_ros.spatial.arrays import real_array
 
-__all__ = ["Body", "combined"]
+__all__ = ["Body", "bodies_carried", "combined", "pack_bodies"]
 
 Array = NDArray[np.float64]
 
@@ -120,3 +126,77 @@ def combined(bodies: Iterable[Body]) -> Body | None:
         r = part.com - com
         inertia = inertia + part.inertia + part.mass * (r @ r * np.eye(3) - np.outer(r, r))
     return Body(mass, com, inertia, any(part.as_measured for part in parts))
+
+
+def bodies_carried(
+    bodies: Sequence[Body | None], packed: Array, rest: Array, count: int
+) -> tuple[Body | None, ...]:
+    """Let the first joints of a chain carry along what is beyond them, standing where it rests.
+
+    Parameters
+    ----------
+    bodies : sequence of Body or None
+        What moves with each of n joints, in its frame.
+    packed : ndarray, shape (n + 1, 13)
+        The chain.
+    rest : ndarray, shape (n,)
+        Where its joints rest (rad or m).
+    count : int
+        How many joints there still are.
+
+    Returns
+    -------
+    tuple of Body or None
+        What moves with each of them; where there are none, nothing is kept.
+    """
+    kept, constants = list(bodies), unpack_chain(packed)
+    for i in range(len(kept) - 1, max(count, 1) - 1, -1):
+        carried = kept.pop()
+        if carried is not None:
+            J = joint_transform(packed[i, 0] == PRISMATIC, rest[i])
+            moved = carried.seen_from(constants[i] @ J)
+            kept[-1] = combined(part for part in (kept[-1], moved) if part is not None)
+    return tuple(kept[:count])
+
+
+def pack_bodies(
+    bodies: Sequence[Body | None], links: Sequence[Sequence[str]], joints: Sequence[str]
+) -> Array:
+    """Lay out bodies as the kernels read them.
+
+    Parameters
+    ----------
+    bodies : sequence of Body or None
+        What moves with each of n joints, in its frame.
+    links : sequence of lists of str
+        Names of the links that each joint moves.
+    joints : sequence of str
+        Names of the joints.
+
+    Returns
+    -------
+    ndarray, shape (n, 10)
+        Mass (kg), centre of mass (m), and the moments xx, xy, xz, yy, yz, zz about it (kg m^2).
+
+    Raises
+    ------
+    MissingInertiaError
+        Of some joints nothing is known that moves with them.
+    BadValueError
+        No body can have the numbers of one.
+    """
+    missing = [i for i, body in enumerate(bodies) if body is None or body.mass == 0.0]
+    if missing:
+        unknown = [name for i in missing for name in links[i]]
+        raise MissingInertiaError(unknown, [joints[i] for i in missing])
+    rows = np.empty((len(bodies), 10))
+    for i, body in enumerate(bodies):
+        assert body is not None
+        if fault := body.fault():
+            names = " and ".join(links[i])
+            raise BadValueError(f"inertia of {names}", body.mass, f"a possible body; {fault}")
+        rows[i, 0] = body.mass
+        rows[i, 1:4] = body.com
+        rows[i, 4:] = body.inertia[np.triu_indices(3)]
+    rows.setflags(write=False)
+    return rows

@@ -1,9 +1,8 @@
 """The one model of a serial chain: constant transforms between its joints, and limits."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,28 +10,20 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
-    MissingInertiaError,
     MissingLimitsError,
     NonFiniteError,
     UnknownLinkError,
     WrongSizeError,
 )
-from robomech_ros.robots.bodies import Body, combined
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
+from robomech_ros.robots.bodies import Body, bodies_carried, pack_bodies
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
+from robomech_ros.robots.dh_recovery import recover_dh
+from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.entry_checks import check_name, check_names, checked_entries
 from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
-from robomech_ros.spatial.arrays import listed
 
-if TYPE_CHECKING:
-    from robomech_ros.robots.dh import DHTable
-
-__all__ = [
-    "LimitKind",
-    "LinkFrame",
-    "SerialChain",
-    "check_name",
-    "checked_entries",
-]
+__all__ = ["LimitKind", "LinkFrame", "SerialChain"]
 
 Array = NDArray[np.float64]
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
@@ -108,15 +99,15 @@ class SerialChain:
     jerk: Array
     effort: Array
     frames: tuple[LinkFrame, ...] = ()
-    dh_given: "DHTable | None" = None
+    dh_given: DHTable | None = None
     bodies: tuple[Body | None, ...] = ()
     drives: tuple[Drive, ...] = ()
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):
             check_name(what, getattr(self, what))
-        _check_names("joint_names", self.joint_names)
-        _check_names("names of links", [frame.name for frame in self.frames])
+        check_names("joint_names", self.joint_names)
+        check_names("names of links", [frame.name for frame in self.frames])
         n = len(self.joint_names)
         for field in KEYS:
             self._freeze(field, np.float64, (n,))
@@ -175,13 +166,11 @@ class SerialChain:
         return tuple(reversed(names))
 
     @cached_property
-    def dh(self) -> "DHTable | None":
+    def dh(self) -> DHTable | None:
         """Denavit-Hartenberg table: the one given, else recovered; None without joints."""
-        from robomech_ros.robots.dh_recovery import dh_from_chain
-
         if self.dh_given is not None:
             return self.dh_given
-        return dh_from_chain(self) if self.n else None
+        return recover_dh(self.packed) if self.n else None
 
     def link_frame(self, link: str) -> LinkFrame:
         """Find the frame of a link of this chain, or of one fixed to such a link.
@@ -229,6 +218,7 @@ class SerialChain:
 
     def _cut_at(self, target: LinkFrame) -> "SerialChain":
         k = target.joints
+        rest = np.clip(0.0, self.lower, self.upper)
         packed = self.packed[: k + 1].copy()
         packed[k, 0] = -1.0
         packed[k, 1:10] = target.offset[:3, :3].ravel()
@@ -247,21 +237,9 @@ class SerialChain:
             jerk=self.jerk[:k],
             effort=self.effort[:k],
             frames=tuple(frame for frame in self.frames if frame.joints <= k),
-            bodies=self._bodies_to(k),
+            bodies=bodies_carried(self.bodies, self.packed, rest, k),
             drives=self.drives[:k],
         )
-
-    def _bodies_to(self, k: int) -> tuple[Body | None, ...]:
-        """Let the joints from k on carry along what is beyond them, standing where they rest."""
-        bodies, constants = list(self.bodies), unpack_chain(self.packed)
-        rest = np.clip(0.0, self.lower, self.upper)
-        for i in range(self.n - 1, max(k, 1) - 1, -1):
-            carried = bodies.pop()
-            if carried is not None:
-                J = joint_transform(self.types[i] == PRISMATIC, rest[i])
-                moved = carried.seen_from(constants[i] @ J)
-                bodies[-1] = combined(part for part in (bodies[-1], moved) if part is not None)
-        return tuple(bodies[:k])
 
     @cached_property
     def packed_bodies(self) -> Array:
@@ -276,23 +254,8 @@ class SerialChain:
         BadValueError
             No body can have the numbers of one.
         """
-        missing = [i for i, body in enumerate(self.bodies) if body is None or body.mass == 0.0]
-        if missing:
-            links = [self._links_moved_by(i) for i in missing]
-            raise MissingInertiaError(
-                [name for names in links for name in names], [self.joint_names[i] for i in missing]
-            )
-        rows = np.empty((self.n, 10))
-        for i, body in enumerate(self.bodies):
-            assert body is not None
-            if fault := body.fault():
-                names = " and ".join(self._links_moved_by(i))
-                raise BadValueError(f"inertia of {names}", body.mass, f"a possible body; {fault}")
-            rows[i, 0] = body.mass
-            rows[i, 1:4] = body.com
-            rows[i, 4:] = body.inertia[np.triu_indices(3)]
-        rows.setflags(write=False)
-        return rows
+        links = [self._links_moved_by(i) for i in range(self.n)]
+        return pack_bodies(self.bodies, links, self.joint_names)
 
     def _links_moved_by(self, i: int) -> list[str]:
         names = [frame.name for frame in self.frames if frame.joints == i + 1]
@@ -338,38 +301,3 @@ class SerialChain:
         if missing.any():
             names = [name for name, lacks in zip(self.joint_names, missing, strict=True) if lacks]
             raise MissingLimitsError(kind, names)
-
-
-def check_name(what: str, name: object) -> None:
-    """Refuse a name that is no text, or empty; ``what`` says in the message whose it is.
-
-    Raises
-    ------
-    BadValueError
-    """
-    if not isinstance(name, str) or not name:
-        raise BadValueError(what, name, "a name, as text")
-
-
-def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any, ...]:
-    """Give the entries of a list that is empty or has one of a kind for each of n joints.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-    """
-    expected = f"a list of {n}, of type {getattr(kind, '__name__', kind)}"
-    given = listed(what, entries, expected)
-    for entry in given:
-        if not isinstance(entry, kind):
-            raise BadValueError(f"one of {what}", entry, expected)
-    if given and len(given) != n:
-        raise WrongSizeError(what, len(given), n)
-    return given
-
-
-def _check_names(what: str, names: Sequence[str]) -> None:
-    for name in listed(what, names, "a list of names"):
-        check_name(f"one of {what}", name)
-    if len(set(names)) < len(names):
-        raise BadValueError(what, names, "different names")

@@ -12,7 +12,7 @@ from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLin
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, pack_chain
-from robomech_ros.robots.dh import DHTable
+from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.spatial import inverse_pose
 

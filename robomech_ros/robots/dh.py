@@ -1,16 +1,6 @@
-"""Denavit-Hartenberg tables, and the chains they describe.
-
-The convention is the book's, identical to the usual "standard" one with d = b:
-``T_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)``, joint i about or along z_i, frame i + 1 fixed to
-link i.  A negative ``a`` is accepted although the book defines a distance.
-
-References
-----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
-"""
+"""Chains from Denavit-Hartenberg parameters, and the parameters of any chain."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,65 +8,21 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.bodies import Body
-from robomech_ros.robots.chain import LinkFrame, SerialChain, check_name, checked_entries
+from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
+from robomech_ros.robots.dh_recovery import recover_dh
+from robomech_ros.robots.dh_table import DHTable, link_transforms
 from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.entry_checks import check_name, checked_entries
 from robomech_ros.robots.limit_arrays import limit_arrays
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
 
-__all__ = ["DHTable", "chain_from_dh"]
+__all__ = ["chain_from_dh", "dh_from_chain"]
 
 Array = NDArray[np.float64]
 
 _TYPE_NAMES = {"r": REVOLUTE, "p": PRISMATIC, "revolute": REVOLUTE, "prismatic": PRISMATIC}
-
-
-@dataclass(frozen=True, eq=False)
-class DHTable:
-    r"""Denavit-Hartenberg parameters of a chain of n joints.
-
-    .. math::
-
-       T_i = R_z(\theta_i)\, T_z(b_i)\, T_x(a_i)\, R_x(\alpha_i) = \begin{bmatrix}
-       \cos\theta_i & -\lambda_i \sin\theta_i & \mu_i \sin\theta_i & a_i \cos\theta_i \\
-       \sin\theta_i & \lambda_i \cos\theta_i & -\mu_i \cos\theta_i & a_i \sin\theta_i \\
-       0 & \mu_i & \lambda_i & b_i \\
-       0 & 0 & 0 & 1 \end{bmatrix}
-
-    with :math:`\lambda_i = \cos\alpha_i` and :math:`\mu_i = \sin\alpha_i`.  The tip's pose is
-    ``base @ T_1 @ ... @ T_n @ tool``, the joint variable added to ``theta_i`` of a revolute and to
-    ``b_i`` of a prismatic joint.
-
-    Parameters
-    ----------
-    a, b : ndarray, shape (n,)
-        Length and offset of each link (m).
-    alpha, theta : ndarray, shape (n,)
-        Twist of each link and angle about each joint axis (rad).
-    base, tool : ndarray, shape (4, 4)
-        First frame in the base link; tip link in the last frame.
-    types : ndarray of int, shape (n,)
-        0 revolute, 1 prismatic.
-
-    References
-    ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
-    """
-
-    a: Array
-    b: Array
-    alpha: Array
-    theta: Array
-    base: Array
-    tool: Array
-    types: NDArray[np.int64]
-
-    def __post_init__(self) -> None:
-        for name in ("a", "b", "alpha", "theta", "base", "tool", "types"):
-            array = np.array(getattr(self, name), order="C")
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
 
 
 def chain_from_dh(
@@ -162,7 +108,7 @@ def chain_from_dh(
     theta = np.zeros(n) if theta is None else _row("theta", theta, n)
     kinds = _joint_types(types, n)
     table = DHTable(a, b, alpha, theta, _pose("base", base), _pose("tool", tool), kinds)
-    links = _link_transforms(table)
+    links = link_transforms(table)
     transforms = np.concatenate((table.base[None], links))
     transforms[n] = links[n - 1] @ table.tool
     frames = [LinkFrame(base_link, 0, np.eye(4))]
@@ -188,6 +134,45 @@ def chain_from_dh(
         drives=checked_entries("drives", () if drives is None else drives, Drive, n),
         **limit_arrays(limits, n),
     )
+
+
+def dh_from_chain(chain: SerialChain) -> DHTable:
+    """Recover Denavit-Hartenberg parameters of any chain of revolute and prismatic joints.
+
+    Where the parameters are not unique (parallel or coincident axes, the place of a prismatic
+    axis, the first and the last frame) the choice is the one with the fewest non-zero entries:
+    the common normal through the frame before, and a first frame as near the base as it can be.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        With at least one joint.
+
+    Returns
+    -------
+    DHTable
+        Its pose equals the chain's for every q.  Axes at an angle below
+        ``tolerances.PARALLEL_SINE`` count as parallel.
+
+    See Also
+    --------
+    chain_from_dh : the inverse.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.robots import dh_from_chain, load_robot
+    >>> table = dh_from_chain(load_robot("ur5e"))
+    >>> np.round(table.a, 4) + 0.0
+    array([0.    , 0.425 , 0.3922, 0.    , 0.    , 0.    ])
+    >>> np.round(table.b, 4) + 0.0
+    array([0.1625, 0.    , 0.    , 0.1333, 0.0997, 0.0996])
+    """
+    return recover_dh(chain.packed)
 
 
 def _in_joint_frames(bodies: Sequence[Body | None] | None, links: Array) -> tuple[Body | None, ...]:
@@ -246,16 +231,3 @@ def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
     if len(given) != n:
         raise WrongSizeError("joint_names", len(given), n)
     return given
-
-
-def _link_transforms(table: DHTable) -> Array:
-    """C_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i), shape (n, 4, 4)."""
-    n = len(table.a)
-    ct, st = np.cos(table.theta), np.sin(table.theta)
-    ca, sa = np.cos(table.alpha), np.sin(table.alpha)
-    T = np.zeros((n, 4, 4))
-    T[:, 0] = np.stack((ct, -ca * st, sa * st, table.a * ct), axis=1)
-    T[:, 1] = np.stack((st, ca * ct, -sa * ct, table.a * st), axis=1)
-    T[:, 2] = np.stack((np.zeros(n), sa, ca, table.b), axis=1)
-    T[:, 3, 3] = 1.0
-    return T

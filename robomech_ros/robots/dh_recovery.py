@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters of any chain of revolute and prismatic joints.
+"""Denavit-Hartenberg parameters from the constant transforms of a chain.
 
 References
 ----------
@@ -9,60 +9,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import INTERSECTING, PARALLEL_SINE
-from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
-from robomech_ros.robots.dh import DHTable
+from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["dh_from_chain"]
+__all__ = ["recover_dh"]
 
 Array = NDArray[np.float64]
 
 
-def dh_from_chain(chain: SerialChain) -> DHTable:
-    """Recover Denavit-Hartenberg parameters of any chain of revolute and prismatic joints.
-
-    Where the parameters are not unique (parallel or coincident axes, the place of a prismatic
-    axis, the first and the last frame) the choice is the one with the fewest non-zero entries:
-    the common normal through the frame before, and a first frame as near the base as it can be.
+def recover_dh(packed: Array) -> DHTable:
+    """Recover the table of a chain of at least one joint, revolute or prismatic.
 
     Parameters
     ----------
-    chain : SerialChain
-        With at least one joint.
+    packed : ndarray, shape (n + 1, 13)
+        The chain as :func:`pack_chain` lays it out.
 
     Returns
     -------
     DHTable
-        Its pose equals the chain's for every q.  Axes at an angle below
-        ``tolerances.PARALLEL_SINE`` count as parallel.
-
-    See Also
-    --------
-    chain_from_dh : the inverse.
-
-    References
-    ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from robomech_ros.robots import dh_from_chain, load_robot
-    >>> table = dh_from_chain(load_robot("ur5e"))
-    >>> np.round(table.a, 4) + 0.0
-    array([0.    , 0.425 , 0.3922, 0.    , 0.    , 0.    ])
-    >>> np.round(table.b, 4) + 0.0
-    array([0.1625, 0.    , 0.    , 0.1333, 0.0997, 0.0996])
+        As :func:`dh_from_chain` describes it.
     """
-    axes, origins, tip = _axes_at_zero(chain)
+    types = packed[:-1, 0].astype(np.int64)
+    axes, origins, tip = _axes_at_zero(packed)
     frame = _first_frame(axes[0], origins[0])
     base = frame.copy()
-    n = chain.n
+    n = len(types)
     parameters = np.zeros((4, n))
     for i in range(n):
         if i + 1 < n:
-            placed = chain.types[i + 1] == PRISMATIC
+            placed = types[i + 1] == PRISMATIC
             point = frame[:3, 3] if placed else origins[i + 1]
             after = _next_frame(frame, axes[i + 1], point)
         else:
@@ -71,14 +48,14 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
         frame = after
     a, b, alpha, theta = parameters
     tool = rigid_inverse(frame) @ tip
-    return DHTable(a, b, alpha, theta, base, tool, chain.types)
+    return DHTable(a, b, alpha, theta, base, tool, types)
 
 
-def _axes_at_zero(chain: SerialChain) -> tuple[Array, Array, Array]:
+def _axes_at_zero(packed: Array) -> tuple[Array, Array, Array]:
     """Directions and points of all joint axes, and the tip's pose, at q = 0 in the base."""
     T = np.eye(4)
     frames = []
-    for C in unpack_chain(chain.packed):
+    for C in unpack_chain(packed):
         T = T @ C
         frames.append(T)
     stacked = np.array(frames)

@@ -13,7 +13,7 @@ from robomech_ros.dynamics.symbolic.terms import Angle, Poly, TermRing
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
-from robomech_ros.robots.dh import DHTable
+from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 
 __all__ = ["SymbolicLink", "SymbolicParameters", "symbolic_parameters"]

@@ -1,0 +1,79 @@
+"""Denavit-Hartenberg tables, and the constant transforms they stand for.
+
+The convention is the book's, identical to the usual "standard" one with d = b:
+``T_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i)``, joint i about or along z_i, frame i + 1 fixed to
+link i.  A negative ``a`` is accepted although the book defines a distance.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["DHTable", "link_transforms"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DHTable:
+    r"""Denavit-Hartenberg parameters of a chain of n joints.
+
+    .. math::
+
+       T_i = R_z(\theta_i)\, T_z(b_i)\, T_x(a_i)\, R_x(\alpha_i) = \begin{bmatrix}
+       \cos\theta_i & -\lambda_i \sin\theta_i & \mu_i \sin\theta_i & a_i \cos\theta_i \\
+       \sin\theta_i & \lambda_i \cos\theta_i & -\mu_i \cos\theta_i & a_i \sin\theta_i \\
+       0 & \mu_i & \lambda_i & b_i \\
+       0 & 0 & 0 & 1 \end{bmatrix}
+
+    with :math:`\lambda_i = \cos\alpha_i` and :math:`\mu_i = \sin\alpha_i`.  The tip's pose is
+    ``base @ T_1 @ ... @ T_n @ tool``, the joint variable added to ``theta_i`` of a revolute and to
+    ``b_i`` of a prismatic joint.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (n,)
+        Length and offset of each link (m).
+    alpha, theta : ndarray, shape (n,)
+        Twist of each link and angle about each joint axis (rad).
+    base, tool : ndarray, shape (4, 4)
+        First frame in the base link; tip link in the last frame.
+    types : ndarray of int, shape (n,)
+        0 revolute, 1 prismatic.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
+    """
+
+    a: Array
+    b: Array
+    alpha: Array
+    theta: Array
+    base: Array
+    tool: Array
+    types: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "alpha", "theta", "base", "tool", "types"):
+            array = np.array(getattr(self, name), order="C")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+
+def link_transforms(table: DHTable) -> Array:
+    """Give the transforms C_i = Rz(theta_i) Tz(b_i) Tx(a_i) Rx(alpha_i), shape (n, 4, 4)."""
+    n = len(table.a)
+    ct, st = np.cos(table.theta), np.sin(table.theta)
+    ca, sa = np.cos(table.alpha), np.sin(table.alpha)
+    T = np.zeros((n, 4, 4))
+    T[:, 0] = np.stack((ct, -ca * st, sa * st, table.a * ct), axis=1)
+    T[:, 1] = np.stack((st, ca * ct, -sa * ct, table.a * st), axis=1)
+    T[:, 2] = np.stack((np.zeros(n), sa, ca, table.b), axis=1)
+    T[:, 3, 3] = 1.0
+    return T

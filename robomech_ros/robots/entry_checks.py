@@ -1,0 +1,50 @@
+"""Checks of names and of lists with one entry for each joint."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import listed
+
+__all__ = ["check_name", "check_names", "checked_entries"]
+
+
+def check_name(what: str, name: object) -> None:
+    """Refuse a name that is no text, or empty; ``what`` says in the message whose it is.
+
+    Raises
+    ------
+    BadValueError
+    """
+    if not isinstance(name, str) or not name:
+        raise BadValueError(what, name, "a name, as text")
+
+
+def checked_entries(what: str, entries: object, kind: Any, n: int) -> tuple[Any, ...]:
+    """Give the entries of a list that is empty or has one of a kind for each of n joints.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+    """
+    expected = f"a list of {n}, of type {getattr(kind, '__name__', kind)}"
+    given = listed(what, entries, expected)
+    for entry in given:
+        if not isinstance(entry, kind):
+            raise BadValueError(f"one of {what}", entry, expected)
+    if given and len(given) != n:
+        raise WrongSizeError(what, len(given), n)
+    return given
+
+
+def check_names(what: str, names: Sequence[str]) -> None:
+    """Refuse names that are no texts, empty or not all different.
+
+    Raises
+    ------
+    BadValueError
+    """
+    for name in listed(what, names, "a list of names"):
+        check_name(f"one of {what}", name)
+    if len(set(names)) < len(names):
+        raise BadValueError(what, names, "different names")
