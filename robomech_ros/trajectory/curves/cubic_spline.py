@@ -22,7 +22,25 @@ CubicEnds = Literal["natural", "clamped", "parabolic", "rest", "periodic"]
 def cubic_spline(
     x: FloatArray, s: FloatArray, ends: CubicEnds, slopes: FloatArray | None = None
 ) -> PiecewisePolynomial:
-    """Interpolate with continuous second derivatives.
+    r"""Interpolate with continuous second derivatives.
+
+    In segment k, of length :math:`\alpha_k = x_{k+1} - x_k`, the spline is
+    :math:`A_k (x - x_k)^3 + B_k (x - x_k)^2 + C_k (x - x_k) + D_k` with
+
+    .. math::
+
+       A_k = \frac{s''_{k+1} - s''_k}{6 \alpha_k}, \quad B_k = \frac{s''_k}{2}, \quad
+       C_k = \frac{s_{k+1} - s_k}{\alpha_k} - \frac{\alpha_k}{6} (s''_{k+1} + 2 s''_k), \quad
+       D_k = s_k.
+
+    Its slope is continuous where
+
+    .. math::
+
+       \alpha_k s''_k + 2 (\alpha_k + \alpha_{k+1}) s''_{k+1} + \alpha_{k+1} s''_{k+2} =
+       6 \left( \frac{s_{k+2} - s_{k+1}}{\alpha_{k+1}} - \frac{s_{k+1} - s_k}{\alpha_k} \right),
+
+    a tridiagonal system :math:`A s'' = 6 C s`, to which the ends add two equations.
 
     Parameters
     ----------
@@ -42,6 +60,10 @@ def cubic_spline(
     -------
     PiecewisePolynomial
         Of order 3.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.6.
     """
     if ends == "periodic":
         return _periodic(x, s)

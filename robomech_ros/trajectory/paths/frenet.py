@@ -34,6 +34,10 @@ class FrenetSerret:
         kappa >= 0 and tau (1/m); both 0 where the curve is straight.
     curvature_rate, torsion_rate : ndarray, shape (m,)
         Their derivatives (1/m^2); 0 where the curve is straight.
+
+    See Also
+    --------
+    frenet_serret : what makes it, with the formulas.
     """
 
     frame: FloatArray
@@ -60,7 +64,7 @@ class FrenetSerret:
 
 
 def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
-    """Find the Frenet-Serret frame of a curve, its curvature and its torsion.
+    r"""Find the Frenet-Serret frame of a curve, its curvature and its torsion.
 
     Where the curve is straight there is no normal, and the frame goes on without turning about
     the tangent (rotation-minimising): the normal is that of the nearest curved place before, or
@@ -69,6 +73,21 @@ def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
     At an isolated inflection the frame is therefore that from before; where the curve bends to
     the other side after it, the frame steps there by a turn of pi about the tangent, as it does
     by definition.
+
+    With derivatives of the point p by the parameter u
+
+    .. math::
+
+       \kappa = \frac{|p' \times p''|}{|p'|^3}, \qquad
+       \tau = \frac{p' \cdot (p'' \times p''')}{|p' \times p''|^2},
+
+    and with respect to the arc length s
+
+    .. math::
+
+       \frac{d e_t}{ds} = \kappa e_n, \qquad
+       \frac{d e_n}{ds} = -\kappa e_t + \tau e_b, \qquad
+       \frac{d e_b}{ds} = -\tau e_n.
 
     Parameters
     ----------
@@ -87,9 +106,21 @@ def frenet_serret(curve: Curve, u: npt.ArrayLike) -> FrenetSerret:
     BadValueError, WrongSizeError, NonFiniteError
         No curve, or parameters that are not on it.
 
+    See Also
+    --------
+    frenet_orientation : a tool that goes with the frame.
+    arc_length : s as a function of u.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.2.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import frenet_serret, helix
+    >>> found = frenet_serret(helix(radius=2.0, rise=1.0, angle=6.0), 1.0)
+    >>> round(float(found.curvature), 6), round(float(found.torsion), 6)
+    (0.4, 0.2)
     """
     curve = as_curve("curve", curve)
     inside = as_parameters("parameter", u, float(curve.breaks[0]), float(curve.breaks[-1]))

@@ -52,6 +52,22 @@ def straight_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PoseP
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Not poses, fewer than two, equal neighbours, or neighbours of opposite orientations.
+
+    See Also
+    --------
+    arc_path
+    spline_path
+    pose_path : of any curve and orientation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.trajectory import straight_path
+    >>> start, goal = np.eye(4), np.eye(4)
+    >>> goal[:3, 3] = [0.3, 0.4, 0.0]
+    >>> path = straight_path([start, goal])
+    >>> round(path.length, 6), path.sample(0.25).pose[:3, 3].round(6)
+    (0.5, array([0.15, 0.2 , 0.  ]))
     """
     given, knots, weight = _checked(poses, radius)
     curve = PolynomialCurve(interpolant(knots, given[:, :3, 3]))

@@ -118,9 +118,37 @@ def along_path(
     DurationTooShortError
         If the limits do not allow the wanted duration.
 
+    See Also
+    --------
+    track_path : the joint path alone.
+    along_joint_path : the motion along one that is there.
+    tracking_error : how far the joints are off the path.
+
     References
     ----------
-    Angeles, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
+
+    Examples
+    --------
+    >>> from functools import partial
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+    >>> from robomech_ros.kinetostatics import jacobian
+    >>> from robomech_ros.robots import load_robot
+    >>> from robomech_ros.trajectory import SerialArm, along_path, straight_path
+    >>> puma = load_robot("puma560")
+    >>> arm = SerialArm(
+    ...     partial(forward_kinematics, puma),
+    ...     lambda T, near: inverse_kinematics(puma, T, seed=near).q[0],
+    ...     partial(jacobian, puma),
+    ... )
+    >>> start = np.array([0.1, -0.5, 0.4, 0.3, 0.8, 0.2])
+    >>> goal = arm.forward(start)
+    >>> goal[2, 3] -= 0.1
+    >>> path = straight_path([arm.forward(start), goal])
+    >>> motion = along_path(path, arm, limits=puma, start=start, profile="poly345")
+    >>> np.allclose(arm.forward(motion.sample(motion.duration).position), goal, atol=1e-6)
+    True
     """
     tracking = track_path(path, ik, start, condition_limit=condition_limit)
     if tracking.path is None:

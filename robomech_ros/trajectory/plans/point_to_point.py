@@ -101,7 +101,11 @@ def point_to_point(
     start_velocity: npt.ArrayLike | None = None,
     start_acceleration: npt.ArrayLike | None = None,
 ) -> PiecewiseTrajectory:
-    """Plan a motion of all joints together, from one point to rest at another.
+    r"""Plan a motion of all joints together, from one point to rest at another.
+
+    .. math:: q(t) = q_0 + (q_1 - q_0)\, s(t / T)
+
+    for all profiles but ``ruckig``, whose joints do not keep the ratio of their displacements.
 
     Parameters
     ----------
@@ -143,6 +147,28 @@ def point_to_point(
         If the start, or the goal or another part of the motion, is outside the limits.
     DurationTooShortError
         If the limits do not allow the wanted duration.
+
+    See Also
+    --------
+    through_points : with via points.
+    sampled_point_to_point : sampled, and the samples verified.
+    state_to_state : with rates at both ends.
+    verify : the proof that a motion keeps to limits.
+    Polynomial345, Polynomial4567, Cycloidal
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 6.2 to 6.4.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import load_robot
+    >>> from robomech_ros.trajectory import point_to_point
+    >>> puma = load_robot("puma560")
+    >>> motion = point_to_point([0.0] * 6, [0.5] * 6, limits=puma, profile="poly345", duration=2.0)
+    >>> at = motion.sample(1.0)
+    >>> round(float(at.position[0]), 6), round(float(at.velocity[0]), 6)
+    (0.25, 0.46875)
     """
     method = profile_named(profile)
     known = limits if type(limits) is Limits else Limits.of(limits)

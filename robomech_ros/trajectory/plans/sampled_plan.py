@@ -152,9 +152,10 @@ def sampled_point_to_point(
 
     Parameters
     ----------
-    q0, q1, limits, profile, duration, velocity_scale, acceleration_scale, jerk_scale, \
-    start_velocity
+    q0, q1, limits, profile, duration
         As for `point_to_point`, but for profiles whose acceleration steps.
+    velocity_scale, acceleration_scale, jerk_scale, start_velocity
+        As for `point_to_point`.
     period, max_points
         As for `sampled_motion`.
 
@@ -167,6 +168,11 @@ def sampled_point_to_point(
     ------
     RobomechError
         As `point_to_point`, `discretise` and `verify` do.
+
+    See Also
+    --------
+    point_to_point : the motion alone.
+    sampled_through_points : with via points.
     """
     method = profile_named(profile)
     check_can_be_sampled(profile)

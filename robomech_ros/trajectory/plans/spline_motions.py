@@ -92,7 +92,17 @@ def spline_through(
     slopes: npt.ArrayLike | None = None,
     duration: float | None = None,
 ) -> Spline:
-    """Interpolate points by a spline in time.
+    r"""Interpolate points by a spline in time.
+
+    The second derivatives at the knots :math:`x_k` of a cubic one follow from continuous slopes,
+
+    .. math::
+
+       \alpha_k s''_k + 2 (\alpha_k + \alpha_{k+1}) s''_{k+1} + \alpha_{k+1} s''_{k+2} =
+       6 \left( \frac{s_{k+2} - s_{k+1}}{\alpha_{k+1}} - \frac{s_{k+1} - s_k}{\alpha_k} \right),
+       \qquad \alpha_k = x_{k+1} - x_k,
+
+    and from what is wanted at the ends.
 
     Parameters
     ----------
@@ -141,9 +151,25 @@ def spline_through(
     DurationTooShortError
         If the limits do not allow the wanted duration.
 
+    See Also
+    --------
+    through_points : from rest to rest by any profile that can pass points.
+    via_polynomial : one polynomial through one or two via points.
+    spline_like : the spline that is most like a law of motion.
+
     References
     ----------
-    Angeles, 4th ed., section 6.6.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.trajectory import spline_through
+    >>> points = np.array([[0.0], [1.0], [0.0]])
+    >>> motion = spline_through(points, times=[0.0, 1.0, 2.0], ends="natural")
+    >>> at = motion.sample(0.5)
+    >>> at.position.round(6), at.velocity.round(6)
+    (array([0.6875]), array([1.125]))
     """
     places = joint_points(points)
     _check_options(places, ends, degree, spacing)

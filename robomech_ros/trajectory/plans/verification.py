@@ -139,6 +139,19 @@ def verify(
     ------
     BadValueError, NonFiniteError, WrongSizeError
         If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
+
+    See Also
+    --------
+    sampled_motion : plans, samples and verifies.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import load_robot
+    >>> from robomech_ros.trajectory import point_to_point, verify
+    >>> puma = load_robot("puma560")
+    >>> check = verify(point_to_point([0.0] * 6, [0.5] * 6, limits=puma, profile="poly345"), puma)
+    >>> check.ok, bool(check.peak_velocity_ratio.max() <= 1.0)
+    (True, True)
     """
     known = Limits.of(limits)
     curve, doubts = _curve_and_doubts(trajectory, known)

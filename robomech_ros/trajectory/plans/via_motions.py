@@ -122,6 +122,26 @@ def through_points(
     ------
     RobomechError
         As `point_to_point`, `spline_through` and `via_polynomial` do.
+
+    See Also
+    --------
+    point_to_point : without via points.
+    spline_through : splines at given times, and with other ends.
+    via_polynomial : one polynomial.
+    sampled_through_points : sampled, and the samples verified.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 6.5 and 6.6.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import Limits, through_points
+    >>> limits = Limits(["turn", "lift"], velocity=1.0, acceleration=4.0)
+    >>> points = [[0.0, 0.0], [0.5, 0.2], [1.0, 0.0]]
+    >>> motion = through_points(points, limits=limits, duration=4.0)
+    >>> motion.sample(motion.knots[1]).position.round(6)
+    array([0.5, 0.2])
     """
     method = profile_named(profile)
     known = Limits.of(limits)

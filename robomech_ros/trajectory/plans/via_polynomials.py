@@ -42,9 +42,16 @@ def via_polynomial(
     at: npt.ArrayLike | None = None,
     duration: float | None = None,
 ) -> ViaPolynomial:
-    """Plan from rest to rest through up to two via points along one polynomial.
+    r"""Plan from rest to rest through up to two via points along one polynomial.
 
     Every via point raises the degree of the profile's polynomial by one.
+
+    With m points the degree is m + 3 for ``poly345`` and m + 5 for ``poly4567``; the coefficients
+    solve
+
+    .. math::
+
+       s(\tau_k) = s_k, \qquad s^{(i)}(0) = s^{(i)}(1) = 0, \quad i = 1, 2 \text{ (and } 3).
 
     Parameters
     ----------
@@ -77,9 +84,21 @@ def via_polynomial(
     DurationTooShortError
         If the limits do not allow the wanted duration.
 
+    See Also
+    --------
+    through_points : by splines and other profiles, too.
+
     References
     ----------
-    Angeles, 4th ed., section 6.5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.5.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import Limits, via_polynomial
+    >>> limits = Limits(["lift"], velocity=1.0, acceleration=4.0)
+    >>> motion = via_polynomial([[0.0], [0.7], [1.0]], limits=limits, at=[0.5], duration=4.0)
+    >>> motion.sample(2.0).position.round(6)
+    array([0.7])
     """
     resting = _RESTING[as_choice("profile", profile, tuple(_RESTING))]
     allowed = Limits.of(limits)

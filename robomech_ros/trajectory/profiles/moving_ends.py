@@ -92,9 +92,10 @@ def state_to_state(
     limits : JointLimits
         A chain model, `Limits`, or anything with the same attributes; velocity, acceleration and
         jerk limits of every joint.
-    start_velocity, start_acceleration, final_velocity, final_acceleration : array_like, \
-    shape (n,), optional
-        Rates at both ends, rad or m over s and s^2; zero where not given.
+    start_velocity, start_acceleration : array_like, shape (n,), optional
+        Rates at the start, rad or m over s and s^2; zero where not given.
+    final_velocity, final_acceleration : array_like, shape (n,), optional
+        Rates at the end, likewise.
     duration : float, optional
         Wanted duration in s; None (or 0) for the shortest.
 
@@ -115,10 +116,22 @@ def state_to_state(
     DurationTooShortError
         If the wanted duration is not possible; moving joints may not be able to wait, either.
 
+    See Also
+    --------
+    point_to_point : from rest to rest, by any profile.
+
     References
     ----------
     L. Berscheid, T. Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
     States", Robotics: Science and Systems XVII, 2021.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import Limits, state_to_state
+    >>> limits = Limits(["lift"], velocity=1.0, acceleration=4.0, jerk=40.0)
+    >>> motion = state_to_state([0.0], [1.0], limits=limits, start_velocity=[0.5])
+    >>> motion.sample(0.0).velocity.round(6), motion.sample(motion.duration).position.round(6)
+    (array([0.5]), array([1.]))
     """
     allowed = Limits.of(limits)
     allowed.require(*RATES)

@@ -118,19 +118,75 @@ class RestToRest(StraightMotion):
 
 
 class Polynomial345(RestToRest):
-    """Along the 3-4-5 polynomial: the lowest accelerations, and steps of the jerk at the ends."""
+    r"""Along the 3-4-5 polynomial: the lowest accelerations, and steps of the jerk at the ends.
+
+    .. math:: s(\tau) = 6 \tau^5 - 15 \tau^4 + 10 \tau^3
+
+    Largest rates: :math:`s' = 15/8` in the middle, :math:`s'' = 10\sqrt3/3` at
+    :math:`\tau = 1/2 \mp \sqrt3/6`, and :math:`s''' = 60` at both ends.
+
+    See Also
+    --------
+    Polynomial4567
+    Cycloidal
+    point_to_point : with the profile ``poly345``.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.3.1.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import Limits, point_to_point
+    >>> limits = Limits(["lift"], velocity=1.0, acceleration=4.0)
+    >>> motion = point_to_point([0.0], [1.0], limits=limits, profile="poly345", duration=2.0)
+    >>> type(motion).__name__, motion.sample(0.5).position.round(6)
+    ('Polynomial345', array([0.103516]))
+    """
 
     LAW = POLY345
 
 
 class Polynomial4567(RestToRest):
-    """Along the 4-5-6-7 polynomial, whose jerk vanishes at both ends, too."""
+    r"""Along the 4-5-6-7 polynomial, whose jerk vanishes at both ends, too.
+
+    .. math:: s(\tau) = -20 \tau^7 + 70 \tau^6 - 84 \tau^5 + 35 \tau^4
+
+    Largest rates: :math:`s' = 35/16` in the middle, :math:`s'' = 84\sqrt5/25` at
+    :math:`\tau = 1/2 \mp \sqrt5/10`, and :math:`|s'''| = 105/2` in the middle.
+
+    See Also
+    --------
+    Polynomial345
+    Cycloidal
+    point_to_point : with the profile ``poly4567``.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.3.2.
+    """
 
     LAW = POLY4567
 
 
 class Cycloidal(RestToRest):
-    """Along the cycloidal motion: uniform, less one turn of a wheel."""
+    r"""Along the cycloidal motion: uniform, less one turn of a wheel.
+
+    .. math:: s(\tau) = \tau - \frac{1}{2\pi} \sin 2\pi\tau
+
+    Largest rates: :math:`s' = 2` in the middle, :math:`s'' = 2\pi` at a quarter, and
+    :math:`|s'''| = 4\pi^2` at both ends and in the middle.
+
+    See Also
+    --------
+    Polynomial345
+    Polynomial4567
+    point_to_point : with the profile ``cycloidal``.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 6.4.
+    """
 
     LAW = CYCLOIDAL
 

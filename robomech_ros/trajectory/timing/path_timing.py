@@ -132,6 +132,21 @@ def time_optimal(
         If a joint lacks a limit that is needed.
     SeedOutsideLimitsError, LimitExceededError
         If the start, or another part of the path, is outside the position limits.
+
+    See Also
+    --------
+    torque_limited : within the torques of a model of the arm.
+    through_points : the same by one call, with the profile ``time_optimal``.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import Limits, spline_through, time_optimal
+    >>> limits = Limits(["turn", "lift"], velocity=1.0, acceleration=4.0)
+    >>> points = [[0.0, 0.0], [0.5, 0.2], [1.0, 0.0]]
+    >>> path = spline_through(points, times=[0.0, 0.5, 1.0], ends="natural")
+    >>> motion = time_optimal(path.pieces, limits)
+    >>> round(motion.duration, 3)
+    1.25
     """
     curve = checked_path(path)
     known = Limits.of(limits)
