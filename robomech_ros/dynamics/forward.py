@@ -36,10 +36,12 @@ def forward_dynamics(
     base_twist_rate: ArrayLike | None = None,
     method: str = "articulated-body",
 ) -> Array:
-    """Compute the joint accelerations that torques give.
+    r"""Compute the joint accelerations that torques give.
 
     The inverse of :func:`inverse_dynamics`.  With friction, pass the torques of the drives less
     those of :func:`friction_torque`.
+
+    .. math:: M(q)\, \ddot q = \tau - h(q, \dot q)
 
     Parameters
     ----------
@@ -65,10 +67,28 @@ def forward_dynamics(
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`; or nothing resists some motion of the chain.
 
+    See Also
+    --------
+    inverse_dynamics : the inverse.
+    forward_dynamics_by_cholesky : from the factors of the generalised inertia.
+    forward_dynamics_by_reflections : without forming it.
+    forward_dynamics_by_kane, forward_dynamics_by_lagrange
+    simulate : the motion over time.
+
     References
     ----------
     Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7; Angeles, Fundamentals of
     Robotic Mechanical Systems, 4th ed., section 7.6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import forward_dynamics, inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
+    >>> np.allclose(forward_dynamics(puma, q, qd, inverse_dynamics(puma, q, qd, qdd)), qdd)
+    True
     """
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     model, shape = dynamic_model(chain), q.shape

@@ -40,11 +40,12 @@ def friction_model(chain: SerialChain) -> Array:
 
 
 def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
-    """Compute the torques that the drives need to overcome their friction.
+    r"""Compute the torques that the drives need to overcome their friction.
 
-    ``beta v + (c + (s - c) exp(-(v / v_s)^2)) sign(v)`` at rate v, with the viscous coefficient
-    beta, the Coulomb friction c and the static friction s of :class:`Drive`, and 0 at rest, where
-    friction takes any value up to s.
+    .. math:: \tau = \beta v + \left( c + (s - c)\, e^{-(v / v_s)^2} \right) \mathrm{sgn}\, v
+
+    at rate v, with the viscous coefficient :math:`\beta`, the Coulomb friction c and the static
+    friction s of :class:`Drive`, and 0 at rest, where friction takes any value up to s.
 
     Parameters
     ----------
@@ -62,6 +63,11 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         qd is not an array of n finite real numbers, or of rows of them.
+
+    See Also
+    --------
+    inverse_dynamics : what it is added to.
+    dissipation : the function whose derivative it is.
 
     References
     ----------

@@ -33,10 +33,32 @@ def inverse_dynamics(
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
 ) -> Array:
-    """Compute the joint torques that a motion takes, ``M(q) qdd + h(q, qd)``.
+    r"""Compute the joint torques that a motion takes, ``M(q) qdd + h(q, qd)``.
 
     Those of the rigid bodies and of the rotors, which add their inertia reflected to the joint, and
     nothing else of their motion.  Friction is added by :func:`friction_torque`.
+
+    Outward from a base that accelerates by :math:`-g`, for a revolute joint i at :math:`o_i` and
+    the mass centre :math:`c_i` of its link,
+
+    .. math::
+
+       \omega_i &= \omega_{i-1} + \dot q_i e_i, \\
+       \dot\omega_i &= \dot\omega_{i-1} + \omega_{i-1} \times \dot q_i e_i + \ddot q_i e_i, \\
+       \ddot c_i &= \ddot o_i + \dot\omega_i \times (c_i - o_i)
+       + \omega_i \times (\omega_i \times (c_i - o_i)),
+
+    and inward from the tip, with moments about :math:`o_i`,
+
+    .. math::
+
+       f_i &= f_{i+1} + m_i \ddot c_i, \\
+       n_i &= n_{i+1} + (o_{i+1} - o_i) \times f_{i+1} + (c_i - o_i) \times m_i \ddot c_i
+       + I_i \dot\omega_i + \omega_i \times I_i \omega_i, \\
+       \tau_i &= n_i \cdot e_i.
+
+    A prismatic joint leaves :math:`\omega` as it is, adds :math:`\ddot q_i e_i
+    + 2 \omega_i \times \dot q_i e_i` to the acceleration, and has :math:`\tau_i = f_i \cdot e_i`.
 
     Parameters
     ----------
@@ -70,9 +92,27 @@ def inverse_dynamics(
         An argument is not of finite real numbers of its shape, the result is not finite, or no
         body can have the numbers of one.
 
+    See Also
+    --------
+    inverse_dynamics_by_lagrange : from the energies.
+    inverse_dynamics_by_kane : by partial velocities.
+    inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
+    forward_dynamics : the inverse.
+    friction_torque : what is added for the drives' friction.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4, 7.5.2 and 7.7.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> arm = load_robot("planar3r")
+    >>> q, qd, qdd = [0.3, -0.7, 1.1], [0.5, -1.2, 2.0], [1.0, -0.5, 0.25]
+    >>> np.round(inverse_dynamics(arm, q, qd, qdd, gravity=[0.0, -9.81, 0.0]), 4)
+    array([53.0212, 16.0675,  2.3256])
     """
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     model, shape = dynamic_model(chain), q.shape
@@ -115,6 +155,25 @@ def bias_torque(
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    inverse_dynamics : with accelerations.
+    gravity_torque : at rest.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import bias_torque, coriolis_matrix, gravity_torque
+    >>> from robomech_ros.robots import load_robot
+    >>> arm, q, qd = load_robot("planar3r"), [0.3, -0.7, 1.1], [0.5, -1.2, 2.0]
+    >>> parts = coriolis_matrix(arm, q, qd) @ qd + gravity_torque(arm, q)
+    >>> np.allclose(bias_torque(arm, q, qd), parts)
+    True
     """
     q = as_joint_values(chain, q)
     return inverse_dynamics(
@@ -152,6 +211,24 @@ def gravity_torque(
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    bias_torque : in motion.
+    potential_energy : whose derivative this is.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.7.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import gravity_torque
+    >>> from robomech_ros.robots import load_robot
+    >>> arm = load_robot("planar3r")
+    >>> np.round(gravity_torque(arm, [0.3, -0.7, 1.1], gravity=[0.0, -9.81, 0.0]), 4)
+    array([47.3271, 14.5256,  1.8758])
     """
     q = as_joint_values(chain, q)
     model, shape = dynamic_model(chain), q.shape

@@ -17,7 +17,9 @@ _mass_one = direct(kernels.mass_matrix_one)
 
 
 def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
-    """Compute the mass matrix M, the generalised inertia: ``qd . M qd / 2`` is the kinetic energy.
+    r"""Compute the mass matrix M, the generalised inertia, which gives the kinetic energy.
+
+    .. math:: T = \tfrac12\, \dot q^T M(q)\, \dot q
 
     Parameters
     ----------
@@ -37,10 +39,26 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
 
+    See Also
+    --------
+    coriolis_matrix : the matrix that goes with it.
+    kinetic_energy : the sum itself.
+    natural_orthogonal_complement : M as the product ``T^T M T``.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5; Walker, Orin, ASME J.
     Dynamic Systems, Measurement and Control 104, 1982.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import mass_matrix
+    >>> from robomech_ros.robots import load_robot
+    >>> np.round(mass_matrix(load_robot("planar3r"), [0.3, -0.7, 1.1]), 3)
+    array([[6.994, 2.526, 0.404],
+           [2.526, 1.225, 0.174],
+           [0.404, 0.174, 0.083]])
     """
     q = as_joint_values(chain, q)
     model, n = dynamic_model(chain), chain.n
@@ -58,10 +76,16 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
 
 
 def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
-    """Compute the matrix C of the Coriolis and centrifugal torques ``C qd``.
+    r"""Compute the matrix C of the Coriolis and centrifugal torques ``C qd``.
 
     Of the many with this product it is the one by Christoffel's symbols, with which the rate of the
     mass matrix less 2 C is skew.
+
+    .. math::
+
+       C_{ij} = \frac12 \sum_k \left( \frac{\partial M_{ij}}{\partial q_k}
+       + \frac{\partial M_{ik}}{\partial q_j} - \frac{\partial M_{jk}}{\partial q_i} \right)
+       \dot q_k
 
     Parameters
     ----------
@@ -80,6 +104,11 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    mass_matrix : what it is made of.
+    christoffel_symbols : the coefficients.
 
     References
     ----------

@@ -82,7 +82,15 @@ def inverse_dynamics_by_kane(
     gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
-    """Compute the torques with which Kane's equations hold.
+    r"""Compute the torques with which Kane's equations hold.
+
+    For each joint j, with all wrenches on the bodies that work,
+
+    .. math::
+
+       \sum_i \left[ \frac{\partial \omega_i}{\partial \dot q_j} \cdot
+       (n_i - I_i \dot\omega_i - \omega_i \times I_i \omega_i)
+       + \frac{\partial \dot c_i}{\partial \dot q_j} \cdot (f_i - m_i \ddot c_i) \right] = 0.
 
     Parameters
     ----------
@@ -107,6 +115,29 @@ def inverse_dynamics_by_kane(
         Arguments that are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
+
+    See Also
+    --------
+    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics_by_lagrange : from the energies.
+    inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
+    partial_velocities : the derivatives.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import inverse_dynamics_by_kane
+    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
+    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> np.allclose(inverse_dynamics_by_kane(puma, q, qd, qdd), expected)
+    True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     steps = _steps(chain, q)
@@ -145,6 +176,11 @@ def forward_dynamics_by_kane(
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`inverse_dynamics_by_kane`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    inverse_dynamics_by_kane : the inverse.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     steps = _steps(chain, q)

@@ -100,7 +100,15 @@ def inverse_dynamics_by_lagrange(
     gravity: ArrayLike = GRAVITY,
     tip_wrench: ArrayLike = _NO_WRENCH,
 ) -> Array:
-    """Compute torques from the energies: ``d/dt dT/dqd - dT/dq + dV/dq + dDelta/dqd``.
+    r"""Compute torques from the energies, by the Euler-Lagrange equations.
+
+    .. math::
+
+       \tau = \frac{d}{dt} \frac{\partial T}{\partial \dot q} - \frac{\partial T}{\partial q}
+       + \frac{\partial V}{\partial q} + \frac{\partial \Delta}{\partial \dot q}
+
+    with the kinetic and potential energies T and V and the dissipation function
+    :math:`\Delta`.
 
     Parameters
     ----------
@@ -125,6 +133,28 @@ def inverse_dynamics_by_lagrange(
         Arguments that are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
+
+    See Also
+    --------
+    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics_by_kane : by partial velocities.
+    inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import inverse_dynamics_by_lagrange
+    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
+    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> np.allclose(inverse_dynamics_by_lagrange(puma, q, qd, qdd), expected)
+    True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     derivatives = _derivatives(chain, q)
@@ -160,6 +190,11 @@ def forward_dynamics_by_lagrange(
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`inverse_dynamics_by_lagrange`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    inverse_dynamics_by_lagrange : the inverse.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)

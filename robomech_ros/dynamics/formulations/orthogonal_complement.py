@@ -182,7 +182,26 @@ def natural_orthogonal_complement(
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
 ) -> OrthogonalComplement:
-    """Form the matrices of a chain in motion.
+    r"""Form the matrices of a chain in motion.
+
+    The twists :math:`t_i = [\omega_i; \dot c_i]` of the bodies, stacked to t, obey the constraints
+    :math:`K t = 0` of the joints and are shaped by the joint rates:
+
+    .. math::
+
+       t = T \dot q, \qquad K T = 0, \qquad
+       t_{ij} = \begin{bmatrix} e_j \\ e_j \times (c_i - o_j) \end{bmatrix} \text{ or }
+       \begin{bmatrix} 0 \\ e_j \end{bmatrix}, \quad j \le i,
+
+    for a revolute and a prismatic joint j.  Wrenches that keep the constraints drop out of
+    :math:`T^T w`, which leaves
+
+    .. math::
+
+       I \ddot q + C \dot q = T^T w, \qquad I = T^T M T, \qquad C = T^T M \dot T + T^T W M T
+
+    with :math:`M = \mathrm{diag}(I_i, m_i 1)` and :math:`W = \mathrm{diag}(\Omega_i, 0)` of all
+    bodies, and the wrenches w of drives, weights and load.
 
     Parameters
     ----------
@@ -200,6 +219,29 @@ def natural_orthogonal_complement(
         Arguments that are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
+
+    See Also
+    --------
+    OrthogonalComplement : the names of the matrices.
+    inverse_dynamics_by_orthogonal_complement : the torques.
+    forward_dynamics_by_cholesky, forward_dynamics_by_reflections
+    planar_orthogonal_complement : of planar arms.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5, 7.5.1 and 7.5.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import mass_matrix, natural_orthogonal_complement
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> model = natural_orthogonal_complement(puma, puma.midrange(), np.ones(6))
+    >>> model.K.shape, model.T.shape, np.allclose(model.K @ model.T, 0.0)
+    ((36, 36), (36, 6), True)
+    >>> np.allclose(model.generalised_inertia, mass_matrix(puma, puma.midrange()))
+    True
     """
     q, qd = finite_states(chain, q=q, qd=qd)
     t_0 = as_vector("base_twist", base_twist, 6)
@@ -262,6 +304,29 @@ def inverse_dynamics_by_orthogonal_complement(
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics_by_lagrange : from the energies.
+    inverse_dynamics_by_kane : by partial velocities.
+    natural_orthogonal_complement : the matrices and the formulas.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import inverse_dynamics_by_orthogonal_complement
+    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
+    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> np.allclose(inverse_dynamics_by_orthogonal_complement(puma, q, qd, qdd), expected)
+    True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
@@ -282,7 +347,9 @@ def forward_dynamics_by_cholesky(
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
 ) -> Array:
-    """Compute joint accelerations by the Cholesky factors of the generalised inertia.
+    r"""Compute joint accelerations by the Cholesky factors of the generalised inertia.
+
+    .. math:: I = L L^T, \qquad L x = \tau - \bar\tau, \qquad L^T \ddot q = x
 
     Parameters
     ----------
@@ -300,6 +367,16 @@ def forward_dynamics_by_cholesky(
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    forward_dynamics_by_reflections : better conditioned.
+    natural_orthogonal_complement : the matrices.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
@@ -321,10 +398,11 @@ def forward_dynamics_by_reflections(
     base_twist: ArrayLike = _AT_REST,
     base_twist_rate: ArrayLike = _AT_REST,
 ) -> Array:
-    """Compute joint accelerations without the generalised inertia, whose condition is squared.
+    r"""Compute joint accelerations without the generalised inertia, whose condition is squared.
 
-    With ``M = H^T H`` and ``P = H T`` it is ``P^T P``; Householder's reflections make of P the
-    upper triangle U with ``U^T U = P^T P``.  A rotor is one more row of P.
+    .. math:: M = H^T H, \qquad P = H T, \qquad I = P^T P = U^T U
+
+    with the upper triangle U that Householder's reflections make of P.  A rotor is one more row.
 
     Parameters
     ----------
@@ -340,6 +418,16 @@ def forward_dynamics_by_reflections(
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    forward_dynamics_by_cholesky : from the generalised inertia itself.
+    natural_orthogonal_complement : the matrices.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.
     """
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}

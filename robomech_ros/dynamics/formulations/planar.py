@@ -81,6 +81,14 @@ def planar_orthogonal_complement(
         The arm is not planar, or arguments are no finite numbers of these shapes.
     MissingInertiaError
         Of some joints nothing is known that moves with them.
+
+    See Also
+    --------
+    natural_orthogonal_complement : of any arm.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.1.
     """
     plane = planar_rows(chain)
     model = natural_orthogonal_complement(chain, q, qd)

@@ -207,10 +207,25 @@ def simulate(
         As for :func:`forward_dynamics`, for the start; or a number or a function is not what it
         has to be.  Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
 
+    See Also
+    --------
+    forward_dynamics : the accelerations.
+    power_balance : where the power goes.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.3; Hairer, Lubich,
     Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, section II.1, for the rule.
+
+    Examples
+    --------
+    >>> from robomech_ros.dynamics import simulate
+    >>> from robomech_ros.robots import load_robot
+    >>> arm = load_robot("planar3r")
+    >>> down = [0.0, -9.81, 0.0]
+    >>> run = simulate(arm, [0.3, -0.7, 1.1], [0.0, 0.0, 0.0], None, 0.5, gravity=down)
+    >>> round(float(run.t[-1]), 6), run.reason, run.drift < 1e-4
+    (0.5, 'finished', True)
     """
     q, qd = _start(chain, q0, "q0"), _start(chain, qd0, "qd0")
     duration = positive_number("duration", duration)
