@@ -20,9 +20,17 @@ _RANK = 1e-13
 
 
 def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
-    """Minimise ``|A x - b|`` for a matrix with at least as many rows as columns.
+    r"""Minimise ``|A x - b|`` for a matrix with at least as many rows as columns.
 
     The normal equations, which square the condition number, are not formed.
+
+    Householder's reflections :math:`H_i = 1 - u u^T / \beta` make A an upper triangle:
+
+    .. math::
+
+       H A = \begin{bmatrix} U \\ 0 \end{bmatrix}, \qquad
+       H b = \begin{bmatrix} b_U \\ b_L \end{bmatrix}, \qquad U x = b_U, \qquad
+       |A x - b| = |b_L|
 
     Parameters
     ----------
@@ -42,6 +50,22 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
         Shapes that do not fit, or values that are not finite.
     BadValueError
         Not real numbers, or the columns depend on each other.
+
+    See Also
+    --------
+    minimum_norm : fewer equations than unknowns.
+    newton_gauss : nonlinear equations.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.1.
+
+    Examples
+    --------
+    >>> from robomech_ros.numerics import least_squares
+    >>> x, error = least_squares([[1, 2], [3, 4], [5, 6], [7, 9]], [1, 0, 2, -1])
+    >>> x.round(6), round(error, 6)
+    (array([ 0.220339, -0.135593]), 2.407615)
     """
     A, b = _checked(A, b)
     m, n = A.shape
@@ -53,7 +77,12 @@ def least_squares(A: ArrayLike, b: ArrayLike) -> tuple[Array, float]:
 
 
 def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
-    """Find the shortest x with ``A x = b`` for a matrix with at most as many rows as columns.
+    r"""Find the shortest x with ``A x = b`` for a matrix with at most as many rows as columns.
+
+    .. math::
+
+       H A^T = \begin{bmatrix} U \\ 0 \end{bmatrix}, \qquad U^T y = b, \qquad
+       x = H^T \begin{bmatrix} y \\ 0 \end{bmatrix}
 
     Parameters
     ----------
@@ -71,6 +100,20 @@ def minimum_norm(A: ArrayLike, b: ArrayLike) -> Array:
         Shapes that do not fit, or values that are not finite.
     BadValueError
         Not real numbers, or the rows depend on each other.
+
+    See Also
+    --------
+    least_squares : more equations than unknowns.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.2.
+
+    Examples
+    --------
+    >>> from robomech_ros.numerics import minimum_norm
+    >>> minimum_norm([[1.0, 1.0, 1.0]], [3.0]).round(6)
+    array([1., 1., 1.])
     """
     A, b = _checked(A, b)
     m, n = A.shape

@@ -60,7 +60,12 @@ def newton_raphson(
     tolerance: float = 1e-12,
     iterations: int = 50,
 ) -> Iteration:
-    """Solve as many equations as unknowns; near a regular root the error is squared by each step.
+    r"""Solve as many equations as unknowns; near a regular root the error is squared by each step.
+
+    .. math:: \Phi(x_k)\, \Delta x_k = -f(x_k), \qquad x_{k+1} = x_k + \Delta x_k
+
+    with the derivative :math:`\Phi = \partial f / \partial x`; a step is halved until the error is
+    less.
 
     Parameters
     ----------
@@ -85,6 +90,21 @@ def newton_raphson(
         The residual is not as long as x, or x is not finite.
     BadValueError
         What should be numbers is none, or the derivative is singular at a point met.
+
+    See Also
+    --------
+    newton_gauss : more equations than unknowns.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.3.
+
+    Examples
+    --------
+    >>> from robomech_ros.numerics import newton_raphson
+    >>> end = newton_raphson(lambda x: x**2 - 2.0, lambda x: [[2.0 * x[0]]], [1.0])
+    >>> end.x.round(12), end.converged
+    (array([1.41421356]), True)
     """
     start = _start(x)
     size = real_array("f(x)", f(start)).shape
@@ -101,11 +121,16 @@ def newton_gauss(
     tolerance: float = 1e-12,
     iterations: int = 200,
 ) -> Iteration:
-    """Minimise ``|f(x)|`` for at least as many equations as unknowns.
+    r"""Minimise ``|f(x)|`` for at least as many equations as unknowns.
 
     Each step solves the linearised equations by least squares and is halved until the error is
     less.  It ends where the step vanishes, which is where the residual is normal to the columns of
     the derivative, ``jacobian^T f = 0`` (appendix B.4.2); f itself need not vanish.
+
+    .. math::
+
+       \Delta x_k = \arg\min_{\Delta x} |\Phi(x_k)\, \Delta x + f(x_k)|, \qquad
+       x_{k+1} = x_k + \Delta x_k, \qquad \Phi^T f \to 0
 
     Parameters
     ----------
@@ -131,6 +156,26 @@ def newton_gauss(
     BadValueError
         What should be numbers is none, or the columns of the derivative depend on each other at a
         point met.
+
+    See Also
+    --------
+    newton_raphson : as many equations as unknowns.
+    least_squares : the linear problem of a step.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., appendix B.4.
+
+    Examples
+    --------
+    >>> from robomech_ros.numerics import newton_gauss
+    >>> def f(x):
+    ...     return [x[0] ** 2 + x[1] ** 2 - 4.0, x[0] * x[1] - 1.0, x[0] - x[1] - 1.3]
+    >>> def slope(x):
+    ...     return [[2.0 * x[0], 2.0 * x[1]], [x[1], x[0]], [1.0, -1.0]]
+    >>> end = newton_gauss(f, slope, [2.0, 0.5])
+    >>> end.x.round(6), end.converged
+    (array([1.916914, 0.547951]), True)
     """
     point = _start(x)
     if real_number("tolerance", tolerance, _POSITIVE) <= 0.0 or not np.isfinite(tolerance):
