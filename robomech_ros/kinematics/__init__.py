@@ -23,15 +23,17 @@ if TYPE_CHECKING:
         self_motion,
     )
     from robomech_ros.kinematics.inverse.status import Status
-    from robomech_ros.kinematics.pose_following import Jump, TrackResult, track
+    from robomech_ros.kinematics.joint_jumps import Jump
+    from robomech_ros.kinematics.path_branches import BranchPath, branch_path
 
 __all__ = [
+    "BranchPath",
     "InverseKinematicsResult",
     "Jump",
     "SelfMotion",
     "SelfMotionBranch",
     "Status",
-    "TrackResult",
+    "branch_path",
     "forward_kinematics",
     "inverse_kinematics",
     "inverse_kinematics_batch",
@@ -39,12 +41,11 @@ __all__ = [
     "optimal_posture",
     "self_motion",
     "tip_poses",
-    "track",
 ]
 
 _MODULES = {
     "InverseKinematicsResult": "inverse.result",
-    "Jump": "pose_following",
+    "Jump": "joint_jumps",
     "SelfMotion": "inverse.self_motion",
     "SelfMotionBranch": "inverse.self_motion",
     "Status": "inverse.status",
@@ -54,9 +55,9 @@ _MODULES = {
     "link_poses": "forward",
     "optimal_posture": "inverse.optimal_posture",
     "self_motion": "inverse.self_motion",
-    "TrackResult": "pose_following",
     "tip_poses": "forward_uncompiled",
-    "track": "pose_following",
+    "branch_path": "path_branches",
+    "BranchPath": "path_branches",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

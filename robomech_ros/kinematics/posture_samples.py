@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["low_discrepancy_strides", "reach_bound", "spread_postures"]
+__all__ = ["low_discrepancy_strides", "reach_bound", "sample_postures"]
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def low_discrepancy_strides(n: int) -> Array:
     return (root ** -np.arange(1.0, n + 1)) % 1.0
 
 
-def spread_postures(chain: SerialChain, count: int) -> Array:
+def sample_postures(chain: SerialChain, count: int) -> Array:
     """Spread postures evenly over what the joints can take, the one in its middle first.
 
     Joints that can turn around are spread over a whole turn, slides with an open end over 2 m at

@@ -17,7 +17,8 @@ from robomech_ros.kinematics import (
     inverse_kinematics,
     inverse_kinematics_batch,
 )
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data, iterative_search
+from robomech_ros.kinematics.inverse.families.iterative import iterative_data
+from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 
 ARMS = ("puma560", "ur5e")

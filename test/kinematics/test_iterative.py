@@ -7,14 +7,13 @@ import pytest
 
 from robomech_ros._kernels.inverse.iterative import layout as iterative_layout
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.inverse.families.iterative import (
-    FULL_TASK,
-    iterative_data,
+from robomech_ros.kinematics.inverse.families.iterative import iterative_data, task_data
+from robomech_ros.kinematics.inverse.iterative_search import (
     iterative_search,
     least_orientation_error,
-    task_data,
 )
 from robomech_ros.kinematics.inverse.reach import reach_gap
+from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots import chain_from_dh, load_robot
 
 REACHABLE = 1000

@@ -14,7 +14,7 @@ from robomech_ros.kinematics import (
 )
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.self_motion import Tracer
+from robomech_ros.kinematics.inverse.redundancy import Redundancy
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2
@@ -157,8 +157,8 @@ def test_a_square_posture_is_among_those_at_its_parameter(name, apart):
     """Nothing but the value of the parameter is told, and nothing is lost where postures merge."""
     chain = make(name)
     for q in np.random.default_rng(11).integers(-1, 3, (200, 7)) * HALF:
-        tracer = Tracer(chain, forward_kinematics(chain, q))
-        found = tracer.at(tracer.parameter(q))
+        redundancy = Redundancy(chain, forward_kinematics(chain, q))
+        found = redundancy.at(redundancy.parameter(q))
         assert len(found) and apart(chain, found, q).min() < 2e-2, q
 
 
@@ -226,7 +226,7 @@ def test_postures_with_the_joint_locked_are_all_there_are(search_everywhere, apa
         held = chain_of(np.concatenate((C[:6], [C[6] @ turn @ C[7]])), [0] * 6)
         T = forward_kinematics(chain, posture)
         (oracle,) = search_everywhere(held, T[None], seed=k)
-        found = Tracer(chain, T).at(posture[6])
+        found = Redundancy(chain, T).at(posture[6])
         assert len(found) == len(oracle)
         for one in oracle:
             assert apart(held, found[:, :6], one).min() < 1e-6

@@ -6,11 +6,11 @@ import pytest
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import (
     Status,
+    branch_path,
     forward_kinematics,
     inverse_kinematics,
     optimal_posture,
     self_motion,
-    track,
 )
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -183,7 +183,7 @@ def test_a_redundant_arm_of_which_no_six_joints_move_in_all_directions():
         self_motion(chain, T)
 
 
-@pytest.mark.parametrize("function", [self_motion, track])
+@pytest.mark.parametrize("function", [self_motion, branch_path])
 def test_what_is_no_chain_is_named(function):
     with pytest.raises(BadValueError, match="chain is None, expected a SerialChain"):
         function(None, np.eye(4))

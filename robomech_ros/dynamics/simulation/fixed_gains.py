@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics.matrices import mass_matrix
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.posture_samples import spread_postures
+from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["felt_inertias"]
@@ -61,7 +61,7 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
         There is a motion that nothing resists.
     """
     count = min(_POSTURES, _MOST_ENTRIES // chain.n**2)
-    inertia = mass_matrix(chain, spread_postures(chain, count))
+    inertia = mass_matrix(chain, sample_postures(chain, count))
     if np.linalg.matrix_rank(inertia, hermitian=True).min() < chain.n:
         expected = "bodies or rotors that resist every motion of it"
         raise BadValueError("least inertia of the chain", 0.0, expected)

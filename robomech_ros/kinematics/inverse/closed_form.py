@@ -14,8 +14,8 @@ from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reasons import (
     describe_continuum,
     explain_limits,
-    explain_nothing,
-    nothing,
+    explain_unreachable,
+    no_solution,
 )
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import (
@@ -109,8 +109,8 @@ def _explained(
         return explain_limits(chain, T, q, family, continuum=singular, proven=proven)
     if unproven:
         reason = "the pose is degenerate: no posture was found, which proves nothing"
-        return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
-    return explain_nothing(chain, T, family)
+        return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
+    return explain_unreachable(chain, T, family)
 
 
 def rank_windings(

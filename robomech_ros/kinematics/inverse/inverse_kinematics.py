@@ -9,12 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros._kernels.tolerances import MOST_SAMPLED
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
-from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, iterative_data
+from robomech_ros.kinematics.inverse.families.iterative import iterative_data
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
-from robomech_ros.kinematics.inverse.iterative_search import solve_by_search
-from robomech_ros.kinematics.inverse.least_squares import with_nearest
+from robomech_ros.kinematics.inverse.least_squares import add_nearest
 from robomech_ros.kinematics.inverse.reach import out_of_reach
-from robomech_ros.kinematics.inverse.redundant_solutions import sample_many, solve_sampled
+from robomech_ros.kinematics.inverse.redundant_solutions import (
+    sample_self_motions,
+    solve_by_sampling,
+)
 from robomech_ros.kinematics.inverse.request import (
     Request,
     as_cap,
@@ -25,8 +27,10 @@ from robomech_ros.kinematics.inverse.request import (
     with_task,
 )
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.solve_by_search import solve_by_search
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_target, as_targets
+from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["family_within", "inverse_kinematics", "inverse_kinematics_batch", "solve_many"]
@@ -145,7 +149,7 @@ def inverse_kinematics(
             result = near if len(near) else result
     else:
         result = _sampled_or_searched(chain, as_targets(given)[0], request, family, started)
-    return with_nearest(chain, result.target, request, result, started)
+    return add_nearest(chain, result.target, request, result, started)
 
 
 def _sampled_or_searched(
@@ -153,7 +157,7 @@ def _sampled_or_searched(
 ) -> InverseKinematicsResult:
     """Solve a request of which the solutions are a continuum, or cannot be listed."""
     if family.redundant and request.task == FULL_TASK:
-        sampled = solve_sampled(chain, T, request, family)
+        sampled = solve_by_sampling(chain, T, request, family)
         if sampled is not None:
             return sampled
     return solve_by_search(chain, T, request, started)
@@ -219,7 +223,9 @@ def inverse_kinematics_batch(
     family = family_of(chain)
     if family.redundant:
         room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
-        q, count, _, _ = sample_many(chain, targets, family, start, number, respect_limits, room)
+        q, count, _, _ = sample_self_motions(
+            chain, targets, family, start, number, respect_limits, room
+        )
     else:
         family = family_within(chain, respect_limits)
         room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)

@@ -1,172 +1,147 @@
-"""Solutions by iteration: chains without a closed form, partial tasks, loose tolerances."""
+"""Searching for solutions from many starts, and for the least orientation error, in time."""
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.inverse.ranking import rank
-from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.closed_form import rank_windings
-from robomech_ros.kinematics.inverse.families.iterative import (
-    IterativeSearch,
-    iterative_search,
-    task_data,
+from robomech_ros._kernels.inverse.iterative import layout as at
+from robomech_ros._kernels.inverse.iterative.solutions import search
+from robomech_ros._kernels.tolerances import (
+    REACH_ATTEMPT_ITERATIONS,
+    REACH_ATTEMPTS,
+    REACH_LAST_ITERATIONS,
+    REACH_POSITION_WEIGHT,
 )
-from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
-from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
-from robomech_ros.kinematics.inverse.reasons import (
-    NO_GAP,
-    explain_limits,
-    nothing,
-    reach_outcome,
-)
-from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.virtual_joints import search_by_completion
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.kinematics.inverse.families.iterative import MAX_SOLUTIONS
 
-__all__ = ["solve_by_search"]
+__all__ = [
+    "IterativeSearch",
+    "attempts_between_looks",
+    "iterative_search",
+    "least_orientation_error",
+]
 
 Array = NDArray[np.float64]
 
+# Attempts between two looks at the clock: at most so many, some 0.5 ms for ten joints, and of more
+# than 25 joints so many over their square, since the work of an attempt grows like its cube.
+_CHUNK = 8
+_CHUNK_OF_MANY = 5000
 
-def solve_by_search(
-    chain: SerialChain, T: Array, request: Request, started: float | None = None
-) -> InverseKinematicsResult:
-    """Search for solutions of the pose T (4, 4), or explain why none was found.
 
-    The timeout of the request counts from ``started`` by ``time.monotonic``, or from now.
+@dataclass(frozen=True, eq=False)
+class IterativeSearch:
+    """What a search found.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        Distinct solutions in the order of their discovery: that from the seed first.
+    best : ndarray, shape (n,)
+        The attempt with the least error, a solution or not.
+    position_error, orientation_error : float
+        Its errors (m, rad) in the components of the task.
+    attempts : int
+        Starts tried.
+    timed_out : bool
+        Whether the time ran out before the search was over.
     """
-    started = time.monotonic() if started is None else started
-    data, target = _task_data(chain, T, request, request.respect_limits)
-    family = iterative_family(chain, data)
-    listed = search_by_completion(chain, T, request)
-    if listed is not None:
-        return _ranked(chain, T, request, replace(family, name="short"), *listed)
-    search = iterative_search(data, target, request.seed, timeout=_left(request, started))
-    if len(search.q):
-        return _ranked(chain, T, request, family, search, False)
-    if search.timed_out:
-        reason = f"no solution within {request.timeout:g} s; {_best(search)}"
-        return nothing(chain, T, family, Status.TIMED_OUT, reason)
-    if request.respect_limits:
-        data, target = _task_data(chain, T, request, False)
-        beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
-        if len(beyond.q):
-            return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
-    deadline = math.inf if request.timeout is None else started + request.timeout
-    return _explained(chain, T, request, family, search, deadline)
+
+    q: Array
+    best: Array
+    position_error: float
+    orientation_error: float
+    attempts: int
+    timed_out: bool
 
 
-def _left(request: Request, started: float) -> float | None:
-    """Give the time (s) that is left; None without a timeout."""
-    if request.timeout is None:
-        return None
-    return max(0.0, request.timeout - (time.monotonic() - started))
+def iterative_search(
+    data: Array, T: Array, seed: Array, *, timeout: float | None = None
+) -> IterativeSearch:
+    """Search from the seed and from evenly spread starts, as long as the time allows.
 
+    Parameters
+    ----------
+    data : ndarray
+        From :func:`iterative_data`.
+    T : ndarray, shape (4, 4)
+        Pose of the tip in the base (m).
+    seed : ndarray, shape (n,)
+        First start (rad or m).
+    timeout : float, optional
+        Time (s) after which to stop between attempts; at least a first few are made.
 
-def _task_data(
-    chain: SerialChain, T: Array, request: Request, respect_limits: bool
-) -> tuple[Array, Array]:
-    """Give the constants of the search and its target."""
-    redundant = chain.n > sum(request.task)
-    return task_data(
-        chain,
-        T,
-        task=request.task,
-        respect_limits=respect_limits,
-        position_tolerance=request.position_tolerance,
-        orientation_tolerance=request.orientation_tolerance,
-        wanted=1 if redundant and request.max_solutions == 1 else None,
+    Returns
+    -------
+    IterativeSearch
+        The same for the same arguments, unless the time ran out.
+    """
+    n = int(data[at.JOINTS])
+    restarts = int(data[at.RESTARTS])
+    q = np.empty((MAX_SOLUTIONS, n))
+    state = np.zeros(at.BEST_Q + n + MAX_SOLUTIONS)
+    state[at.BEST_SCORE] = np.inf
+    deadline = None if timeout is None else time.monotonic() + timeout
+    chunk = restarts if deadline is None else attempts_between_looks(n)
+    found = 0
+    done = 0
+    timed_out = False
+    while done < restarts:
+        count = min(chunk, restarts - done)
+        found = search(data, T, seed, done, count, q, found, state)
+        done += count
+        if found >= data[at.WANTED] or (found and state[at.IDLE] >= data[at.PATIENCE]):
+            break
+        if deadline is not None and time.monotonic() >= deadline:
+            timed_out = done < restarts
+            break
+    return IterativeSearch(
+        q=q[:found].copy(),
+        best=state[at.BEST_Q : at.BEST_Q + n].copy(),
+        position_error=float(state[at.BEST_POSITION]),
+        orientation_error=float(state[at.BEST_ORIENTATION]),
+        attempts=done,
+        timed_out=timed_out,
     )
 
 
-def _ranked(
-    chain: SerialChain,
-    T: Array,
-    request: Request,
-    family: Family,
-    search: IterativeSearch,
-    complete: bool,
-) -> InverseKinematicsResult:
-    """Order the solutions that a search has found, perhaps all there are."""
-    ranked = np.empty((MAX_SOLUTIONS, chain.n))
-    names = np.zeros(MAX_SOLUTIONS, np.int64)
-    distances = np.empty(MAX_SOLUTIONS)
-    count = rank(
-        family.turns,
-        chain.lower,
-        chain.upper,
-        request.seed,
-        request.metric,
-        request.respect_limits,
-        False,
-        search.q,
-        names,
-        ranked,
-        names.copy(),
-        distances,
-    )
-    ranked, names, distances = ranked[:count], names[:count], distances[:count]
-    if request.include_windings:
-        ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
-    kept = slice(request.max_solutions)
-    verdict = Verdict(
-        family.name, complete, Status.SUCCESS, _reason(chain, request, search), task=request.task
-    )
-    listing = Listing(T, distances[kept], names[kept])
-    return InverseKinematicsResult(chain, ranked[kept], verdict, listing)
+def attempts_between_looks(n: int) -> int:
+    """Give how many attempts at a chain of n joints are made between two looks at the clock."""
+    return max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
 
 
-def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:
-    """Say what the solutions that were found are not."""
-    parts = []
-    if chain.n > sum(request.task):
-        parts.append(
-            f"{chain.n} joints for {_conditions(request)}: the solutions form a continuum, "
-            "of which these are samples"
-        )
-    if search.timed_out:
-        parts.append(
-            f"the search was cut short after {request.timeout:g} s and {search.attempts} starts: "
-            "there may be more solutions, and nearer ones"
-        )
-    return "; ".join(parts)
+def least_orientation_error(
+    data: Array, T: Array, start: Array, deadline: float = math.inf
+) -> float:
+    """Minimise the orientation error over the postures that put the tip at T's position.
 
+    Parameters
+    ----------
+    data : ndarray
+        From :func:`task_data`, for one solution and without limits.
+    T : ndarray, shape (4, 4)
+        The target from there (m); its position must be in reach.
+    start : ndarray, shape (n,)
+        A posture that reaches the position.
+    deadline : float
+        When to give up, by ``time.monotonic`` (s).
 
-def _explained(
-    chain: SerialChain,
-    T: Array,
-    request: Request,
-    family: Family,
-    search: IterativeSearch,
-    deadline: float,
-) -> InverseKinematicsResult:
-    """Say of a search without success how far the target is out of reach, if it is."""
-    late = time.monotonic() >= deadline
-    gap = NO_TIME if late else reach_gap(chain, T, request.task, deadline)
-    if math.isnan(gap.distance):
-        reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
-        return nothing(chain, T, family, Status.TIMED_OUT, reason)
-    least_angle = max(NO_GAP, request.orientation_tolerance)
-    if gap.distance > request.position_tolerance or gap.orientation_error > least_angle:
-        status, reason = reach_outcome(chain, T, gap, request.task)
-        return nothing(chain, T, family, status, reason)
-    reason = f"no solution after {search.attempts} starts; {_best(search)}"
-    return nothing(chain, T, family, Status.NOT_CONVERGED, reason)
-
-
-def _conditions(request: Request) -> str:
-    count = sum(request.task)
-    return "1 condition" if count == 1 else f"{count} conditions"
-
-
-def _best(search: IterativeSearch) -> str:
-    return (
-        f"the best posture found misses by {search.position_error:.6g} m "
-        f"and {search.orientation_error:.6g} rad"
-    )
+    Returns
+    -------
+    float
+        The angle (rad), of the components that the task counts; NaN where the time ran out.
+    """
+    data = data.copy()
+    data[at.UNIT] *= REACH_POSITION_WEIGHT
+    data[at.POSITION_TOLERANCE] = data[at.ORIENTATION_TOLERANCE] = 1e-7
+    data[at.ITERATIONS], data[at.RESTARTS] = REACH_ATTEMPT_ITERATIONS, REACH_ATTEMPTS
+    data[at.STALL] = 1.0 - 1e-7
+    left = None if deadline == math.inf else deadline - time.monotonic()
+    rough = iterative_search(data, T, start, timeout=left)
+    if rough.timed_out:
+        return math.nan
+    data[at.ITERATIONS], data[at.RESTARTS] = REACH_LAST_ITERATIONS, 1
+    return iterative_search(data, T, rough.best).orientation_error

@@ -12,13 +12,14 @@ from robomech_ros._kernels.tolerances import (
     LEAST_SQUARES_STALL,
     LEAST_SQUARES_STARTS,
 )
-from robomech_ros.kinematics.inverse.families.iterative import iterative_search, task_data
+from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["with_nearest"]
+__all__ = ["add_nearest"]
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ _HOPELESS = (Status.OUT_OF_REACH, Status.ORIENTATION_UNREACHABLE, Status.NOT_CON
 _NEVER = 1e-15
 
 
-def with_nearest(
+def add_nearest(
     chain: SerialChain, T: Array, request: Request, result: InverseKinematicsResult, started: float
 ) -> InverseKinematicsResult:
     """Add the posture nearest to the pose to a result without solutions.

@@ -11,13 +11,9 @@ from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_PO
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
+from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
-from robomech_ros.kinematics.inverse.self_motion import (
-    SelfMotionBranch,
-    Tracer,
-    margins,
-    self_motion,
-)
+from robomech_ros.kinematics.inverse.self_motion import SelfMotionBranch, self_motion
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
@@ -38,7 +34,7 @@ def _manipulability(chain: SerialChain, q: Array) -> Array:
     return out[:, MANIPULABILITY]
 
 
-CRITERIA: dict[str, Criterion] = {"limit_margin": margins, "manipulability": _manipulability}
+CRITERIA: dict[str, Criterion] = {"limit_margin": limit_margins, "manipulability": _manipulability}
 
 
 def optimal_posture(
@@ -77,11 +73,11 @@ def optimal_posture(
     if criterion == "limit_margin" and np.isinf(chain.upper - chain.lower).all():
         raise BadValueError("criterion", criterion, "a chain with a joint that has two limits")
     motion = self_motion(chain, T)
-    tracer = Tracer(chain, motion.target)
+    redundancy = Redundancy(chain, motion.target)
     value = CRITERIA[criterion]
     starts = [start for branch in motion.branches for start in _starts(branch, chain, value)]
     starts.sort(key=lambda start: -start[0])
-    found = [_refined(tracer, value, *start) for start in starts[:BEST_STARTS]]
+    found = [_refined(redundancy, value, *start) for start in starts[:BEST_STARTS]]
     if not found:
         return inverse_kinematics(chain, T)
     worth, posture = max(found, key=lambda one: one[0])
@@ -106,7 +102,7 @@ def _starts(
     branch: SelfMotionBranch, chain: SerialChain, value: Criterion
 ) -> list[tuple[float, float, float, Array]]:
     """Give the peaks among a branch's samples: worth, neighbouring parameters, posture."""
-    inside = margins(chain, branch.q) >= 0.0
+    inside = limit_margins(chain, branch.q) >= 0.0
     if not inside.any():
         return []
     worth = np.where(inside, value(chain, branch.q), -np.inf)
@@ -121,17 +117,22 @@ def _starts(
 
 
 def _refined(
-    tracer: Tracer, value: Criterion, worth: float, low: float, high: float, posture: Array
+    redundancy: Redundancy,
+    value: Criterion,
+    worth: float,
+    low: float,
+    high: float,
+    posture: Array,
 ) -> tuple[float, Array]:
     """Climb to the top of a peak by golden sections, inside the limits."""
     best = (worth, posture)
 
     def climb(parameter: float) -> float:
         nonlocal best
-        q = tracer.near(parameter, best[1])
-        if q is None or margins(tracer.chain, q)[0] < 0.0:
+        q = redundancy.near(parameter, best[1])
+        if q is None or limit_margins(redundancy.chain, q)[0] < 0.0:
             return -np.inf
-        height = float(value(tracer.chain, q[None])[0])
+        height = float(value(redundancy.chain, q[None])[0])
         if height > best[0]:
             best = (height, q)
         return height

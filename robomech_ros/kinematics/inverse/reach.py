@@ -9,13 +9,9 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.reach import least_distance
 from robomech_ros._kernels.tolerances import REACH_ITERATIONS, REACH_STARTS, REACHED
-from robomech_ros.kinematics.inverse.families.iterative import (
-    FULL_TASK,
-    Task,
-    least_orientation_error,
-    packed_chain,
-    task_data,
-)
+from robomech_ros.kinematics.inverse.families.iterative import packed_chain, task_data
+from robomech_ros.kinematics.inverse.iterative_search import least_orientation_error
+from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 

@@ -7,7 +7,6 @@ from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
 from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
-from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, Task
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
 from robomech_ros.kinematics.inverse.result import (
@@ -17,16 +16,17 @@ from robomech_ros.kinematics.inverse.result import (
     Verdict,
 )
 from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
     "NO_GAP",
     "describe_continuum",
+    "describe_gap",
     "explain_limits",
-    "explain_nothing",
-    "nothing",
-    "reach_outcome",
+    "explain_unreachable",
+    "no_solution",
 ]
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ NO_GAP = 1e-6
 STILL = 1e-7
 
 
-def nothing(
+def no_solution(
     chain: SerialChain,
     T: Array,
     family: Family,
@@ -79,18 +79,18 @@ def explain_limits(
         status = Status.SINGULAR_CONTINUUM
         reason = f"a continuum of postures exists, none found inside the limits: {reason}"
     complete = proven and not continuum
-    return nothing(chain, T, family, status, reason, (joints, amounts), complete=complete)
+    return no_solution(chain, T, family, status, reason, (joints, amounts), complete=complete)
 
 
-def explain_nothing(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
+def explain_unreachable(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
     """Say how far the target is out of reach, or by how much its orientation is."""
-    status, reason = reach_outcome(chain, T, reach_gap(chain, T))
+    status, reason = describe_gap(chain, T, reach_gap(chain, T))
     missed = status is Status.ORIENTATION_UNREACHABLE and family.exact
     complete = status is Status.OUT_OF_REACH or missed
-    return nothing(chain, T, family, status, reason, complete=complete)
+    return no_solution(chain, T, family, status, reason, complete=complete)
 
 
-def reach_outcome(
+def describe_gap(
     chain: SerialChain, T: Array, gap: ReachGap, task: Task = FULL_TASK
 ) -> tuple[Status, str]:
     """Put a gap of reach into a status and words."""

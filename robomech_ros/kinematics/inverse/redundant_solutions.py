@@ -13,18 +13,18 @@ from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, List
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["parameter_name", "sample_many", "solve_sampled"]
+__all__ = ["parameter_name", "sample_self_motions", "solve_by_sampling"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def solve_sampled(
+def solve_by_sampling(
     chain: SerialChain, T: Array, request: Request, family: Family
 ) -> InverseKinematicsResult | None:
     """Sample the self-motion at the pose T (4, 4); None where no sample is inside the limits."""
     room = min(request.max_solutions or MOST_SAMPLED, MOST_SAMPLED)
-    ranked, counts, names, distances = sample_many(
+    ranked, counts, names, distances = sample_self_motions(
         chain, T[None], family, request.seed, request.metric, request.respect_limits, room
     )
     count = int(counts[0])
@@ -43,7 +43,7 @@ def solve_sampled(
     return InverseKinematicsResult(chain, q[kept], verdict, listing)
 
 
-def sample_many(
+def sample_self_motions(
     chain: SerialChain,
     T: Array,
     family: Family,

@@ -21,7 +21,7 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC

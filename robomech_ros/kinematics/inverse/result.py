@@ -14,11 +14,11 @@ from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.branches import branch_name
 from robomech_ros.kinematics.inverse.naming import distinct, named_branches
 from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
     "NO_EXCESS",
-    "WHOLE_POSE",
     "InverseKinematicsResult",
     "Listing",
     "Verdict",
@@ -27,7 +27,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-WHOLE_POSE = (True, True, True, True, True, True)
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
 
@@ -68,7 +67,7 @@ class Verdict:
     reason: str = ""
     blocking_joints: tuple[str, ...] = ()
     blocking_excess: Array = field(default_factory=lambda: NO_EXCESS)
-    task: tuple[bool, ...] = WHOLE_POSE
+    task: tuple[bool, ...] = FULL_TASK
     nearest: Array | None = None
 
 
@@ -217,7 +216,7 @@ class InverseKinematicsResult:
     @cached_property
     def _measured(self) -> Array:
         out = np.empty((4, len(self.q)))
-        weights = _WHOLE_WEIGHTS if self.task == WHOLE_POSE else np.roll(self.task, 3) * 1.0
+        weights = _WHOLE_WEIGHTS if self.task == FULL_TASK else np.roll(self.task, 3) * 1.0
         chain = self.chain
         measure(chain.packed, self.target, weights, chain.lower, chain.upper, self.q, out)
         return out

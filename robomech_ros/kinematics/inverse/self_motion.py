@@ -7,26 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.arm_angle import arm_angle, arm_angle_postures
-from robomech_ros._kernels.inverse.redundant.solutions import locked_postures
-from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
-from robomech_ros._kernels.tolerances import (
-    SELF_MOTION_APART,
-    SELF_MOTION_LEAST,
-    SELF_MOTION_NEAR,
-    SELF_MOTION_STEP,
-)
-from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.inverse.families.redundant import locked_anyway
-from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros._kernels.tolerances import SELF_MOTION_LEAST, SELF_MOTION_STEP
+from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
 from robomech_ros.kinematics.inverse.redundant_solutions import parameter_name
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["SelfMotion", "SelfMotionBranch", "margins", "self_motion"]
+__all__ = ["SelfMotion", "SelfMotionBranch", "self_motion"]
 
 Array = NDArray[np.float64]
 
@@ -80,86 +68,6 @@ class SelfMotion:
         return float(sum((b.intervals[:, 1] - b.intervals[:, 0]).sum() for b in self.branches))
 
 
-class Tracer:
-    """Postures of one pose as a function of the redundancy parameter."""
-
-    def __init__(self, chain: SerialChain, T: Array) -> None:
-        if chain.n != 7:
-            raise BadValueError("number of joints", chain.n, "7, one more than conditions")
-        family = family_of(chain)
-        self.chain, self.T = chain, T
-        data = family.data if family.redundant else locked_anyway(chain)
-        if data is None:
-            expected = "an arm of which the first or the last six joints move in all directions"
-            raise BadValueError("chain", chain.name, expected)
-        self.data = data
-        self._seed = chain.midrange()
-        self._turns = chain.types != PRISMATIC
-
-    def at(self, value: float) -> Array:
-        """Give all postures (k, 7) at a value of the parameter."""
-        q, branch = np.empty((MAX_SOLUTIONS, 7)), np.empty(MAX_SOLUTIONS, np.int64)
-        if self.data[at.KIND] == at.ARM_ANGLE:
-            count = arm_angle_postures(self.data, self.T, self._seed, value, q, branch)
-            return q[:count]
-        locked = self._seed.copy()
-        locked[0 if self.data[at.FIRST] else 6] = value
-        count = locked_postures(self.data, self.T, self._seed, locked, q, branch)
-        return q[:count]
-
-    def parameter(self, q: Array) -> float:
-        """Give the parameter of a posture (7,)."""
-        if self.data[at.KIND] == at.ARM_ANGLE:
-            return float(arm_angle(self.data, q))
-        return float(q[6 if self.data[at.FIRST] == 0.0 else 0])
-
-    def range(self) -> tuple[float, float, bool]:
-        """Give the range of the parameter, and whether its ends are the same."""
-        if self.data[at.KIND] == at.ARM_ANGLE:
-            return -math.pi, math.pi, True
-        locked = 6 if self.data[at.FIRST] == 0.0 else 0
-        if self._turns[locked]:
-            return -math.pi, math.pi, True
-        size = float(self.data[at.SIZE])
-        low, high = float(self.chain.lower[locked]), float(self.chain.upper[locked])
-        return max(low, -size), min(high, size), False
-
-    def difference(self, p: Array, q: Array) -> Array:
-        """Subtract postures, angles in (-pi, pi]."""
-        raw = p - q
-        return np.where(self._turns, np.remainder(raw + math.pi, 2.0 * math.pi) - math.pi, raw)
-
-    def near(self, value: float, guess: Array) -> Array | None:
-        """Give the posture at a value that is nearest to a guess, in its winding."""
-        q = self.at(value)
-        if not len(q):
-            return None
-        moves = self.difference(q, guess)
-        k = int(np.abs(moves).max(axis=1).argmin())
-        nearest: Array = guess + moves[k]
-        return nearest
-
-    def matched(self, p: Array, q: Array, least: float) -> list[tuple[int, int]] | None:
-        """Pair the postures of two neighbouring values; None where that is not clear.
-
-        Below the least step what is clear is paired, and the rest are ends of branches.
-        """
-        if not len(p) or not len(q):
-            return [] if len(p) == len(q) or least == 0.0 else None
-        away = np.abs(self.difference(p[:, None], q[None])).max(axis=2)
-        to, back = away.argmin(axis=1), away.argmin(axis=0)
-        pairs = [(i, int(j)) for i, j in enumerate(to) if back[j] == i]
-        if least == 0.0:
-            return [(i, j) for i, j in pairs if away[i, j] < SELF_MOTION_NEAR]
-        if len(p) != len(q) or len(pairs) < len(p):
-            return None
-        for i, j in pairs:
-            others = np.concatenate((np.delete(away[i], j), np.delete(away[:, j], i)))
-            if away[i, j] > SELF_MOTION_NEAR or (others < SELF_MOTION_APART * away[i, j]).any():
-                return None
-        return pairs
-
-
 def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     """Trace the self-motion of a seven-joint arm at a pose, and where it keeps the joint limits.
 
@@ -192,62 +100,48 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     """
     check_chain(chain)
     target = as_targets(T)[0]
-    tracer = Tracer(chain, target)
-    pieces = _pieces(tracer)
-    low, high, ring = tracer.range()
+    redundancy = Redundancy(chain, target)
+    pieces = _pieces(redundancy)
+    low, high, ring = redundancy.range()
     branches = []
     for values, postures in pieces:
         parameter, q = np.array(values), np.array(postures)
         whole = ring and values[0] == low and values[-1] == high
-        closed = whole and bool(np.abs(tracer.difference(q[0], q[-1])).max() < 1e-6)
-        intervals = _intervals(tracer, parameter, q)
+        closed = whole and bool(np.abs(redundancy.difference(q[0], q[-1])).max() < 1e-6)
+        intervals = _intervals(redundancy, parameter, q)
         branches.append(SelfMotionBranch(parameter, q, closed, intervals))
-    name = parameter_name(chain, tracer.data)
+    name = parameter_name(chain, redundancy.data)
     return SelfMotion(chain, target, name, tuple(branches))
 
 
-def margins(chain: SerialChain, q: Array) -> Array:
-    """Give the distance (rad or m) of the joint nearest to a limit, shape (k,), negative outside.
-
-    Every joint counts in the winding that is farthest inside its limits.
-    """
-    q = np.atleast_2d(q)
-    turns = (chain.types != PRISMATIC) & (chain.lower < chain.upper)
-    room = np.minimum(q - chain.lower, chain.upper - q)
-    half = 0.5 * (chain.upper - chain.lower)
-    away = np.remainder(q - chain.midrange() + math.pi, 2.0 * math.pi) - math.pi
-    least: Array = np.where(turns, half - np.abs(away), room).min(axis=1, initial=np.inf)
-    return least
-
-
-def _pieces(tracer: Tracer) -> list[tuple[list[float], list[Array]]]:
+def _pieces(redundancy: Redundancy) -> list[tuple[list[float], list[Array]]]:
     """Follow every posture from one value of the parameter to the next."""
-    low, high, _ = tracer.range()
+    low, high, _ = redundancy.range()
     steps = max(math.ceil((high - low) / SELF_MOTION_STEP), 1)
     values = [low + (high - low) * k / steps for k in range(steps)] + [high]
     done: list[tuple[list[float], list[Array]]] = []
-    postures = tracer.at(low)
+    postures = redundancy.at(low)
     active = [([low], [posture]) for posture in postures]
     for start, end in itertools.pairwise(values):
         # Parts of this step that are still to be done, the next one last.
-        ahead = [(end, tracer.at(end))]
+        ahead = [(end, redundancy.at(end))]
         value = start
         while ahead:
             goal, found = ahead[-1]
             least = 0.0 if goal - value < SELF_MOTION_LEAST else SELF_MOTION_LEAST
-            pairs = tracer.matched(postures, found, least)
+            pairs = redundancy.matched(postures, found, least)
             if pairs is None:
                 middle = 0.5 * (value + goal)
-                ahead.append((middle, tracer.at(middle)))
+                ahead.append((middle, redundancy.at(middle)))
                 continue
             ahead.pop()
-            active = _extended(tracer, active, goal, found, pairs, done)
+            active = _extended(redundancy, active, goal, found, pairs, done)
             value, postures = goal, found
     return done + [piece for piece in active if len(piece[0]) > 1]
 
 
 def _extended(
-    tracer: Tracer,
+    redundancy: Redundancy,
     active: list[tuple[list[float], list[Array]]],
     value: float,
     found: Array,
@@ -261,36 +155,36 @@ def _extended(
         values, postures = active[i]
         taken.add(i)
         last = postures[-1]
-        postures.append(last + tracer.difference(found[j], last))
+        postures.append(last + redundancy.difference(found[j], last))
         values.append(value)
         following[j] = active[i]
     done.extend(p for i, p in enumerate(active) if i not in taken and len(p[0]) > 1)
     return following
 
 
-def _intervals(tracer: Tracer, parameter: Array, q: Array) -> Array:
+def _intervals(redundancy: Redundancy, parameter: Array, q: Array) -> Array:
     """Find where a piece is inside the limits, shape (k, 2)."""
-    inside = margins(tracer.chain, q) >= 0.0
+    inside = limit_margins(redundancy.chain, q) >= 0.0
     edges = []
     if inside[0]:
         edges.append(float(parameter[0]))
     for k in np.flatnonzero(inside[1:] != inside[:-1]).tolist():
-        edges.append(_crossing(tracer, parameter[k : k + 2], q[k : k + 2], bool(inside[k])))
+        edges.append(_crossing(redundancy, parameter[k : k + 2], q[k : k + 2], bool(inside[k])))
     if inside[-1]:
         edges.append(float(parameter[-1]))
     return np.array(edges).reshape(-1, 2)
 
 
-def _crossing(tracer: Tracer, parameter: Array, q: Array, first_inside: bool) -> float:
+def _crossing(redundancy: Redundancy, parameter: Array, q: Array, first_inside: bool) -> float:
     """Locate the limit between two postures of a piece, on its inner side."""
     a, b = float(parameter[0]), float(parameter[1])
     p, r = q
     for _ in range(40):
         middle = 0.5 * (a + b)
-        posture = tracer.near(middle, 0.5 * (p + r))
+        posture = redundancy.near(middle, 0.5 * (p + r))
         if posture is None or not a < middle < b:
             break
-        if (margins(tracer.chain, posture)[0] >= 0.0) == first_inside:
+        if (limit_margins(redundancy.chain, posture)[0] >= 0.0) == first_inside:
             a, p = middle, posture
         else:
             b, r = middle, posture

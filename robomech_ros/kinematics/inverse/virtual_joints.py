@@ -1,8 +1,8 @@
-"""Partial tasks of arms with just as many joints: all solutions, by imagined joints at the tip.
+"""Partial tasks of arms with just as many joints: all solutions, by virtual joints at the tip.
 
 What the task leaves free is given to joints behind the tip: turns about the target's axes, then
 slides along them.  The arm has six joints then and reaches the whole pose, and every one of its
-postures is, without the imagined joints, one of the arm itself.
+postures is, without the virtual joints, one of the arm itself.
 """
 
 from dataclasses import replace
@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
-from robomech_ros.kinematics.inverse.families.iterative import FULL_TASK, IterativeSearch, Task
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch
 from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["search_by_completion"]
+__all__ = ["solve_with_virtual_joints"]
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ _ONTO = (
 _ALL_TURNS = (2, 0, 2)
 
 
-def search_by_completion(
+def solve_with_virtual_joints(
     chain: SerialChain, T: Array, request: Request
 ) -> tuple[IterativeSearch, bool] | None:
     """Find all solutions of a task that asks for as many components as there are joints.
@@ -51,13 +52,13 @@ def search_by_completion(
     Returns
     -------
     IterativeSearch and bool, or None
-        Solutions as a search gives them, and whether they are provably all; None where the arm
-        cannot be completed, or no solution was found.
+        Solutions as a search gives them, and whether they are provably all; None where virtual
+        joints do not make it an arm of six, or no solution was found.
     """
-    completed = _completed(chain, request.task)
-    if completed is None:
+    extended = _with_virtual_joints(chain, request.task)
+    if extended is None:
         return None
-    family = family_of(completed)
+    family = family_of(extended)
     if not family.lists_all:
         return None
     whole = request._replace(
@@ -66,7 +67,7 @@ def search_by_completion(
         max_solutions=None,
         task=FULL_TASK,
     )
-    result = solve_closed_form(completed, T, whole, family)
+    result = solve_closed_form(extended, T, whole, family)
     if not len(result):
         return None
     q = _distinct(result.q[:, : chain.n], chain)
@@ -74,7 +75,7 @@ def search_by_completion(
 
 
 @lru_cache(maxsize=64)
-def _completed(chain: SerialChain, task: Task) -> SerialChain | None:
+def _with_virtual_joints(chain: SerialChain, task: Task) -> SerialChain | None:
     """Add a joint for every component that a task leaves free, if that makes six."""
     free = [axis for axis in range(6) if not task[axis]]
     slides, turns = [i for i in free if i < 3], [i - 3 for i in free if i >= 3]
@@ -96,7 +97,7 @@ def _completed(chain: SerialChain, task: Task) -> SerialChain | None:
 
 
 def _distinct(q: Array, chain: SerialChain) -> Array:
-    """Give postures (k, n) without those that differ in imagined joints only."""
+    """Give postures (k, n) without those that differ in virtual joints only."""
     kept: list[Array] = []
     for posture in q:
         if all(np.abs(posture - other).max() > SAME_POSTURE for other in kept):

@@ -13,7 +13,7 @@ from robomech_ros.kinematics.inverse.inverse_kinematics import (
     inverse_kinematics,
     solve_many,
 )
-from robomech_ros.kinematics.inverse.redundant_solutions import sample_many
+from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
 from robomech_ros.kinematics.inverse.request import METRICS
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
@@ -106,7 +106,9 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
     family, seed = family_within(chain, respect_limits), chain.midrange()
     metric = METRICS["linf"]
     if family.redundant:
-        q, counts, _, _ = sample_many(chain, T, family, seed, metric, respect_limits, MOST_SAMPLED)
+        q, counts, _, _ = sample_self_motions(
+            chain, T, family, seed, metric, respect_limits, MOST_SAMPLED
+        )
     else:
         q, counts, _ = solve_many(chain, T, family, seed, metric, respect_limits, MAX_SOLUTIONS)
         for index in np.flatnonzero(counts == UNDECIDED):

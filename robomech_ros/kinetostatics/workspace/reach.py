@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.posture_samples import spread_postures
+from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
@@ -54,7 +54,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
     """Give the least distance (sign 1) or the greatest (-1)."""
     C = unpack_chain(chain.packed)
     turns = chain.types != PRISMATIC
-    q = spread_postures(chain, _STARTS)
+    q = sample_postures(chain, _STARTS)
     distance = np.full(_STARTS, np.inf)
     for _ in range(_SWEEPS):
         before = distance

@@ -1,15 +1,12 @@
-"""The iterative solver for chains without a closed form: its constants, and searching in time."""
+"""The iterative solver, for chains without a closed form: its constants."""
 
 import math
-import time
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros._kernels.inverse.iterative.solutions import search
 from robomech_ros._kernels.tolerances import (
     ATTEMPT_ITERATIONS,
     ITERATIVE_APART,
@@ -20,23 +17,16 @@ from robomech_ros._kernels.tolerances import (
     ITERATIVE_WANTED_REDUNDANT,
     ORIENTATION_TOLERANCE,
     POSITION_TOLERANCE,
-    REACH_ATTEMPT_ITERATIONS,
-    REACH_ATTEMPTS,
-    REACH_LAST_ITERATIONS,
-    REACH_POSITION_WEIGHT,
     STALLED,
 )
 from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, reach_bound
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
-    "IterativeSearch",
-    "attempts_between_looks",
     "iterative_data",
-    "iterative_search",
-    "least_orientation_error",
     "packed_chain",
     "task_data",
 ]
@@ -44,40 +34,8 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MAX_SOLUTIONS = 16
-# Attempts between two looks at the clock: at most so many, some 0.5 ms for ten joints, and of more
-# than 25 joints so many over their square, since the work of an attempt grows like its cube.
-_CHUNK = 8
-_CHUNK_OF_MANY = 5000
 # The work of a step grows with the cube of the joints: of more, no time limit could be kept.
 _MOST_JOINTS = 100
-FULL_TASK = (True, True, True, True, True, True)
-Task = tuple[bool, bool, bool, bool, bool, bool]
-
-
-@dataclass(frozen=True, eq=False)
-class IterativeSearch:
-    """What a search found.
-
-    Parameters
-    ----------
-    q : ndarray, shape (k, n)
-        Distinct solutions in the order of their discovery: that from the seed first.
-    best : ndarray, shape (n,)
-        The attempt with the least error, a solution or not.
-    position_error, orientation_error : float
-        Its errors (m, rad) in the components of the task.
-    attempts : int
-        Starts tried.
-    timed_out : bool
-        Whether the time ran out before the search was over.
-    """
-
-    q: Array
-    best: Array
-    position_error: float
-    orientation_error: float
-    attempts: int
-    timed_out: bool
 
 
 @lru_cache(maxsize=64)
@@ -220,92 +178,3 @@ def packed_chain(data: Array) -> Array:
     """Give the packed chain, shape (n + 1, 13), that stands in the constants of a search."""
     n = int(data[at.JOINTS])
     return data[at.ROWS + at.N_ROWS * n :].reshape(n + 1, 13)
-
-
-def iterative_search(
-    data: Array, T: Array, seed: Array, *, timeout: float | None = None
-) -> IterativeSearch:
-    """Search from the seed and from evenly spread starts, as long as the time allows.
-
-    Parameters
-    ----------
-    data : ndarray
-        From :func:`iterative_data`.
-    T : ndarray, shape (4, 4)
-        Pose of the tip in the base (m).
-    seed : ndarray, shape (n,)
-        First start (rad or m).
-    timeout : float, optional
-        Time (s) after which to stop between attempts; at least a first few are made.
-
-    Returns
-    -------
-    IterativeSearch
-        The same for the same arguments, unless the time ran out.
-    """
-    n = int(data[at.JOINTS])
-    restarts = int(data[at.RESTARTS])
-    q = np.empty((MAX_SOLUTIONS, n))
-    state = np.zeros(at.BEST_Q + n + MAX_SOLUTIONS)
-    state[at.BEST_SCORE] = np.inf
-    deadline = None if timeout is None else time.monotonic() + timeout
-    chunk = restarts if deadline is None else attempts_between_looks(n)
-    found = 0
-    done = 0
-    timed_out = False
-    while done < restarts:
-        count = min(chunk, restarts - done)
-        found = search(data, T, seed, done, count, q, found, state)
-        done += count
-        if found >= data[at.WANTED] or (found and state[at.IDLE] >= data[at.PATIENCE]):
-            break
-        if deadline is not None and time.monotonic() >= deadline:
-            timed_out = done < restarts
-            break
-    return IterativeSearch(
-        q=q[:found].copy(),
-        best=state[at.BEST_Q : at.BEST_Q + n].copy(),
-        position_error=float(state[at.BEST_POSITION]),
-        orientation_error=float(state[at.BEST_ORIENTATION]),
-        attempts=done,
-        timed_out=timed_out,
-    )
-
-
-def attempts_between_looks(n: int) -> int:
-    """Give how many attempts at a chain of n joints are made between two looks at the clock."""
-    return max(1, min(_CHUNK, _CHUNK_OF_MANY // n**2))
-
-
-def least_orientation_error(
-    data: Array, T: Array, start: Array, deadline: float = math.inf
-) -> float:
-    """Minimise the orientation error over the postures that put the tip at T's position.
-
-    Parameters
-    ----------
-    data : ndarray
-        From :func:`task_data`, for one solution and without limits.
-    T : ndarray, shape (4, 4)
-        The target from there (m); its position must be in reach.
-    start : ndarray, shape (n,)
-        A posture that reaches the position.
-    deadline : float
-        When to give up, by ``time.monotonic`` (s).
-
-    Returns
-    -------
-    float
-        The angle (rad), of the components that the task counts; NaN where the time ran out.
-    """
-    data = data.copy()
-    data[at.UNIT] *= REACH_POSITION_WEIGHT
-    data[at.POSITION_TOLERANCE] = data[at.ORIENTATION_TOLERANCE] = 1e-7
-    data[at.ITERATIONS], data[at.RESTARTS] = REACH_ATTEMPT_ITERATIONS, REACH_ATTEMPTS
-    data[at.STALL] = 1.0 - 1e-7
-    left = None if deadline == math.inf else deadline - time.monotonic()
-    rough = iterative_search(data, T, start, timeout=left)
-    if rough.timed_out:
-        return math.nan
-    data[at.ITERATIONS], data[at.RESTARTS] = REACH_LAST_ITERATIONS, 1
-    return iterative_search(data, T, rough.best).orientation_error

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError, WrongSizeError
-from robomech_ros.kinematics import forward_kinematics, track
+from robomech_ros.kinematics import branch_path, forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2
@@ -32,7 +32,7 @@ def test_a_joint_path_is_followed_from_its_start(name, pose_errors):
     chain = load_robot(name)
     for seed in (0, 1, 2, 4, 5):
         poses, q = path_between(chain, seed)
-        result = track(chain, poses, start=q[0])
+        result = branch_path(chain, poses, start=q[0])
         assert result.complete and result.fraction == 1.0 and result.reason == ""
         assert (result.q >= chain.lower).all() and (result.q <= chain.upper).all()
         for pose, posture in zip(poses, result.q, strict=True):
@@ -49,7 +49,7 @@ def test_redundant_arms_find_the_way_where_the_nearest_posture_ends_in_a_jump(na
     chain = load_robot(name)
     for seed in range(40):
         poses, q = path_between(chain, seed, width=1.0)
-        result = track(chain, poses, start=q[0])
+        result = branch_path(chain, poses, start=q[0])
         assert result.complete and not result.jumps
         assert (result.q >= chain.lower).all() and (result.q <= chain.upper).all()
         np.testing.assert_allclose(forward_kinematics(chain, result.q), poses, atol=1e-8)
@@ -61,7 +61,7 @@ def test_without_a_start_the_best_branch_is_taken():
     continuous = 0
     for seed in range(20):
         poses, q = path_between(chain, seed, width=1.0)
-        result = track(chain, poses)
+        result = branch_path(chain, poses)
         assert result.complete and not result.jumps
         assert np.abs(np.diff(result.q, axis=0)).max() <= 0.5
         continuous += 1
@@ -86,8 +86,8 @@ def test_a_jump_is_told_where_it_has_to_be():
     q = np.tile([0.3, 0.5, -1.2, 0.4, 0.8, 0.2], (80, 1))
     q[:, 2] += np.linspace(0, 1.0, 80)
     poses = forward_kinematics(free, q)
-    assert track(free, poses, start=q[0]).jumps == ()
-    result = track(held, poses, start=q[0])
+    assert branch_path(free, poses, start=q[0]).jumps == ()
+    result = branch_path(held, poses, start=q[0])
     crossing = int(np.argmax(q[:, 2] > -0.6))
     assert result.complete and len(result.jumps) == 1
     (jump,) = result.jumps
@@ -100,10 +100,10 @@ def test_windings_go_on_beyond_half_a_turn():
     chain = load_robot("ur5e")
     q = np.tile([0.3, -1.2, 1.5, -0.8, 0.9, -4.0], (200, 1))
     q[:, 5] += np.linspace(0, 8.0, 200)
-    result = track(chain, forward_kinematics(chain, q), start=q[0])
+    result = branch_path(chain, forward_kinematics(chain, q), start=q[0])
     assert result.jumps == ()
     np.testing.assert_allclose(result.q, q, atol=1e-7)
-    free = track(chain, forward_kinematics(chain, q))
+    free = branch_path(chain, forward_kinematics(chain, q))
     assert free.jumps == () and np.abs(np.diff(free.q, axis=0)).max() < 0.5
 
 
@@ -111,13 +111,13 @@ def test_a_joint_that_has_wound_up_has_to_unwind():
     chain = load_robot("ur5e")
     q = np.tile([0.3, -1.2, 1.5, -0.8, 0.9, 0.0], (400, 1))
     q[:, 5] += np.linspace(0, 9.0, 400)
-    result = track(chain, forward_kinematics(chain, q), start=q[0])
+    result = branch_path(chain, forward_kinematics(chain, q), start=q[0])
     assert result.complete and len(result.jumps) == 1
     (jump,) = result.jumps
     assert "to another winding" in jump.reason and "'wrist_3_joint'" in jump.reason
     assert q[jump.index - 1, 5] <= 2 * np.pi < q[jump.index, 5]
     assert abs(jump.move[5]) > 6.0
-    unwound = track(chain, forward_kinematics(chain, q))
+    unwound = branch_path(chain, forward_kinematics(chain, q))
     assert unwound.jumps == ()
 
 
@@ -126,18 +126,18 @@ def test_where_the_path_leaves_the_workspace_it_ends():
     T = forward_kinematics(chain, [0.2, 0.3, -1.2, 0.1, 0.4, 0.2])
     poses = np.tile(T, (50, 1, 1))
     poses[:, 0, 3] += np.linspace(0, 1.0, 50)
-    result = track(chain, poses)
+    result = branch_path(chain, poses)
     assert not result.complete and 0.0 < result.fraction < 1.0
     assert len(result.q) == round(result.fraction * 50)
     assert result.reason.startswith(f"pose {len(result.q)}: ")
-    nowhere = track(chain, poses[-2:])
+    nowhere = branch_path(chain, poses[-2:])
     assert nowhere.q.shape == (0, 6) and nowhere.jumps == () and "pose 0" in nowhere.reason
 
 
 def test_a_start_elsewhere_is_a_jump():
     chain = load_robot("puma560")
     poses, _ = path_between(chain, 3)
-    result = track(chain, poses, start=chain.midrange())
+    result = branch_path(chain, poses, start=chain.midrange())
     assert result.jumps and result.jumps[0].index == 0
 
 
@@ -145,10 +145,10 @@ def test_bad_requests_are_refused():
     chain = load_robot("puma560")
     poses, q = path_between(chain, 0)
     with pytest.raises(BadValueError, match="at least one pose"):
-        track(chain, np.empty((0, 4, 4)))
+        branch_path(chain, np.empty((0, 4, 4)))
     with pytest.raises(WrongSizeError, match="poses has shape"):
-        track(chain, poses[0])
+        branch_path(chain, poses[0])
     with pytest.raises(SeedOutsideLimitsError):
-        track(chain, poses, start=q[0] + 9.0)
+        branch_path(chain, poses, start=q[0] + 9.0)
     with pytest.raises(BadValueError, match="positive"):
-        track(chain, poses, revolute_jump=0.0)
+        branch_path(chain, poses, revolute_jump=0.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.kinematics.posture_samples import spread_postures
+from robomech_ros.kinematics.posture_samples import sample_postures
 from robomech_ros.robots import chain_from_dh
 
 ENDS = [(-0.5, 0.8), (None, -10.0), (None, 3.0), (5.0, None), (None, None)]
@@ -14,7 +14,7 @@ ENDS = [(-0.5, 0.8), (None, -10.0), (None, 3.0), (5.0, None), (None, None)]
 def test_postures_fill_the_range_of_a_joint(types, lower, upper):
     limits = {"lower": [lower], "upper": [upper]}
     chain = chain_from_dh([0.3], [0.0], [0.0], types=types, limits=limits)
-    q = spread_postures(chain, 500)[:, 0]
+    q = sample_postures(chain, 500)[:, 0]
     if types == "R" and (lower is None or upper is None):
         assert q[0] == 0.0 and -np.pi <= q.min() < -3.1 and 3.1 < q.max() <= np.pi
         return

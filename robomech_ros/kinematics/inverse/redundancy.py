@@ -1,0 +1,115 @@
+"""The redundancy of a seven-joint arm at one pose: its postures as functions of one parameter."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.arm_angle import arm_angle, arm_angle_postures
+from robomech_ros._kernels.inverse.redundant.solutions import locked_postures
+from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
+from robomech_ros._kernels.tolerances import SELF_MOTION_APART, SELF_MOTION_NEAR
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.inverse.families.redundant import locked_anyway
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["Redundancy", "limit_margins"]
+
+Array = NDArray[np.float64]
+
+
+class Redundancy:
+    """Postures of one pose as functions of the redundancy parameter."""
+
+    def __init__(self, chain: SerialChain, T: Array) -> None:
+        if chain.n != 7:
+            raise BadValueError("number of joints", chain.n, "7, one more than conditions")
+        family = family_of(chain)
+        self.chain, self.T = chain, T
+        data = family.data if family.redundant else locked_anyway(chain)
+        if data is None:
+            expected = "an arm of which the first or the last six joints move in all directions"
+            raise BadValueError("chain", chain.name, expected)
+        self.data = data
+        self._seed = chain.midrange()
+        self._turns = chain.types != PRISMATIC
+
+    def at(self, value: float) -> Array:
+        """Give all postures (k, 7) at a value of the parameter."""
+        q, branch = np.empty((MAX_SOLUTIONS, 7)), np.empty(MAX_SOLUTIONS, np.int64)
+        if self.data[at.KIND] == at.ARM_ANGLE:
+            count = arm_angle_postures(self.data, self.T, self._seed, value, q, branch)
+            return q[:count]
+        locked = self._seed.copy()
+        locked[0 if self.data[at.FIRST] else 6] = value
+        count = locked_postures(self.data, self.T, self._seed, locked, q, branch)
+        return q[:count]
+
+    def parameter(self, q: Array) -> float:
+        """Give the parameter of a posture (7,)."""
+        if self.data[at.KIND] == at.ARM_ANGLE:
+            return float(arm_angle(self.data, q))
+        return float(q[6 if self.data[at.FIRST] == 0.0 else 0])
+
+    def range(self) -> tuple[float, float, bool]:
+        """Give the range of the parameter, and whether its ends are the same."""
+        if self.data[at.KIND] == at.ARM_ANGLE:
+            return -math.pi, math.pi, True
+        locked = 6 if self.data[at.FIRST] == 0.0 else 0
+        if self._turns[locked]:
+            return -math.pi, math.pi, True
+        size = float(self.data[at.SIZE])
+        low, high = float(self.chain.lower[locked]), float(self.chain.upper[locked])
+        return max(low, -size), min(high, size), False
+
+    def difference(self, p: Array, q: Array) -> Array:
+        """Subtract postures, angles in (-pi, pi]."""
+        raw = p - q
+        return np.where(self._turns, np.remainder(raw + math.pi, 2.0 * math.pi) - math.pi, raw)
+
+    def near(self, value: float, guess: Array) -> Array | None:
+        """Give the posture at a value that is nearest to a guess, in its winding."""
+        q = self.at(value)
+        if not len(q):
+            return None
+        moves = self.difference(q, guess)
+        k = int(np.abs(moves).max(axis=1).argmin())
+        nearest: Array = guess + moves[k]
+        return nearest
+
+    def matched(self, p: Array, q: Array, least: float) -> list[tuple[int, int]] | None:
+        """Pair the postures of two neighbouring values; None where that is not clear.
+
+        Below the least step what is clear is paired, and the rest are ends of branches.
+        """
+        if not len(p) or not len(q):
+            return [] if len(p) == len(q) or least == 0.0 else None
+        away = np.abs(self.difference(p[:, None], q[None])).max(axis=2)
+        to, back = away.argmin(axis=1), away.argmin(axis=0)
+        pairs = [(i, int(j)) for i, j in enumerate(to) if back[j] == i]
+        if least == 0.0:
+            return [(i, j) for i, j in pairs if away[i, j] < SELF_MOTION_NEAR]
+        if len(p) != len(q) or len(pairs) < len(p):
+            return None
+        for i, j in pairs:
+            others = np.concatenate((np.delete(away[i], j), np.delete(away[:, j], i)))
+            if away[i, j] > SELF_MOTION_NEAR or (others < SELF_MOTION_APART * away[i, j]).any():
+                return None
+        return pairs
+
+
+def limit_margins(chain: SerialChain, q: Array) -> Array:
+    """Give the distance (rad or m) of the joint nearest to a limit, shape (k,), negative outside.
+
+    Every joint counts in the winding that is farthest inside its limits.
+    """
+    q = np.atleast_2d(q)
+    turns = (chain.types != PRISMATIC) & (chain.lower < chain.upper)
+    room = np.minimum(q - chain.lower, chain.upper - q)
+    half = 0.5 * (chain.upper - chain.lower)
+    away = np.remainder(q - chain.midrange() + math.pi, 2.0 * math.pi) - math.pi
+    least: Array = np.where(turns, half - np.abs(away), room).min(axis=1, initial=np.inf)
+    return least

@@ -1,0 +1,169 @@
+"""Solutions by iteration: chains without a closed form, partial tasks, loose tolerances."""
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse.ranking import rank
+from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
+from robomech_ros.kinematics.inverse.closed_form import rank_windings
+from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
+from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
+from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
+from robomech_ros.kinematics.inverse.reasons import (
+    NO_GAP,
+    describe_gap,
+    explain_limits,
+    no_solution,
+)
+from robomech_ros.kinematics.inverse.request import Request
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["solve_by_search"]
+
+Array = NDArray[np.float64]
+
+
+def solve_by_search(
+    chain: SerialChain, T: Array, request: Request, started: float | None = None
+) -> InverseKinematicsResult:
+    """Search for solutions of the pose T (4, 4), or explain why none was found.
+
+    The timeout of the request counts from ``started`` by ``time.monotonic``, or from now.
+    """
+    started = time.monotonic() if started is None else started
+    data, target = _task_data(chain, T, request, request.respect_limits)
+    family = iterative_family(chain, data)
+    listed = solve_with_virtual_joints(chain, T, request)
+    if listed is not None:
+        return _ranked(chain, T, request, replace(family, name="short"), *listed)
+    search = iterative_search(data, target, request.seed, timeout=_left(request, started))
+    if len(search.q):
+        return _ranked(chain, T, request, family, search, False)
+    if search.timed_out:
+        reason = f"no solution within {request.timeout:g} s; {_best(search)}"
+        return no_solution(chain, T, family, Status.TIMED_OUT, reason)
+    if request.respect_limits:
+        data, target = _task_data(chain, T, request, False)
+        beyond = iterative_search(data, target, request.seed, timeout=_left(request, started))
+        if len(beyond.q):
+            return explain_limits(chain, T, beyond.q, family, continuum=False, proven=False)
+    deadline = math.inf if request.timeout is None else started + request.timeout
+    return _explained(chain, T, request, family, search, deadline)
+
+
+def _left(request: Request, started: float) -> float | None:
+    """Give the time (s) that is left; None without a timeout."""
+    if request.timeout is None:
+        return None
+    return max(0.0, request.timeout - (time.monotonic() - started))
+
+
+def _task_data(
+    chain: SerialChain, T: Array, request: Request, respect_limits: bool
+) -> tuple[Array, Array]:
+    """Give the constants of the search and its target."""
+    redundant = chain.n > sum(request.task)
+    return task_data(
+        chain,
+        T,
+        task=request.task,
+        respect_limits=respect_limits,
+        position_tolerance=request.position_tolerance,
+        orientation_tolerance=request.orientation_tolerance,
+        wanted=1 if redundant and request.max_solutions == 1 else None,
+    )
+
+
+def _ranked(
+    chain: SerialChain,
+    T: Array,
+    request: Request,
+    family: Family,
+    search: IterativeSearch,
+    complete: bool,
+) -> InverseKinematicsResult:
+    """Order the solutions that a search has found, perhaps all there are."""
+    ranked = np.empty((MAX_SOLUTIONS, chain.n))
+    names = np.zeros(MAX_SOLUTIONS, np.int64)
+    distances = np.empty(MAX_SOLUTIONS)
+    count = rank(
+        family.turns,
+        chain.lower,
+        chain.upper,
+        request.seed,
+        request.metric,
+        request.respect_limits,
+        False,
+        search.q,
+        names,
+        ranked,
+        names.copy(),
+        distances,
+    )
+    ranked, names, distances = ranked[:count], names[:count], distances[:count]
+    if request.include_windings:
+        ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
+    kept = slice(request.max_solutions)
+    verdict = Verdict(
+        family.name, complete, Status.SUCCESS, _reason(chain, request, search), task=request.task
+    )
+    listing = Listing(T, distances[kept], names[kept])
+    return InverseKinematicsResult(chain, ranked[kept], verdict, listing)
+
+
+def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:
+    """Say what the solutions that were found are not."""
+    parts = []
+    if chain.n > sum(request.task):
+        parts.append(
+            f"{chain.n} joints for {_conditions(request)}: the solutions form a continuum, "
+            "of which these are samples"
+        )
+    if search.timed_out:
+        parts.append(
+            f"the search was cut short after {request.timeout:g} s and {search.attempts} starts: "
+            "there may be more solutions, and nearer ones"
+        )
+    return "; ".join(parts)
+
+
+def _explained(
+    chain: SerialChain,
+    T: Array,
+    request: Request,
+    family: Family,
+    search: IterativeSearch,
+    deadline: float,
+) -> InverseKinematicsResult:
+    """Say of a search without success how far the target is out of reach, if it is."""
+    late = time.monotonic() >= deadline
+    gap = NO_TIME if late else reach_gap(chain, T, request.task, deadline)
+    if math.isnan(gap.distance):
+        reason = f"no solution, and no reason found, within {request.timeout:g} s; {_best(search)}"
+        return no_solution(chain, T, family, Status.TIMED_OUT, reason)
+    least_angle = max(NO_GAP, request.orientation_tolerance)
+    if gap.distance > request.position_tolerance or gap.orientation_error > least_angle:
+        status, reason = describe_gap(chain, T, gap, request.task)
+        return no_solution(chain, T, family, status, reason)
+    reason = f"no solution after {search.attempts} starts; {_best(search)}"
+    return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
+
+
+def _conditions(request: Request) -> str:
+    count = sum(request.task)
+    return "1 condition" if count == 1 else f"{count} conditions"
+
+
+def _best(search: IterativeSearch) -> str:
+    return (
+        f"the best posture found misses by {search.position_error:.6g} m "
+        f"and {search.orientation_error:.6g} rad"
+    )
