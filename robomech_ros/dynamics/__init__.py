@@ -91,12 +91,14 @@ if TYPE_CHECKING:
         nearest_consistent,
         pseudo_inertia,
     )
-    from robomech_ros.dynamics.simulation.controlled_arm import Servo, ServoMotion
+    from robomech_ros.dynamics.simulation.controlled_arm import ControlledArm, ControlledMotion
     from robomech_ros.dynamics.simulation.simulate import Simulation, simulate
 
 __all__ = [
     "BaseParameters",
     "ConsistentFit",
+    "ControlledArm",
+    "ControlledMotion",
     "ForwardDerivatives",
     "Identification",
     "InverseDerivatives",
@@ -105,8 +107,6 @@ __all__ = [
     "PartialVelocities",
     "PlanarComplement",
     "PowerBalance",
-    "Servo",
-    "ServoMotion",
     "Simulation",
     "TorqueSummary",
     "base_parameters",
@@ -164,8 +164,8 @@ _MODULES = {
     "PartialVelocities": "formulations.kane",
     "PlanarComplement": "formulations.planar",
     "PowerBalance": "energy",
-    "Servo": "simulation.controlled_arm",
-    "ServoMotion": "simulation.controlled_arm",
+    "ControlledArm": "simulation.controlled_arm",
+    "ControlledMotion": "simulation.controlled_arm",
     "Simulation": "simulation.simulate",
     "TorqueSummary": "motion_torques",
     "base_parameters": "identification.regressor",

@@ -31,9 +31,13 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.jacobians import jacobian
     from robomech_ros.kinetostatics.maps.reachability import ReachMap, load_reach_map, reach_map
-    from robomech_ros.kinetostatics.points import point_jacobian
+    from robomech_ros.kinetostatics.point_jacobians import point_jacobian
     from robomech_ros.kinetostatics.rates import joint_rates
-    from robomech_ros.kinetostatics.reduced import planar_jacobian, planar_rows, task_jacobian
+    from robomech_ros.kinetostatics.reduced_jacobians import (
+        planar_jacobian,
+        planar_rows,
+        task_jacobian,
+    )
     from robomech_ros.kinetostatics.rotation_sets import even_rotations, even_turns
     from robomech_ros.kinetostatics.singularities.distance import (
         NearestSingularity,
@@ -138,14 +142,14 @@ _MODULES = {
     "manipulability_gradient": "indices",
     "nearest_singular_posture": "singularities.distance",
     "orientation_workspace": "workspace.orientation",
-    "point_jacobian": "points",
+    "point_jacobian": "point_jacobians",
     "reach_map": "maps.reachability",
     "singularity_report": "singularities.report",
     "workspace_boundary": "workspace.boundary",
-    "planar_jacobian": "reduced",
-    "planar_rows": "reduced",
+    "planar_jacobian": "reduced_jacobians",
+    "planar_rows": "reduced_jacobians",
     "singularity_free": "singularities.free_intervals",
-    "task_jacobian": "reduced",
+    "task_jacobian": "reduced_jacobians",
     "wrench_from_torques": "statics",
 }
 

@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_rows, as_states, raise_not_finite
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.points import TIP, as_point
+from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
 from robomech_ros.kinetostatics.rates import joint_rates
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite

@@ -10,7 +10,7 @@ from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families import decoupled
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinetostatics.points import point_jacobian
+from robomech_ros.kinetostatics.point_jacobians import point_jacobian
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["DecoupledJacobian", "Wrist", "decoupled_jacobian", "wrist_of"]

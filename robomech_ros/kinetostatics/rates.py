@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.decoupled_blocks import wrist_of
 from robomech_ros.kinetostatics.indices import as_length
-from robomech_ros.kinetostatics.points import TIP, as_point, rotation_of
+from robomech_ros.kinetostatics.point_jacobians import TIP, as_point, rotation_of
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import all_finite, as_finite, real_number
 

@@ -7,7 +7,7 @@ from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.kinetostatics.indices import as_length
-from robomech_ros.kinetostatics.points import TIP, point_jacobian
+from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 

@@ -24,7 +24,7 @@ from robomech_ros._kernels.chain.jacobian_rates import jacobian_rate_one
 from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.kinematics.joint_values import raise_not_finite
-from robomech_ros.kinetostatics.singularities.regularity import regular_rank, report_length
+from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["Resolution", "TwistResolver"]
@@ -113,10 +113,10 @@ class TwistResolver:
     ) -> None:
         self._chain, self._approach = chain, approach
         self._slow_from, self._stop_at = slow_from, stop_at
-        self._per_length = 1.0 / report_length(chain, length)
+        self._per_length = 1.0 / scaling_length(chain, length)
         self._scale = np.repeat((1.0, self._per_length), 3)
         self._pose = np.empty((4, 4))
-        self._rank = min(regular_rank(chain), chain.n, 6)
+        self._rank = min(generic_rank(chain), chain.n, 6)
 
     def condition_number(self, q: Array) -> float:
         """Give that of a posture (rad or m)."""

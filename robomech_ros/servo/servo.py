@@ -17,10 +17,10 @@ from robomech_ros.spatial.arrays import all_finite, as_finite
 
 __all__ = [
     "Command",
-    "Condition",
     "JointCommand",
-    "Report",
     "Servo",
+    "ServoCondition",
+    "ServoReport",
     "ServoSettings",
     "TwistCommand",
 ]
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 _NEARLY_ONE = 1.0 - 1e-6
 
 
-class Condition(Enum):
+class ServoCondition(Enum):
     """What limits the motion."""
 
     NO_WARNING = "no warning"
@@ -109,12 +109,12 @@ Command = TwistCommand | JointCommand
 
 
 @dataclass(frozen=True, eq=False)
-class Report:
+class ServoReport:
     """What was made of the command in one period.
 
     Attributes
     ----------
-    condition : Condition
+    condition : ServoCondition
         What limits the motion.
     scale : float
         Part of the commanded speed at which the motion is carried out, 0 to 1; 1 without command.
@@ -126,7 +126,7 @@ class Report:
         The same in words; empty where nothing limits it.
     """
 
-    condition: Condition
+    condition: ServoCondition
     scale: float
     condition_number: float
     joints: tuple[str, ...] = ()
@@ -229,7 +229,7 @@ class Servo:
         """Let the joints go."""
         self._motion = None
 
-    def step(self, now: float) -> Report:
+    def step(self, now: float) -> ServoReport:
         """Go on by one period; the time (s) decides whether the command is stale."""
         motion, command = self.motion, self._command
         if command is None or now > command.until or self.paused:
@@ -252,22 +252,22 @@ class Servo:
         """Give the stream from the first knot shown on, at rest at the end."""
         return self.motion.samples()
 
-    def idle(self, now: float, position: Array) -> Report:
+    def idle(self, now: float, position: Array) -> ServoReport:
         """Report without a stream, for joints somewhere (rad or m)."""
         return self._standing(now, self._resolver.condition_number(position))
 
     def _condition_number(self) -> float:
         return self._resolver.condition_number(self.motion.position)
 
-    def _standing(self, now: float, condition: float | None = None) -> Report:
+    def _standing(self, now: float, condition: float | None = None) -> ServoReport:
         number = self._condition_number() if condition is None else condition
         if self.paused:
-            return Report(Condition.PAUSED, 0.0, number, (), "paused")
+            return ServoReport(ServoCondition.PAUSED, 0.0, number, (), "paused")
         if self._command is None:
-            return Report(Condition.NO_WARNING, 1.0, number)
+            return ServoReport(ServoCondition.NO_WARNING, 1.0, number)
         age = now - self._command.until
         text = f"the last command is stale, for {max(age, 0.0):.3g} s"
-        return Report(Condition.STALE_COMMAND, 0.0, number, (), text)
+        return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)
 
     def _within_rates(self, rates: Array) -> tuple[float, int]:
         """Give the scale that velocity limits allow, and the joint that needs it most."""
@@ -277,35 +277,35 @@ class Servo:
 
     def _judged(
         self, found: Resolution, scale: float, speed: float, fastest: int, advance: Advance
-    ) -> Report:
+    ) -> ServoReport:
         """Say what limits the motion most."""
         number = found.condition_number
         carried = self._carried(found.rates)
         if not found.possible:
             text = "the arm cannot move in the direction of the twist, whatever its posture"
-            return Report(Condition.IMPOSSIBLE, 0.0, number, (), text)
+            return ServoReport(ServoCondition.IMPOSSIBLE, 0.0, number, (), text)
         if scale == 0.0:
             text = f"the motion leads into a singularity (condition number {number:.4g})"
-            return Report(Condition.SINGULARITY, carried, number, (), text)
+            return ServoReport(ServoCondition.SINGULARITY, carried, number, (), text)
         if advance.bound and advance.allowed < _NEARLY_ONE:
             text = f"{', '.join(advance.bound)} near the end of the range"
-            return Report(Condition.JOINT_BOUND, carried, number, advance.bound, text)
+            return ServoReport(ServoCondition.JOINT_BOUND, carried, number, advance.bound, text)
         if found.scale < min(speed, _NEARLY_ONE):
             text = f"slowed down to {found.scale:.3g} before a singularity"
             text += f" (condition number {number:.4g})"
-            return Report(Condition.APPROACHING_SINGULARITY, carried, number, (), text)
+            return ServoReport(ServoCondition.APPROACHING_SINGULARITY, carried, number, (), text)
         if speed < _NEARLY_ONE:
             name, limit = self.limits.names[fastest], float(self.limits.velocity[fastest])
             text = (
                 f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
             )
             leaving = found.leaving
-            what = Condition.LEAVING_SINGULARITY if leaving else Condition.RATE_BOUND
-            return Report(what, carried, number, (name,), text)
+            what = ServoCondition.LEAVING_SINGULARITY if leaving else ServoCondition.RATE_BOUND
+            return ServoReport(what, carried, number, (name,), text)
         if advance.followed < _NEARLY_ONE:
             text = "the acceleration limits are used up"
-            return Report(Condition.RATE_BOUND, carried, number, (), text)
-        return Report(Condition.NO_WARNING, carried, number)
+            return ServoReport(ServoCondition.RATE_BOUND, carried, number, (), text)
+        return ServoReport(ServoCondition.NO_WARNING, carried, number)
 
     def _carried(self, rates: Array) -> float:
         """Give what part of the commanded rates the joints have now."""

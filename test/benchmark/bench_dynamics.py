@@ -21,7 +21,7 @@ from robomech_ros._kernels.dynamics import forward as dynamics_forward
 from robomech_ros._kernels.dynamics import inverse as dynamics_inverse
 from robomech_ros._kernels.dynamics import mass as dynamics_mass
 from robomech_ros.dynamics import (
-    Servo,
+    ControlledArm,
     forward_dynamics,
     gravity_torque,
     inverse_dynamics,
@@ -160,7 +160,7 @@ def simulated_minute(chain: SerialChain) -> Row:
         ),
         axis=1,
     )
-    servo, seconds = Servo(chain), []
+    servo, seconds = ControlledArm(chain), []
     for _ in range(5):
         q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
         begin = time.perf_counter()

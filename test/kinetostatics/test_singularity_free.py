@@ -5,8 +5,8 @@ import pytest
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinetostatics import jacobian, singularity_free, singularity_report
+from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank
 from robomech_ros.kinetostatics.singularities.minors import minors_of
-from robomech_ros.kinetostatics.singularities.regularity import regular_rank
 from robomech_ros.robots import chain_from_dh, list_robots, load_robot
 
 SAMPLES = 4000
@@ -36,7 +36,7 @@ def test_against_samples(robot, width):
             assert singularity_report(chain, q, length=0.3).singular
         elif verdict.proven:
             q = np.random.default_rng(seed).uniform(low, high, (SAMPLES, chain.n))
-            rank = regular_rank(chain)
+            rank = generic_rank(chain)
             values = np.linalg.svd(jacobian(chain, q), compute_uv=False)[:, rank - 1]
             assert values.min() > 1e-6
             if chain.n == 6:

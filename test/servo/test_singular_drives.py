@@ -7,9 +7,9 @@ from servo_drives import LENGTHS, Drive, robot_of
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian, singularity_report
-from robomech_ros.servo.servo import Condition
+from robomech_ros.servo.servo import ServoCondition
 
-HALT = Condition.SINGULARITY
+HALT = ServoCondition.SINGULARITY
 # Of drives that are many, twice as long as usual (s).
 PERIOD = 0.02
 
@@ -63,9 +63,9 @@ def test_from_exactly_there_every_axis_leads_out_one_way_or_the_other(case):
         drive = Drive(robot, q, period=PERIOD)
         conditions = [report.condition for report in drive.twist(twist, 0.4)]
         moved = np.abs(drive.q - q).max()
-        impossible = Condition.IMPOSSIBLE in conditions
+        impossible = ServoCondition.IMPOSSIBLE in conditions
         outcomes.append(impossible or moved > 0.03)
-        deeper = conditions[-1] in (HALT, Condition.APPROACHING_SINGULARITY)
+        deeper = conditions[-1] in (HALT, ServoCondition.APPROACHING_SINGULARITY)
         assert moved > 0.03 or impossible or deeper, (twist, conditions[-1])
         drive.assert_limits()
     ways = np.array(outcomes).reshape(6, 2)
@@ -87,7 +87,7 @@ def test_straight_in_and_out_again(case):
             there, place = condition(drive), drive.q
             drive.twist(-twist, 0.6)
             moved = np.abs(drive.q - place).max()
-            stopped = drive.reports[-1].condition is Condition.JOINT_BOUND
+            stopped = drive.reports[-1].condition is ServoCondition.JOINT_BOUND
             assert moved > 0.02 or stopped, (side, twist, there, drive.reports[-1])
             drive.assert_limits()
 
@@ -113,7 +113,7 @@ def test_at_the_boundary_of_the_workspace_it_slows_down_stands_and_does_not_chat
         if conditions[-1] is not HALT:
             continue
         speeds.append(np.abs(np.diff(drive.path(), axis=0)).max(axis=1))
-        assert Condition.APPROACHING_SINGULARITY in conditions
+        assert ServoCondition.APPROACHING_SINGULARITY in conditions
         assert conditions.count(HALT) > 20 and set(conditions[-20:]) == {HALT}
         assert speeds[-1][-10:].max() < 1e-12
         assert 60.0 < condition(drive) < 400.0
@@ -122,7 +122,7 @@ def test_at_the_boundary_of_the_workspace_it_slows_down_stands_and_does_not_chat
         before = len(drive.reports)
         drive.twist(-sign * 0.2 * lost / np.linalg.norm(lost[3:]), 1.0)
         left = [report.condition for report in drive.reports[before:]]
-        assert Condition.APPROACHING_SINGULARITY not in left and HALT not in left
+        assert ServoCondition.APPROACHING_SINGULARITY not in left and HALT not in left
         way = np.linalg.norm(forward_kinematics(chain, drive.q)[:3, 3] - tip[:3, 3])
         assert way > 0.02
         drive.assert_limits()
@@ -155,7 +155,7 @@ def run_random_twists(robot, seconds):
             drive.twist(one, 0.4)
         moved = np.ptp(np.array(drive.positions[begun:]), axis=0).max()
         conditions = {report.condition for report in drive.reports[-80:]}
-        stood += moved < 1e-3 and conditions <= {HALT, Condition.APPROACHING_SINGULARITY}
+        stood += moved < 1e-3 and conditions <= {HALT, ServoCondition.APPROACHING_SINGULARITY}
         drive.assert_plans()
     drive.assert_limits(False)
     # There and back: one of the two ways leads out.

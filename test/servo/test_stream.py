@@ -11,7 +11,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Motion
-from robomech_ros.servo.servo import Condition, JointCommand, TwistCommand
+from robomech_ros.servo.servo import JointCommand, ServoCondition, TwistCommand
 
 ROBOTS = ["puma560", "ur5e", "scara", "panda", "iiwa14"]
 REGULAR = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]
@@ -117,7 +117,10 @@ def test_the_tip_keeps_its_direction_though_joint_rates_limit_it(robot):
     drive = Drive(robot, q)
     before = forward_kinematics(drive.chain, drive.q)
     reports = drive.twist([0, 0, 0, 0.0, 40.0, 0.0], 0.4)
-    assert reports[-1].condition in (Condition.RATE_BOUND, Condition.APPROACHING_SINGULARITY)
+    assert reports[-1].condition in (
+        ServoCondition.RATE_BOUND,
+        ServoCondition.APPROACHING_SINGULARITY,
+    )
     assert 0.0 < reports[-1].scale < 0.2
     way = forward_kinematics(drive.chain, drive.q)[:3, 3] - before[:3, 3]
     assert way[1] > 0.02
@@ -142,7 +145,7 @@ def test_a_stale_command_ends_in_rest(robot):
     drive.joints(0.4 * drive.servo.limits.velocity, 1.0)
     last = drive.time - drive.period
     reports = drive.wait(2.0)
-    stale = next(k for k, r in enumerate(reports) if r.condition is Condition.STALE_COMMAND)
+    stale = next(k for k, r in enumerate(reports) if r.condition is ServoCondition.STALE_COMMAND)
     assert last + stale * drive.period <= last + TIMEOUT + drive.period
     limits = drive.servo.limits
     braking = float(np.max(limits.velocity / limits.acceleration))
@@ -158,7 +161,7 @@ def test_a_pause_brakes_and_holds_whatever_is_commanded():
     drive.joints(np.full(6, 1.0), 0.5)
     drive.servo.paused = True
     reports = drive.joints(np.full(6, 1.0), 1.0)
-    assert {report.condition for report in reports} == {Condition.PAUSED}
+    assert {report.condition for report in reports} == {ServoCondition.PAUSED}
     assert not drive.velocities[-1].any()
     drive.servo.paused = False
     drive.joints(np.full(6, -0.1), 0.3)
@@ -169,16 +172,16 @@ def test_a_pause_brakes_and_holds_whatever_is_commanded():
 def test_every_report_says_what_limits_the_motion():
     drive = Drive("puma560", REGULAR)
     report = drive.joints([0.1, 0, 0, 0, 0, 0], 0.5)[-1]
-    assert (report.condition, report.text, report.scale) == (Condition.NO_WARNING, "", 1.0)
+    assert (report.condition, report.text, report.scale) == (ServoCondition.NO_WARNING, "", 1.0)
     report = drive.joints([20.0, 0, 0, 0, 0, 0], 0.05)[-1]
-    assert report.condition is Condition.RATE_BOUND and report.joints == ("waist",)
+    assert report.condition is ServoCondition.RATE_BOUND and report.joints == ("waist",)
     assert report.text == "waist would move at 20, it can 2"
     report = drive.joints([20.0, 0, 0, 0, 0, 0], 3.0)[-1]
-    assert report.condition is Condition.JOINT_BOUND and report.joints == ("waist",)
+    assert report.condition is ServoCondition.JOINT_BOUND and report.joints == ("waist",)
     assert report.text == "waist near the end of the range" and report.scale == 0.0
     scara = Drive("scara", [0.1, 0.5, 0.1, 0.1])
     report = scara.twist([0.5, 0, 0, 0, 0, 0], 0.1)[-1]
-    assert report.condition is Condition.IMPOSSIBLE
+    assert report.condition is ServoCondition.IMPOSSIBLE
     assert np.abs(np.diff(scara.path(), axis=0)).max() < 1e-15
 
 
@@ -192,7 +195,7 @@ def test_a_zero_command_stops_like_none():
         drive.servo.take(stop(drive))
         reports = drive.wait(1.0)
         assert not drive.velocities[-1].any()
-        assert reports[-1].condition is Condition.NO_WARNING and reports[-1].scale == 1.0
+        assert reports[-1].condition is ServoCondition.NO_WARNING and reports[-1].scale == 1.0
 
 
 def test_a_robot_without_velocity_limits_is_refused():
@@ -244,7 +247,7 @@ def test_commands_and_states_that_are_not_finite_are_refused_and_change_nothing(
         drive.servo.take(TwistCommand(rates, lambda q: None, drive.time + 1.0))
     with pytest.raises(WrongSizeError, match="rates"):
         drive.servo.take(JointCommand(np.zeros(3), drive.time + 1.0))
-    assert drive.step().condition is Condition.NO_WARNING
+    assert drive.step().condition is ServoCondition.NO_WARNING
     with pytest.raises(NonFiniteError, match="position of joint 'shoulder'"):
         drive.servo.start(rates, np.zeros(6))
     drive.wait(1.0)

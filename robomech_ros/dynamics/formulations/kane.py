@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
 from robomech_ros.dynamics.formulations.stacked_matrices import solved, times
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
-from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
 from robomech_ros.dynamics.formulations.stacked_matrices import (
     base_shaping,
     constraints,
@@ -33,7 +34,6 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
-from robomech_ros.dynamics.states import as_vector, finite_result, finite_states
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.dynamics.formulations.stacked_matrices import transposed
-from robomech_ros.kinetostatics.reduced import planar_rows
+from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["PlanarComplement", "planar_orthogonal_complement"]

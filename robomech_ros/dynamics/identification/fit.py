@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.checked_states import as_vector, finite_states
 from robomech_ros.dynamics.identification.consistent_parameters import consistent_least_squares
 from robomech_ros.dynamics.identification.regressor import (
     BaseParameters,
@@ -30,7 +31,6 @@ from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,
     is_consistent,
 )
-from robomech_ros.dynamics.states import as_vector, finite_states
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain

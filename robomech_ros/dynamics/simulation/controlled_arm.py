@@ -17,7 +17,7 @@ from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_finite, real_number
 
-__all__ = ["CONTROLS", "Servo", "ServoMotion"]
+__all__ = ["CONTROLS", "ControlledArm", "ControlledMotion"]
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _MOST_SUBSTEPS = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class ServoMotion:
+class ControlledMotion:
     """What became of a chain under a controller, at the end of each period.
 
     Attributes
@@ -50,7 +50,7 @@ class ServoMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Servo:
+class ControlledArm:
     """A controller of torques, the chain that it knows, and the one that it drives.
 
     ``"computed-torque"`` asks the inverse dynamics for the torques of ``qdd + kd (qd - rate) + kp
@@ -178,7 +178,7 @@ class Servo:
         period: float | None = None,
         held: ArrayLike | None = None,
         observed: Array | None = None,
-    ) -> ServoMotion:
+    ) -> ControlledMotion:
         """Drive the chain along what is wanted, from a state that is brought to the end.
 
         Parameters
@@ -198,7 +198,7 @@ class Servo:
 
         Returns
         -------
-        ServoMotion
+        ControlledMotion
 
         Raises
         ------
@@ -235,7 +235,7 @@ class Servo:
                 f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
             )
         saturated = np.abs(effort) >= arguments[8]
-        return ServoMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
+        return ControlledMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
 
 
 def _stops(limits: Array, q: Array, held: ArrayLike | None) -> Array:

@@ -1,14 +1,13 @@
 """The implicit midpoint rule for a chain, in joint values and momenta: symplectic."""
 
-from typing import Any, Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.dynamics.inverse import gravity_torque
 from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
+from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
 from robomech_ros.errors import RobomechError
-from robomech_ros.robots.chain import SerialChain
+from robomech_ros.kinetostatics.jacobians import jacobian
 
 __all__ = ["MidpointSolver"]
 
@@ -17,20 +16,6 @@ Array = NDArray[np.float64]
 _ITERATIONS = 100
 # Change (of values and momenta, relative to their size) at which an iteration has arrived.
 _ARRIVED = 1e-14
-
-
-class _Forces(Protocol):
-    """What acts on a chain."""
-
-    @property
-    def chain(self) -> SerialChain: ...
-
-    @property
-    def options(self) -> dict[str, Any]: ...
-
-    def drives(self, t: float, q: Array, qd: Array) -> Array: ...
-
-    def friction_torque(self, qd: Array) -> Array: ...
 
 
 def _solved(M: Array, p: Array) -> Array:
@@ -44,7 +29,7 @@ class MidpointSolver:
 
     Parameters
     ----------
-    forces : object
+    forces : EquationsOfMotion
         The chain, and what acts on it.
     t, end : float
         In s.
@@ -54,7 +39,9 @@ class MidpointSolver:
         In s; the last one ends at ``end``.
     """
 
-    def __init__(self, forces: _Forces, t: float, state: Array, end: float, step: float) -> None:
+    def __init__(
+        self, forces: EquationsOfMotion, t: float, state: Array, end: float, step: float
+    ) -> None:
         self.forces, self.t, self.y, self.end, self.length = forces, t, state, end, step
         self.status = "running" if t < end else "finished"
         self._from = (t, state)
@@ -83,18 +70,15 @@ class MidpointSolver:
 
     def _after(self, h: float, q: Array, qd: Array) -> tuple[Array, Array, float, float] | None:
         """Find the midpoint by iteration: ``q' = M^-1 p`` and ``p' = C^T q' - g + tau`` at it."""
-        from robomech_ros.kinetostatics.jacobians import jacobian
-
-        chain, options = self.forces.chain, self.forces.options
+        chain, wrench = self.forces.chain, self.forces.tip_wrench
         p = mass_matrix(chain, q) @ qd
-        wrench = options["tip_wrench"]
         middle, momentum = q + 0.5 * h * qd, p
         reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
             rate = _solved(mass_matrix(chain, middle), momentum)
             tau = self.forces.drives(self.t + 0.5 * h, middle, rate)
             lost = self.forces.friction_torque(rate)
-            held = gravity_torque(chain, middle, **options)
+            held = gravity_torque(chain, middle, gravity=self.forces.gravity, tip_wrench=wrench)
             force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost
             q_next, p_next = q + 0.5 * h * rate, p + 0.5 * h * force
             change = max(

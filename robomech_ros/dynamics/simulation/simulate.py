@@ -1,55 +1,39 @@
 """Simulation: the motion of a chain under torques that are given or computed."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
-from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
 from robomech_ros.dynamics.forward import forward_dynamics
-from robomech_ros.dynamics.friction import friction_model
-from robomech_ros.dynamics.model import GRAVITY, dynamic_model, positive_number, surroundings
-from robomech_ros.dynamics.simulation.crossings import (
-    Event,
-    bounced,
-    first_crossing,
-    limit_events,
-    note,
+from robomech_ros.dynamics.model import GRAVITY, positive_number
+from robomech_ros.dynamics.simulation.crossings import Event
+from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, Torque
+from robomech_ros.dynamics.simulation.integration import (
+    FINISHED,
+    MOST_STEPS,
+    Integration,
+    SolverChoice,
 )
-from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
 from robomech_ros.dynamics.simulation.record import Record
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
-from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
 
 __all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
 
 Array = NDArray[np.float64]
-Torque = Callable[[float, Array, Array], ArrayLike]
 
 SOLVERS = ("DOP853", "RK45", "RK23", "LSODA", "Radau", "BDF", "midpoint")
 AT_LIMITS = ("ignore", "end", "bounce")
 
-_forward_one = direct(forward_dynamics_one)
-
-_MOST_STEPS = 200_000
 # The longest duration (s), and the least relative tolerance that scipy's solvers take as it is.
 _LONGEST = 1e6
 _LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
-_MOST_BOUNCES = 1000
-_FINISHED = "finished"
-# Squares and quotients of what is larger overflow in the solvers.
-_LARGEST_RATE = 1e100
-# A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
-_REST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,59 +70,6 @@ class Simulation:
     drift: float
     events: tuple[tuple[float, int], ...]
     reason: str
-
-
-class _RunAwayError(Exception):
-    """The state, or what acts on it, is no longer finite."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """The equations of motion; a state is q, qd, work and heat."""
-
-    chain: SerialChain
-    torque: Torque
-    options: dict[str, Any]
-    model: Array
-    around: Array
-    friction: Array
-    rest_rate: float
-
-    def friction_torque(self, qd: Array) -> Array:
-        viscous, coulomb, excess, decay = self.friction
-        dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
-        torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
-        return torque
-
-    def asked(self, t: float, q: Array, qd: Array) -> Array:
-        tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
-        if tau.shape != q.shape:
-            raise WrongSizeError("torque", tau.shape, q.shape)
-        return tau
-
-    def drives(self, t: float, q: Array, qd: Array) -> Array:
-        tau = self.asked(t, q, qd)
-        if not np.isfinite(tau).all():
-            raise _RunAwayError(f"the torque at {t:.6g} s is not finite")
-        return tau
-
-    def rates(self, t: float, state: Array) -> Array:
-        n = self.chain.n
-        q, qd = state[:n].copy(), state[n : 2 * n].copy()
-        if not np.isfinite(state).all():
-            raise _RunAwayError(f"the state at {t:.6g} s is not finite")
-        tau, lost = self.drives(t, q, qd), self.friction_torque(qd)
-        qdd = np.empty(n)
-        if _forward_one(self.model, q, qd, tau - lost, self.around, qdd):
-            raise _RunAwayError(f"the accelerations at {t:.6g} s are not finite")
-        power, loss = tau @ qd, lost @ qd
-        wrench = self.options["tip_wrench"]
-        if wrench is not None:
-            power += wrench @ (jacobian(self.chain, q) @ qd)
-        rates = np.concatenate((qd, qdd, [power, loss]))
-        if not np.abs(rates).max() <= _LARGEST_RATE:
-            raise _RunAwayError(f"accelerations or powers at {t:.6g} s exceed {_LARGEST_RATE:g}")
-        return rates
 
 
 def simulate(
@@ -184,8 +115,8 @@ def simulate(
         Longest step (s), or the step of ``"midpoint"``, 1e-3 unless given.
     rest_rate : float, optional
         Rate (rad/s or m/s) within which dry friction goes over from one direction to the other,
-        as ``tanh(rate / rest_rate)``: joints that it holds creep.  :class:`Servo` has friction
-        that holds.
+        as ``tanh(rate / rest_rate)``: joints that it holds creep.  :class:`ControlledArm` has
+        friction that holds.
     at_limits : str, optional
         What happens where a joint comes to a position limit: ``"ignore"``, ``"end"`` of the
         simulation, or ``"bounce"``.
@@ -231,117 +162,40 @@ def simulate(
     duration = positive_number("duration", duration)
     if duration > _LONGEST:
         raise BadValueError("duration", duration, f"at most {_LONGEST:g} s")
-    choice = as_choice("method", method, SOLVERS)
-    step = _as_step(choice, step, duration)
+    choice = _choice(method, step, duration, rtol, atol)
     limits = as_choice("at_limits", at_limits, AT_LIMITS)
     part = real_number("restitution", restitution, "a number from 0 to 1")
     if not 0.0 <= part <= 1.0:
         raise BadValueError("restitution", restitution, "a number from 0 to 1")
     wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
-    motion = _Motion(
-        chain,
-        _as_torque(chain, torque),
-        {"gravity": gravity, "tip_wrench": wrench},
-        dynamic_model(chain),
-        surroundings((chain.n,), gravity, wrench),
-        friction_model(chain),
-        positive_number("rest_rate", rest_rate),
-    )
+    drives, slow = _as_torque(chain, torque), positive_number("rest_rate", rest_rate)
+    motion = EquationsOfMotion(chain, drives, gravity, wrench, slow)
     # The start is refused where it is wrong; what comes later is told.
     forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
     record = Record(_as_times(times, duration))
+    integration = Integration(motion, choice, limits, part, watched, record)
     state = np.concatenate((q, qd, [0.0, 0.0]))
-    tolerances = (positive_number("rtol", rtol), positive_number("atol", atol))
-    if tolerances[0] < _LEAST_RTOL:
-        raise BadValueError("rtol", rtol, f"at least {_LEAST_RTOL:.2g}")
-    seen: list[tuple[float, int]] = []
-
-    def make(t: float, y: Array) -> Any:
-        return _solver(choice, motion, t, y, duration, step, tolerances)
-
     # What overflows is found in the states.
     with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
         # LSODA warns of what the reason says.
         warnings.filterwarnings("ignore", "lsoda", UserWarning)
-        reason = _integrate(make, motion, state, limits, part, watched, record, seen)
-    if reason != _FINISHED:
+        reason = integration.run(state, duration)
+    if reason != FINISHED:
         record.close()
-    return _told(motion, record, tuple(seen), reason)
-
-
-def _integrate(
-    make: Callable[[float, Array], Any],
-    motion: _Motion,
-    state: Array,
-    limits: str,
-    restitution: float,
-    watched: list[Event],
-    record: "Record",
-    seen: list[tuple[float, int]],
-) -> str:
-    """Step to the end, or to what ends it before; returns the reason."""
-    chain, n = motion.chain, motion.chain.n
-    bounds = [] if limits == "ignore" else list(limit_events(chain))
-    record.add(0.0, state, None)
-    if any(crossing(state) < 0.0 for crossing in bounds):
-        raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
-    bounces = 0
-    try:
-        solver = make(0.0, state)
-        for _ in range(_MOST_STEPS):
-            if solver.status == "finished":
-                return _FINISHED
-            before, y_before = solver.t, solver.y.copy()
-            message = solver.step()
-            if solver.status == "failed":
-                return f"the integration failed at {before:.6g} s: {message}"
-            dense = solver.dense_output()
-            y_after = solver.y
-            _refuse_run_away(solver.t, y_after, n)
-            hits = first_crossing(bounds, dense, (before, y_before), (solver.t, y_after))
-            end, joint = min(hits, default=(solver.t, -1))
-            ended = note(watched, dense, before, end, n, seen)
-            if ended is not None:
-                record.add(ended[0], dense(ended[0]), dense)
-                return f"event {ended[1]} at {ended[0]:.9g} s"
-            record.add(end, dense(end) if hits else y_after, dense)
-            if not hits:
-                continue
-            name, side = chain.joint_names[joint // 2], ("lower", "upper")[joint % 2]
-            if limits == "end":
-                return f"joint '{name}' came to its {side} limit at {end:.9g} s"
-            bounces += 1
-            rate = abs(dense(end)[n + joint // 2])
-            if bounces > _MOST_BOUNCES or rate < _REST:
-                return f"joint '{name}' came to rest at its {side} limit at {end:.9g} s"
-            state = bounced(chain, dense(end), joint // 2, joint % 2, restitution)
-            solver = make(end, state)
-    except _RunAwayError as error:
-        return f"the motion ran away: {error}"
-    return f"{_MOST_STEPS} steps did not reach the end"
-
-
-def _refuse_run_away(t: float, state: Array, n: int) -> None:
-    if not np.isfinite(state).all():
-        raise _RunAwayError(f"the state at {t:.6g} s is not finite")
-    fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
-    if fastest > LARGEST_SERVO_RATE:
-        raise _RunAwayError(
-            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
-            f"{LARGEST_SERVO_RATE:g} is the most"
-        )
+    return _told(motion, record, integration, reason)
 
 
 def _told(
-    motion: _Motion, record: Record, seen: tuple[tuple[float, int], ...], reason: str
+    motion: EquationsOfMotion, record: Record, integration: Integration, reason: str
 ) -> Simulation:
+    seen = tuple(integration.seen)
     chain, n = motion.chain, motion.chain.n
     rows = np.array(record.states).reshape(-1, 2 * n + 2)
     q, qd = rows[:, :n].copy(), rows[:, n : 2 * n].copy()
     work, heat = rows[:, -2].copy(), rows[:, -1].copy()
     kinetic = kinetic_energy(chain, q, qd)
-    potential = potential_energy(chain, q, gravity=motion.options["gravity"])
+    potential = potential_energy(chain, q, gravity=motion.gravity)
     left = kinetic + potential - work + heat
     drift = float(np.abs(left - left[0]).max()) if len(left) else 0.0
     return Simulation(
@@ -349,24 +203,14 @@ def _told(
     )
 
 
-def _solver(
-    method: str,
-    motion: _Motion,
-    t: float,
-    state: Array,
-    end: float,
-    step: float | None,
-    tolerances: tuple[float, float],
-) -> Any:
-    if method == "midpoint":
-        assert step is not None
-        return MidpointSolver(motion, t, state, end, step)
-    from scipy import integrate
-
-    rtol, atol = tolerances
-    kind = getattr(integrate, method)
-    longest = np.inf if step is None else step
-    return kind(motion.rates, t, state, end, rtol=rtol, atol=atol, max_step=longest)
+def _choice(method: str, step: object, duration: float, rtol: object, atol: object) -> SolverChoice:
+    """Check what integrates, and how finely."""
+    kind = as_choice("method", method, SOLVERS)
+    longest = _as_step(kind, step, duration)
+    relative, absolute = positive_number("rtol", rtol), positive_number("atol", atol)
+    if relative < _LEAST_RTOL:
+        raise BadValueError("rtol", rtol, f"at least {_LEAST_RTOL:.2g}")
+    return SolverChoice(kind, longest, relative, absolute)
 
 
 def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
@@ -393,7 +237,7 @@ def _as_step(method: str, step: object, duration: float) -> float | None:
     if step is None and method != "midpoint":
         return None
     length = 1e-3 if step is None else positive_number("step", step)
-    least = duration / _MOST_STEPS
+    least = duration / MOST_STEPS
     if length < least:
         raise BadValueError("step", length, f"at least {least:.3g} s, or a shorter duration")
     return length

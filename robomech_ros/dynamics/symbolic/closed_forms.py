@@ -18,8 +18,8 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.dynamics.model import GRAVITY
-from robomech_ros.dynamics.states import as_vector
 from robomech_ros.dynamics.symbolic.composites import potential_moment, symbolic_mass_rows
 from robomech_ros.dynamics.symbolic.parameters import SymbolicParameters, symbolic_parameters
 from robomech_ros.dynamics.symbolic.poses import symbolic_frames

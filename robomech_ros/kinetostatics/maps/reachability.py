@@ -26,7 +26,7 @@ from robomech_ros.kinetostatics.maps.engines import (
 from robomech_ros.kinetostatics.maps.map_file import as_path, check_writable, load_map, save_map
 from robomech_ros.kinetostatics.maps.request import MapRequest, RobotIdentity, identity_of
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
-from robomech_ros.kinetostatics.singularities.regularity import report_length
+from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice
@@ -229,7 +229,7 @@ def reach_map(
     _check_size(grid)
     if path is not None:
         check_writable(path)
-    metres = report_length(chain, length)
+    metres = scaling_length(chain, length)
     request = MapRequest(identity_of(chain), grid, rotations, limited, metres, rows)
     cells = _begun(path, request)
     todo = _unfinished(cells, chunk_cells(chain, len(rotations)))

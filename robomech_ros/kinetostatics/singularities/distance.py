@@ -10,7 +10,7 @@ from robomech_ros._kernels.tolerances import ON_SINGULARITY, RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.singularities.regularity import regular_rank, report_length
+from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
@@ -68,7 +68,7 @@ def nearest_singular_posture(
     """
     if jacobian(chain, q).ndim != 2:
         raise WrongSizeError("q", np.shape(q), (chain.n,))
-    metres = report_length(chain, length)
+    metres = scaling_length(chain, length)
     unit = np.where(chain.types == PRISMATIC, metres, 1.0)
     home = np.asarray(q, dtype=np.float64)
     about = np.arange(_STARTS)[:, None] * low_discrepancy_strides(chain.n)
@@ -102,7 +102,7 @@ def _ended(chain: SerialChain, home: Array, q: Array, unit: Array, length: float
     Every step goes to the point nearest home at which the block, were it linear, would be zero.
     """
     scale = np.repeat((1.0, 1.0 / length), 3)[:, None]
-    free = regular_rank(chain) - 1
+    free = generic_rank(chain) - 1
     for _ in range(_STEPS):
         J = scale * jacobian(chain, q)
         left, values, right = np.linalg.svd(J)

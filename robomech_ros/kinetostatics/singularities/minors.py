@@ -17,7 +17,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.singularities.regularity import regular_rank
+from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
@@ -129,7 +129,7 @@ def minors_of(chain: SerialChain) -> Minors:
     if not 1 <= chain.n <= _MOST_JOINTS:
         named = f"{chain.name} with {chain.n} joints"
         raise BadValueError("chain", named, f"one of 1 to {_MOST_JOINTS} joints")
-    size, rank = arm_size(chain), regular_rank(chain)
+    size, rank = arm_size(chain), generic_rank(chain)
     pairs = itertools.product(
         itertools.combinations(range(6), rank), itertools.combinations(range(chain.n), rank)
     )

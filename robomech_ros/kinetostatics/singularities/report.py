@@ -13,9 +13,9 @@ from robomech_ros._kernels.kinetostatics.posture_report import FACTORS, MOVING, 
 from robomech_ros._kernels.tolerances import FACTOR_ZERO
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
-from robomech_ros.kinetostatics.points import TIP, as_point
-from robomech_ros.kinetostatics.singularities.factors import NamedParts, named_parts
-from robomech_ros.kinetostatics.singularities.regularity import regular_motions, report_length
+from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
+from robomech_ros.kinetostatics.singularities.determinant_factors import NamedParts, named_parts
+from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["SingularityReport", "singularity_report"]
@@ -97,7 +97,7 @@ class _Known(NamedTuple):
 
 @functools.lru_cache(maxsize=64)
 def _known(chain: SerialChain) -> _Known:
-    return _Known(*regular_motions(chain), named_parts(chain))
+    return _Known(*generic_motions(chain), named_parts(chain))
 
 
 def singularity_report(
@@ -152,7 +152,7 @@ def singularity_report(
     q = as_joint_values(chain, q)
     if q.ndim != 1:
         raise WrongSizeError("q", q.shape, (chain.n,))
-    arm, metres, n = as_point(point), report_length(chain, length), chain.n
+    arm, metres, n = as_point(point), scaling_length(chain, length), chain.n
     rank, motions, parts = _known(chain)
     values, numbers = np.empty(min(6, n)), np.empty(MOVING + n)
     lost, idle, free = np.empty((6, 6)), np.empty((6, 6)), np.empty((n, n))

@@ -7,11 +7,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, cut_curves
+from robomech_ros.kinetostatics.workspace.limited_boundary import LimitedBoundary
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
-from robomech_ros.kinetostatics.workspace.pieces import Piece, divide
-from robomech_ros.kinetostatics.workspace.postures import PointPostures
-from robomech_ros.kinetostatics.workspace.section import Section, raise_on_surface, section_of
-from robomech_ros.kinetostatics.workspace.sheets import LimitedBoundary
+from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
+from robomech_ros.kinetostatics.workspace.section import (
+    WorkspaceSection,
+    raise_on_surface,
+    section_of,
+)
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
@@ -73,7 +77,7 @@ class Workspace:
     least_reach, greatest_reach : float
         Least and greatest distance of the point from the origin of joint 1, whose limits left
         aside (m); along a slide they are measured across it.
-    section : Section
+    section : WorkspaceSection
         The geometry.
     """
 
@@ -84,7 +88,7 @@ class Workspace:
     nodes: Array
     least_reach: float
     greatest_reach: float
-    section: Section
+    section: WorkspaceSection
 
     def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
         """Count the postures of these joints, inside all limits, at points (..., 3) (m)."""
@@ -184,9 +188,9 @@ class Workspace:
         return NearestOnCurves(self.section, pieces)
 
     @cached_property
-    def _pieces(self) -> list[Piece]:
+    def _pieces(self) -> list[CurvePiece]:
         return [
-            Piece(_joint_of(curve), "", curve.q, curve.points, curve.more, curve.fewer)
+            CurvePiece(_joint_of(curve), "", curve.q, curve.points, curve.more, curve.fewer)
             for curve in self.curves
         ]
 
@@ -272,10 +276,10 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     return Workspace(chain.name, coordinates, curves, cusps, nodes, least, greatest, section)
 
 
-def _divided(section: Section) -> tuple[list[Piece], Array, Array]:
+def _divided(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Array]:
     """Divide a section in units of the arm's size: steps and tolerances suit one of some metres."""
     unit = section.size
-    pieces, cusps, nodes = divide(section.over(unit))
+    pieces, cusps, nodes = cut_curves(section.over(unit))
     units = np.where(section.slides[1:], unit, 1.0)
     bounds = section.lower[1:], section.upper[1:]
     placed = []
@@ -290,11 +294,11 @@ def _divided(section: Section) -> tuple[list[Piece], Array, Array]:
     return placed, cusps * unit, nodes * unit
 
 
-def _cause(section: Section, piece: Piece) -> str:
+def _cause(section: WorkspaceSection, piece: CurvePiece) -> str:
     return f"{section.names[piece.joint]} {piece.limit}" if piece.limit else "singular"
 
 
-def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:
+def _reach(section: WorkspaceSection, pieces: list[CurvePiece]) -> tuple[float, float]:
     """Give the least and the greatest distance from the origin of the section."""
     found, *_ = NearestOnCurves(section, pieces).find(np.zeros((1, 2)))
     inside = PointPostures(section, first_free=True).count(section.on_section(np.zeros((1, 2))))[0]
@@ -302,7 +306,7 @@ def _reach(section: Section, pieces: list[Piece]) -> tuple[float, float]:
     return (0.0 if inside else float(found[0])), float(np.linalg.norm(points, axis=1).max())
 
 
-def _roles(pieces: list[Piece], size: float) -> list[Role]:
+def _roles(pieces: list[CurvePiece], size: float) -> list[Role]:
     """Tell outer boundaries from those of voids, by the way loops of boundaries go round."""
     roles: list[Role] = ["interior"] * len(pieces)
     unused = [k for k, piece in enumerate(pieces) if piece.fewer == 0]

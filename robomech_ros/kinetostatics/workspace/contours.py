@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinetostatics.workspace.factors import Deflated
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.deflated_determinant import DeflatedDeterminant
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
 __all__ = ["Contour", "edges_of_box", "on_contour", "refined", "singular_contours"]
 
@@ -54,9 +54,9 @@ class Contour:
     q: Array
 
 
-def singular_contours(section: Section) -> list[Contour]:
+def singular_contours(section: WorkspaceSection) -> list[Contour]:
     """Follow det J21 = 0 inside the ranges of joints 2 and 3."""
-    deflated = Deflated(section)
+    deflated = DeflatedDeterminant(section)
     lines = [_lines(section, j) for j in (1, 2)]
     roots = _grid_roots(deflated, lines)
     segments = _segments(section, lines, roots)
@@ -77,7 +77,7 @@ def singular_contours(section: Section) -> list[Contour]:
     return result + straight
 
 
-def _straight(section: Section, joint: int, value: float) -> tuple[Array, Array]:
+def _straight(section: WorkspaceSection, joint: int, value: float) -> tuple[Array, Array]:
     """Give a line of constant joint value, and the points on it in which others cross it."""
     other = 3 - joint
     along = np.linspace(section.lower[other], section.upper[other], 2 * _LINES + 1)
@@ -100,7 +100,7 @@ def _straight(section: Section, joint: int, value: float) -> tuple[Array, Array]
     return np.insert(curve, change + 1, low, axis=0), low
 
 
-def _lines(section: Section, joint: int) -> Array:
+def _lines(section: WorkspaceSection, joint: int) -> Array:
     """Give the grid's values of joint 2 (1) or 3 (2)."""
     lower, upper = section.lower[joint], section.upper[joint]
     if section.round[joint]:
@@ -113,7 +113,9 @@ def _lines(section: Section, joint: int) -> Array:
 _Key = tuple[int, int, int]
 
 
-def _grid_roots(deflated: Deflated, lines: list[Array]) -> dict[_Key, tuple[float, float]]:
+def _grid_roots(
+    deflated: DeflatedDeterminant, lines: list[Array]
+) -> dict[_Key, tuple[float, float]]:
     """Find the sign changes between neighbouring nodes: (direction, i, j) -> the root."""
     section = deflated.section
     u, v = np.meshgrid(*lines, indexing="ij")
@@ -135,7 +137,9 @@ def _grid_roots(deflated: Deflated, lines: list[Array]) -> dict[_Key, tuple[floa
     return roots
 
 
-def _bisected(deflated: Deflated, low: Array, high: Array, positive: NDArray[np.bool_]) -> Array:
+def _bisected(
+    deflated: DeflatedDeterminant, low: Array, high: Array, positive: NDArray[np.bool_]
+) -> Array:
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         left = deflated.positive(middle[:, 0], middle[:, 1]) == positive
@@ -145,7 +149,7 @@ def _bisected(deflated: Deflated, low: Array, high: Array, positive: NDArray[np.
 
 
 def _segments(
-    section: Section, lines: list[Array], roots: dict[_Key, tuple[float, float]]
+    section: WorkspaceSection, lines: list[Array], roots: dict[_Key, tuple[float, float]]
 ) -> list[tuple[_Key, _Key]]:
     """Join the roots around each cell in pairs."""
     cells: dict[tuple[int, int], list[_Key]] = defaultdict(list)
@@ -168,7 +172,7 @@ def _segments(
 
 
 def _saddle(
-    section: Section,
+    section: WorkspaceSection,
     lines: list[Array],
     i: int,
     j: int,
@@ -192,7 +196,7 @@ def _saddle(
     return [(bottom, left), (right, top)]
 
 
-def _critical(section: Section, start: Array) -> Array:
+def _critical(section: WorkspaceSection, start: Array) -> Array:
     """Find where the gradient of det J21 vanishes, near a point."""
     point = start.copy()
     h = 1e-30
@@ -206,7 +210,7 @@ def _critical(section: Section, start: Array) -> Array:
     return point
 
 
-def _crossings(section: Section, curves: list[Array]) -> Array:
+def _crossings(section: WorkspaceSection, curves: list[Array]) -> Array:
     """Find the points (k, 2) in which branches cross, from where the gradient is least on them."""
     found: list[Array] = []
     for curve in curves:
@@ -223,12 +227,12 @@ def _crossings(section: Section, curves: list[Array]) -> Array:
     return np.array(found).reshape(-1, 2)
 
 
-def _cell(section: Section) -> Array:
+def _cell(section: WorkspaceSection) -> Array:
     spans: Array = (section.upper[1:] - section.lower[1:]) / _LINES
     return spans
 
 
-def _apart(section: Section, points: Array, other: Array) -> Array:
+def _apart(section: WorkspaceSection, points: Array, other: Array) -> Array:
     """Give the differences of points, without whole turns (rad or m)."""
     turn = 2.0 * np.pi * section.round[1:]
     apart = other - points
@@ -236,7 +240,7 @@ def _apart(section: Section, points: Array, other: Array) -> Array:
     return result
 
 
-def _with_crossings(section: Section, curve: Array, crossings: Array) -> Array:
+def _with_crossings(section: WorkspaceSection, curve: Array, crossings: Array) -> Array:
     """Lead a curve through the points near it in which branches cross.
 
     The grid joins the branches there as it happens; led through the crossing, the vertices of a
@@ -282,7 +286,7 @@ def _joined(segments: list[tuple[_Key, _Key]]) -> list[list[_Key]]:
     return [path for path in paths if len(path) > 1]
 
 
-def _unwrapped(section: Section, curve: Array) -> Array:
+def _unwrapped(section: WorkspaceSection, curve: Array) -> Array:
     """Add turns so that neighbouring vertices are near each other."""
     result = curve.copy()
     for axis in (0, 1):
@@ -291,7 +295,7 @@ def _unwrapped(section: Section, curve: Array) -> Array:
     return result
 
 
-def _to_the_ends(section: Section, curve: Array) -> Array:
+def _to_the_ends(section: WorkspaceSection, curve: Array) -> Array:
     """Continue an open curve onto the ends of the ranges, from which the grid keeps off."""
     added = []
     for vertex in (curve[0], curve[-1]):
@@ -312,7 +316,7 @@ def _to_the_ends(section: Section, curve: Array) -> Array:
     return result
 
 
-def _on_edge(section: Section, vertex: Array, axis: int, bound: float) -> Array:
+def _on_edge(section: WorkspaceSection, vertex: Array, axis: int, bound: float) -> Array:
     """Move a vertex along the curve onto the end of a range; as it is where that leads away."""
     point = vertex.copy()
     point[axis] = bound
@@ -326,7 +330,7 @@ def _on_edge(section: Section, vertex: Array, axis: int, bound: float) -> Array:
     return point if np.abs(point - vertex).max() < room else vertex
 
 
-def on_contour(section: Section, rows: Array, steps: int = _PROJECTIONS) -> Array:
+def on_contour(section: WorkspaceSection, rows: Array, steps: int = _PROJECTIONS) -> Array:
     """Move points (k, 2) of the joint plane onto det J21 = 0 along its gradient, in some steps."""
     rows = rows.copy()
     for _ in range(steps):
@@ -338,12 +342,14 @@ def on_contour(section: Section, rows: Array, steps: int = _PROJECTIONS) -> Arra
     return rows
 
 
-def refined(section: Section, curve: Array, onto: Callable[[Array], Array] | None) -> Array:
+def refined(
+    section: WorkspaceSection, curve: Array, onto: Callable[[Array], Array] | None
+) -> Array:
     """Add vertices until the chords of the image are short and near it.
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
     curve : ndarray, shape (k, 2)
         Joint values (rad or m).
     onto : callable, optional
@@ -376,7 +382,7 @@ def refined(section: Section, curve: Array, onto: Callable[[Array], Array] | Non
     return curve
 
 
-def edges_of_box(section: Section) -> list[tuple[int, bool, Array]]:
+def edges_of_box(section: WorkspaceSection) -> list[tuple[int, bool, Array]]:
     """Give the curves on which joint 2 or 3 is at a limit.
 
     Returns

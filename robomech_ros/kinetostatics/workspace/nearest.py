@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.contours import on_contour
-from robomech_ros.kinetostatics.workspace.pieces import Piece
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
 __all__ = ["NearestOnCurves"]
 
@@ -22,12 +22,12 @@ class NearestOnCurves:
 
     Parameters
     ----------
-    section : Section
-    pieces : list of Piece
+    section : WorkspaceSection
+    pieces : list of CurvePiece
         One or more.
     """
 
-    def __init__(self, section: Section, pieces: list[Piece]) -> None:
+    def __init__(self, section: WorkspaceSection, pieces: list[CurvePiece]) -> None:
         from scipy.spatial import cKDTree
 
         self._section = section

@@ -10,7 +10,7 @@ from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import even_rotations
-from robomech_ros.kinetostatics.workspace.postures import solved
+from robomech_ros.kinetostatics.workspace.point_postures import solved
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 

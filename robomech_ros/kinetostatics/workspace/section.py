@@ -24,7 +24,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["Section", "raise_on_surface", "section_of"]
+__all__ = ["WorkspaceSection", "raise_on_surface", "section_of"]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _LOOK = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class WorkspaceSection:
     """A point carried by three joints, seen in the frame in which joint 1 is the z axis.
 
     Parameters
@@ -193,7 +193,7 @@ class Section:
         moved: Array = points @ self.base[:3, :3].T + self.base[:3, 3]
         return moved
 
-    def over(self, unit: float) -> "Section":
+    def over(self, unit: float) -> "WorkspaceSection":
         """Give the same arm with all lengths divided by a unit (m)."""
         frames = [self.base.copy(), self.first.copy(), self.second.copy()]
         for T in frames:
@@ -232,7 +232,7 @@ def _moved(slides: bool, value: Array, vectors: Array, *, shifts: bool = True) -
     return [np.stack((a, b, z + none)), np.stack((-b, a, none)), np.stack((-a, -b, none))]
 
 
-def section_of(chain: SerialChain, *, respect_limits: bool = True) -> Section:
+def section_of(chain: SerialChain, *, respect_limits: bool = True) -> WorkspaceSection:
     """Make the section of an arm's positioning part.
 
     Parameters
@@ -271,7 +271,7 @@ def section_of(chain: SerialChain, *, respect_limits: bool = True) -> Section:
         float(np.linalg.norm(vector)) for vector in (first[:3, 3], second[:3, 3], part.point)
     ]
     travel = [max(abs(lower[j]), abs(upper[j])) for j in (1, 2) if slides[j]]
-    section = Section(
+    section = WorkspaceSection(
         (names[0], names[1], names[2]),
         (bool(slides[0]), bool(slides[1]), bool(slides[2])),
         base,
@@ -303,7 +303,7 @@ def _frames(chain: SerialChain, part: PositioningPart) -> tuple[Array, Array, Ar
     return base, first, C[1]
 
 
-def _check_moves(chain: SerialChain, section: Section) -> None:
+def _check_moves(chain: SerialChain, section: WorkspaceSection) -> None:
     """Refuse a part that is singular in every posture, or of which a joint cannot move."""
     u, v = np.meshgrid(
         *(np.linspace(section.lower[j], section.upper[j], _LOOK) + 0.01 for j in (1, 2))

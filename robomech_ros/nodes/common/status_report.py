@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-__all__ = ["Condition", "StatusReport"]
+__all__ = ["NodeCondition", "StatusReport"]
 
 TOPIC = "/diagnostics"
 PERIOD = 1.0
@@ -14,7 +14,7 @@ _DEPTH = 10
 
 
 @dataclass(frozen=True)
-class Condition:
+class NodeCondition:
     """How a node is.
 
     Attributes
@@ -48,7 +48,7 @@ class StatusReport:
     """
 
     def __init__(
-        self, node: Node, part: str, hardware: str, describe: Callable[[], Condition]
+        self, node: Node, part: str, hardware: str, describe: Callable[[], NodeCondition]
     ) -> None:
         self._clock = node.get_clock()
         self._describe = describe

@@ -1,13 +1,13 @@
 """How the simulated robot is, for the diagnostics."""
 
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.nodes.common.status_report import Condition
+from robomech_ros.nodes.common.status_report import NodeCondition
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
 __all__ = ["robot_condition"]
 
 
-def robot_condition(robot: SimulatedRobot) -> Condition:
+def robot_condition(robot: SimulatedRobot) -> NodeCondition:
     """Describe the robot.
 
     A warning while the last trajectory that came was refused, or drives were at their limits since
@@ -27,7 +27,7 @@ def robot_condition(robot: SimulatedRobot) -> Condition:
         if robot.dynamic:
             values["at effort limits"] = saturation
         summary = "; ".join(part for part in (_summary(robot), saturation) if part)
-        return Condition(summary, bool(counts.last_refusal or saturation), values)
+        return NodeCondition(summary, bool(counts.last_refusal or saturation), values)
 
 
 def _summary(robot: SimulatedRobot) -> str:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics import Servo, gravity_torque, with_payload
+from robomech_ros.dynamics import ControlledArm, gravity_torque, with_payload
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.simulated_joints import DrivenMotion
 from robomech_ros.execution.joints import State, at_rest
@@ -118,10 +118,10 @@ class DynamicPlant:
     def _gravity(self) -> Array:
         return np.array(self._settings.gravity)
 
-    def _servo_with(self, settings: ControllerSettings) -> Servo:
+    def _servo_with(self, settings: ControllerSettings) -> ControlledArm:
         mass, com = _load(settings)
         load = Body(mass, np.array(com), np.zeros((3, 3)))
-        return Servo(
+        return ControlledArm(
             self._model,
             with_payload(self._model, load) if mass else self._model,
             control=settings.dynamic_control,

@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.errors import RobomechError
-from robomech_ros.kinetostatics.singularities.regularity import report_length
+from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -31,7 +31,7 @@ from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings,
 from robomech_ros.nodes.servo.status import status_message
 from robomech_ros.nodes.servo.stream import stream_message
 from robomech_ros.robots import SerialChain
-from robomech_ros.servo.servo import Command, Report, Servo
+from robomech_ros.servo.servo import Command, Servo, ServoReport
 from robomech_ros.servo.tracking import Tracking
 
 Array = NDArray[np.float64]
@@ -283,7 +283,7 @@ class ServoNode(Node):
         if self._knot < earliest:
             self._knot = now + self._lead * self._period
 
-    def _go_on(self, now: float) -> Report | None:
+    def _go_on(self, now: float) -> ServoReport | None:
         """Go on until the stream is as far ahead as it should be; None if it is already.
 
         No more knots are new than a message shows before its latest.
@@ -326,7 +326,7 @@ class ServoNode(Node):
         return self._refusal if now <= self._refused_until else ""
 
     def _publish_status(
-        self, report: Report | None, now: float, why: str = "", joints: tuple[str, ...] = ()
+        self, report: ServoReport | None, now: float, why: str = "", joints: tuple[str, ...] = ()
     ) -> None:
         stamp, refusal = self.get_clock().now().to_msg(), self._refusal_at(now)
         self._status.publish(status_message(stamp, report, refusal, why, joints))
@@ -335,7 +335,7 @@ class ServoNode(Node):
 def _find_length(chain: SerialChain) -> None:
     """Have the length kept for who asks next; what is wrong with the chain is told then."""
     with suppress(RobomechError):
-        report_length(chain, None)
+        scaling_length(chain, None)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -4,25 +4,25 @@ from collections.abc import Sequence
 from typing import Any
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.servo.servo import Condition, Report
+from robomech_ros.servo.servo import ServoCondition, ServoReport
 
 __all__ = ["status_message"]
 
 _CODES = {
-    Condition.NO_WARNING: ServoStatus.NO_WARNING,
-    Condition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,
-    Condition.SINGULARITY: ServoStatus.HALT_FOR_SINGULARITY,
-    Condition.LEAVING_SINGULARITY: ServoStatus.DECELERATE_FOR_LEAVING_SINGULARITY,
-    Condition.JOINT_BOUND: ServoStatus.JOINT_BOUND,
-    Condition.RATE_BOUND: ServoStatus.RATE_BOUND,
-    Condition.IMPOSSIBLE: ServoStatus.INVALID,
-    Condition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
-    Condition.PAUSED: ServoStatus.PAUSED,
+    ServoCondition.NO_WARNING: ServoStatus.NO_WARNING,
+    ServoCondition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,
+    ServoCondition.SINGULARITY: ServoStatus.HALT_FOR_SINGULARITY,
+    ServoCondition.LEAVING_SINGULARITY: ServoStatus.DECELERATE_FOR_LEAVING_SINGULARITY,
+    ServoCondition.JOINT_BOUND: ServoStatus.JOINT_BOUND,
+    ServoCondition.RATE_BOUND: ServoStatus.RATE_BOUND,
+    ServoCondition.IMPOSSIBLE: ServoStatus.INVALID,
+    ServoCondition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
+    ServoCondition.PAUSED: ServoStatus.PAUSED,
 }
 
 
 def status_message(
-    stamp: Any, report: Report | None, refusal: str, no_state: str, joints: Sequence[str] = ()
+    stamp: Any, report: ServoReport | None, refusal: str, no_state: str, joints: Sequence[str] = ()
 ) -> ServoStatus:
     """Make the message.
 
@@ -30,7 +30,7 @@ def status_message(
     ----------
     stamp : builtin_interfaces.msg.Time
         By the clock of the node.
-    report : Report or None
+    report : ServoReport or None
         What was made of the command; None where the state of the joints is not known.
     refusal : str
         Why the last command was refused; empty if it was not.

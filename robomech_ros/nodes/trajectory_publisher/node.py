@@ -28,7 +28,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
-from robomech_ros.nodes.common.status_report import Condition, StatusReport
+from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
@@ -295,7 +295,7 @@ class TrajectoryPublisherNode(Node):
         waiting = len(self._dispatcher.queue)
         self.get_logger().warning(f"{waiting} trajectories wait: {text}")
 
-    def _condition(self) -> Condition:
+    def _condition(self) -> NodeCondition:
         dispatcher, tally = self._dispatcher, self._dispatcher.tally
         trouble = tally.stalled or self._refusal or tally.last_failure
         summary = "executing" if dispatcher.current is not None else "idle"
@@ -310,7 +310,7 @@ class TrajectoryPublisherNode(Node):
             "last refusal": self._refusal,
             "program": self._runner.condition,
         }
-        return Condition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
+        return NodeCondition(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 
@@ -73,12 +73,12 @@ class PointPostures:
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
     first_free : bool
         Whether the first joint may turn, or slide, without limits.
     """
 
-    def __init__(self, section: Section, *, first_free: bool) -> None:
+    def __init__(self, section: WorkspaceSection, *, first_free: bool) -> None:
         # In units of the arm's size, as tolerances suit arms of some metres.
         self._unit = section.size
         section = section.over(self._unit)

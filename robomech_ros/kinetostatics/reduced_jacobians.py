@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.kinetostatics.points import TIP, point_jacobian
+from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import listed

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["Deflated"]
+__all__ = ["DeflatedDeterminant"]
 
 Array = NDArray[np.float64]
 
@@ -15,7 +15,7 @@ _BISECTIONS = 52
 _PROJECTIONS = 12
 
 
-class Deflated:
+class DeflatedDeterminant:
     """det J21 without those of its factors that vanish at a value of one joint alone.
 
     Where axes 2 and 3 are parallel the elbow is such a factor; the lines on which it vanishes may
@@ -23,10 +23,10 @@ class Deflated:
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
     """
 
-    def __init__(self, section: Section) -> None:
+    def __init__(self, section: WorkspaceSection) -> None:
         self.section = section
         self.lines = [(j, value) for j in (1, 2) for value in _singular_values(section, j)]
 
@@ -69,7 +69,7 @@ class Deflated:
         return rows
 
 
-def _singular_values(section: Section, joint: int) -> list[float]:
+def _singular_values(section: WorkspaceSection, joint: int) -> list[float]:
     """Find the values of a joint at which the arm is singular whatever the other's value."""
     lower, upper = section.lower[joint], section.upper[joint]
     values = np.linspace(lower, upper, _LOOKS + 1)

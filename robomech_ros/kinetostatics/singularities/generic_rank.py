@@ -15,7 +15,7 @@ from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["regular_motions", "regular_rank", "report_length"]
+__all__ = ["generic_motions", "generic_rank", "scaling_length"]
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def _length(chain: SerialChain) -> float:
         return length_scale(chain)
 
 
-def report_length(chain: SerialChain, length: float | None) -> float:
+def scaling_length(chain: SerialChain, length: float | None) -> float:
     """Give the length (m) that a caller wants, or the characteristic length.
 
     An arm with more joints than its motions have degrees of freedom, such as a planar one of four,
@@ -44,13 +44,13 @@ def report_length(chain: SerialChain, length: float | None) -> float:
     return _length(chain) if length is None else as_length(length)
 
 
-def regular_rank(chain: SerialChain) -> int:
+def generic_rank(chain: SerialChain) -> int:
     """Give the rank that the Jacobian has in nearly all postures."""
-    return regular_motions(chain)[0]
+    return generic_motions(chain)[0]
 
 
 @functools.lru_cache(maxsize=64)
-def regular_motions(chain: SerialChain) -> tuple[int, Array]:
+def generic_motions(chain: SerialChain) -> tuple[int, Array]:
     """Find the rank that the Jacobian has in nearly all postures, and what it spans in all.
 
     Parameters

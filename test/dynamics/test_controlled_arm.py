@@ -8,7 +8,7 @@ import pytest
 from arms_with_bodies import pinocchio_of
 
 from robomech_ros.dynamics import (
-    Servo,
+    ControlledArm,
     friction_torque,
     gravity_torque,
     kinetic_energy,
@@ -44,17 +44,17 @@ def run(servo, wanted):
 
 @pytest.mark.parametrize("control", ["computed-torque", "pd-gravity"])
 def test_a_known_arm_is_tracked(control):
-    motion, error = run(Servo(PUMA, control=control), sines(PUMA, 3.0))
+    motion, error = run(ControlledArm(PUMA, control=control), sines(PUMA, 3.0))
     assert motion.reason == "" and not motion.saturated.any()
     assert np.abs(error).max() < {"computed-torque": 1e-4, "pd-gravity": 2e-3}[control]
     assert motion.q.shape == motion.qd.shape == motion.effort.shape == (3000, 6)
 
 
 def test_a_payload_that_the_model_does_not_know_costs_some_milliradians():
-    motion, error = run(Servo(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
+    motion, error = run(ControlledArm(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
     assert motion.reason == ""
     assert 1e-4 < np.abs(error).max() < 1e-2
-    known, error = run(Servo(with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
+    known, error = run(ControlledArm(with_payload(PUMA, LOAD)), sines(PUMA, 3.0))
     assert known.reason == "" and np.abs(error).max() < 1e-4
 
 
@@ -76,7 +76,7 @@ def reach(chain, seconds=1.0):
 @pytest.mark.parametrize("robot", ["ur5e", "ur10e", "xarm6", "crx10ia", "m1013", "vx300", "panda"])
 def test_fixed_gains_bring_arms_to_rest_wherever_they_are(robot):
     chain = load_robot(robot)
-    servo = Servo(chain, control="pd-gravity")
+    servo = ControlledArm(chain, control="pd-gravity")
     rng = np.random.default_rng(5)
     for _ in range(20):
         start = rng.uniform(np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi))
@@ -99,7 +99,9 @@ def test_pinocchio_moves_the_same_way_under_the_same_law(robot):
     q, qd = goal - np.linspace(0.05, 0.02, n), np.zeros(n)
     wanted = np.zeros((300, 3, n))
     wanted[:, 0] = goal
-    motion = Servo(chain, control="pd-gravity", kp=kp, kd=kd).run(q.copy(), qd.copy(), wanted)
+    motion = ControlledArm(chain, control="pd-gravity", kp=kp, kd=kd).run(
+        q.copy(), qd.copy(), wanted
+    )
     for _ in wanted:
         holding = pinocchio.computeGeneralizedGravity(model, data, q)
         tau = np.clip(kp * (goal - q) - kd * qd + holding, -chain.effort, chain.effort)
@@ -124,7 +126,7 @@ FOLDED = {
 )
 def test_fixed_gains_are_quiet_where_an_arm_folds_up(robot, bandwidth, damping):
     chain = load_robot(robot)
-    servo = Servo(chain, control="pd-gravity", bandwidth=bandwidth, damping=damping)
+    servo = ControlledArm(chain, control="pd-gravity", bandwidth=bandwidth, damping=damping)
     start = np.array(FOLDED[robot])
     wanted = np.zeros((1000, 3, chain.n))
     wanted[:, 0] = start + 1e-4 * np.random.default_rng(0).uniform(-1.0, 1.0, chain.n)
@@ -145,7 +147,7 @@ def test_fixed_gains_are_numbers_however_small_or_large_their_grounds(given):
     start = PUMA.midrange()
     wanted = np.zeros((10, 3, PUMA.n))
     wanted[:, 0] = start
-    motion = Servo(PUMA, control="pd-gravity", **given).run(
+    motion = ControlledArm(PUMA, control="pd-gravity", **given).run(
         start, np.zeros(PUMA.n), wanted, period=1e-3
     )
     assert motion.reason == "" and np.abs(motion.q - wanted[0, 0]).max() < 1e-3
@@ -156,7 +158,7 @@ def test_fixed_gains_are_numbers_however_small_or_large_their_grounds(given):
 def test_an_observer_makes_up_for_a_payload(robot, control, tracked):
     chain = load_robot(robot)
     load = Body(2.0, [0.0, 0.0, 0.05], np.zeros((3, 3)))
-    plain = Servo(chain, with_payload(chain, load), control=control)
+    plain = ControlledArm(chain, with_payload(chain, load), control=control)
     watching = dataclasses.replace(plain, observer=2000.0)
     _, without = run(plain, reach(chain))
     motion, error = run(watching, reach(chain))
@@ -167,7 +169,7 @@ def test_an_observer_makes_up_for_a_payload(robot, control, tracked):
 
 def test_an_observer_finds_nothing_where_the_model_is_right():
     wanted = sines(PUMA, 0.5)
-    plain, watching = Servo(PUMA), Servo(PUMA, observer=2000.0)
+    plain, watching = ControlledArm(PUMA), ControlledArm(PUMA, observer=2000.0)
     states = []
     for servo in (plain, watching):
         q, qd, observed = wanted[0, 0].copy(), wanted[0, 1].copy(), np.zeros(6)
@@ -179,7 +181,7 @@ def test_an_observer_finds_nothing_where_the_model_is_right():
 
 def test_what_was_observed_is_kept_but_not_at_a_stop():
     chain = load_robot("ur5e")
-    servo = Servo(chain, with_payload(chain, LOAD), observer=2000.0)
+    servo = ControlledArm(chain, with_payload(chain, LOAD), observer=2000.0)
     q, qd, observed = np.array([0.0, -1.2, 1.2, -1.0, -1.5, 0.0]), np.zeros(6), np.zeros(6)
     wanted = np.zeros((300, 3, 6))
     wanted[:, 0] = q
@@ -196,7 +198,7 @@ def test_what_was_observed_is_kept_but_not_at_a_stop():
 
 def test_an_observer_does_not_push_a_joint_against_its_stop():
     chain = dataclasses.replace(load_robot("ur5e"), upper=np.full(6, 1.0), lower=np.full(6, -3.0))
-    servo = Servo(chain, with_payload(chain, LOAD), observer=2000.0)
+    servo = ControlledArm(chain, with_payload(chain, LOAD), observer=2000.0)
     q, qd, observed = np.full(6, 0.5), np.zeros(6), np.zeros(6)
     wanted = np.zeros((2000, 3, 6))
     wanted[:, 0] = np.interp(np.arange(2000), [0, 700, 1400], [0.5, 1.1, 0.5])[:, None]
@@ -206,7 +208,7 @@ def test_an_observer_does_not_push_a_joint_against_its_stop():
 
 
 def test_a_motion_goes_on_where_it_was():
-    servo, wanted = Servo(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 0.2)
+    servo, wanted = ControlledArm(PUMA, with_payload(PUMA, LOAD)), sines(PUMA, 0.2)
     q, qd = wanted[0, 0].copy(), wanted[0, 1].copy()
     whole = servo.run(q.copy(), qd.copy(), wanted)
     parts = [servo.run(q, qd, part) for part in np.split(wanted, 4)]
@@ -216,7 +218,7 @@ def test_a_motion_goes_on_where_it_was():
 
 
 def test_shorter_steps_come_to_the_same_motion():
-    slow = Servo(PUMA, with_payload(PUMA, LOAD))
+    slow = ControlledArm(PUMA, with_payload(PUMA, LOAD))
     fine = dataclasses.replace(slow, substeps=20)
     wanted = sines(PUMA, 1.0)
     assert np.abs(run(slow, wanted)[0].q - run(fine, wanted)[0].q).max() < 1e-3
@@ -224,7 +226,7 @@ def test_shorter_steps_come_to_the_same_motion():
 
 def test_saturation_is_told_and_stays_within_the_limits():
     weak = dataclasses.replace(PUMA, effort=np.array([97.6, 10.0, 89.4, 24.2, 20.1, 21.3]))
-    motion, error = run(Servo(weak), sines(weak, 1.0))
+    motion, error = run(ControlledArm(weak), sines(weak, 1.0))
     assert motion.saturated[:, 1].any() and not motion.saturated[:, 0].any()
     assert np.abs(motion.effort).max(axis=0)[1] == 10.0
     assert motion.reason == "" and np.isfinite(error).all()
@@ -235,7 +237,7 @@ def test_friction_holds_what_weighs_less_than_it():
     q = np.linspace(0.1, 0.6, 6)
     assert (np.abs(gravity_torque(heavy, q)) < 100.0).all()
     # No torque at all: the gains are zero, and gravity is not known.
-    idle = Servo(
+    idle = ControlledArm(
         dataclasses.replace(heavy, effort=np.full(6, 1e-9)), heavy, kp=np.zeros(6), kd=np.zeros(6)
     )
     wanted = np.zeros((500, 3, 6))
@@ -251,20 +253,22 @@ def test_friction_stops_a_joint_and_breaks_away_at_the_static_friction():
     ideal = dataclasses.replace(arm, drives=())
     for torque, moves in ((2.9, False), (3.1, True)):
         limited = dataclasses.replace(ideal, effort=np.array([torque, 1e-9, 1e-9]))
-        pushed = Servo(limited, arm, kp=np.zeros(3), kd=np.zeros(3), gravity=np.zeros(3))
+        pushed = ControlledArm(limited, arm, kp=np.zeros(3), kd=np.zeros(3), gravity=np.zeros(3))
         wanted = np.zeros((200, 3, 3))
         wanted[:, 2, 0] = 1e6
         q = np.zeros(3)
         motion = pushed.run(q, np.zeros(3), wanted)
         assert (abs(motion.q[-1, 0]) > 1e-3) == moves, torque
-    coasting = Servo(dataclasses.replace(ideal, effort=np.full(3, 1e-12)), arm, gravity=np.zeros(3))
+    coasting = ControlledArm(
+        dataclasses.replace(ideal, effort=np.full(3, 1e-12)), arm, gravity=np.zeros(3)
+    )
     motion = coasting.run(np.zeros(3), np.array([0.2, 0, 0]), np.zeros((3000, 3, 3)))
     assert motion.qd[-1, 0] == 0.0
 
 
 def test_stops_hold_without_a_rebound():
     arm = load_robot("planar3r")
-    fallen = Servo(
+    fallen = ControlledArm(
         dataclasses.replace(arm, effort=np.full(3, 1e-9)),
         arm,
         kp=np.zeros(3),
@@ -288,7 +292,7 @@ def test_a_controller_that_runs_away_is_stopped_and_told():
     limitless = dataclasses.replace(
         PUMA, effort=np.full(6, np.nan), lower=np.full(6, -np.inf), upper=np.full(6, np.inf)
     )
-    wild = Servo(limitless, kp=np.full(6, 1e9), kd=np.full(6, 0.0))
+    wild = ControlledArm(limitless, kp=np.full(6, 1e9), kd=np.full(6, 0.0))
     wanted = sines(PUMA, 1.0)
     q, qd = wanted[0, 0] + 0.5, wanted[0, 1].copy()
     motion = wild.run(q, qd, wanted)
@@ -297,10 +301,10 @@ def test_a_controller_that_runs_away_is_stopped_and_told():
 
 
 def test_the_friction_of_the_model_is_added():
-    stiff, wanted = Servo(PUMA), np.zeros((1, 3, 6))
+    stiff, wanted = ControlledArm(PUMA), np.zeros((1, 3, 6))
     wanted[:, 1] = 0.1
     motion = stiff.run(np.zeros(6), np.full(6, 0.1), wanted)
-    ideal = Servo(
+    ideal = ControlledArm(
         dataclasses.replace(
             PUMA,
             drives=tuple(
@@ -317,7 +321,7 @@ def test_the_friction_of_the_model_is_added():
 
 def test_what_is_refused():
     with pytest.raises(WrongSizeError, match="joints of the plant has size 3, expected 6"):
-        Servo(PUMA, load_robot("planar3r"))
+        ControlledArm(PUMA, load_robot("planar3r"))
     for name, value in (
         ("control", "pid"),
         ("bandwidth", 0.0),
@@ -330,8 +334,8 @@ def test_what_is_refused():
         ("observer", np.nan),
     ):
         with pytest.raises(BadValueError, match=name):
-            Servo(PUMA, **{name: value})
-    servo, wanted = Servo(PUMA), np.zeros((2, 3, 6))
+            ControlledArm(PUMA, **{name: value})
+    servo, wanted = ControlledArm(PUMA), np.zeros((2, 3, 6))
     with pytest.raises(WrongSizeError, match="wanted"):
         servo.run(np.zeros(6), np.zeros(6), np.zeros((3, 6)))
     with pytest.raises(NonFiniteError, match="wanted"):

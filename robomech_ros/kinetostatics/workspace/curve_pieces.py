@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics.workspace.contours import edges_of_box, singular_contours
-from robomech_ros.kinetostatics.workspace.features import Branch, cusps_of, intersections
-from robomech_ros.kinetostatics.workspace.postures import PointPostures
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_of, intersections
+from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["Piece", "divide"]
+__all__ = ["CurvePiece", "cut_curves"]
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _SPACING = 1.0 / 200.0
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class CurvePiece:
     """A smooth part of a curve between points where curves meet.
 
     Parameters
@@ -53,12 +53,12 @@ class Piece:
     fewer: int
 
 
-def divide(section: Section) -> tuple[list[Piece], Array, Array]:
+def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Array]:
     """Find the pieces of the curves that divide a section, its cusps and its nodes.
 
     Returns
     -------
-    pieces : list of Piece
+    pieces : list of CurvePiece
     cusps, nodes : ndarray, shape (k, 2)
         In the section (m).
     """
@@ -78,7 +78,7 @@ def divide(section: Section) -> tuple[list[Piece], Array, Array]:
     ]
     pieces = [_counted(section, postures, part) for part in parts]
     size = section.size
-    kept: list[Piece] = []
+    kept: list[CurvePiece] = []
     for piece in pieces:
         if piece is not None and not any(_coincide(piece, other, size) for other in kept):
             kept.append(piece)
@@ -89,7 +89,7 @@ def divide(section: Section) -> tuple[list[Piece], Array, Array]:
 
 
 def _branches(
-    section: Section,
+    section: WorkspaceSection,
 ) -> tuple[list[Branch], list[list[tuple[float, Array]]], list[Array]]:
     """Give the curves, where each is to be cut besides at nodes, and the cusps."""
     branches: list[Branch] = []
@@ -107,7 +107,9 @@ def _branches(
     return branches, cuts, cusps
 
 
-def _where_singular(section: Section, joint: int, curve: Array) -> list[tuple[float, Array]]:
+def _where_singular(
+    section: WorkspaceSection, joint: int, curve: Array
+) -> list[tuple[float, Array]]:
     """Find the places of a limit's curve at which the arm is singular."""
     f = section.determinant(curve[:, 0], curve[:, 1])
     change = np.flatnonzero((f[:-1] > 0.0) != (f[1:] > 0.0))
@@ -137,7 +139,9 @@ def _cut(branch: Branch, places: list[tuple[float, Array]]) -> list[Array]:
     return parts
 
 
-def _counted(section: Section, postures: PointPostures, branch: Branch) -> Piece | None:
+def _counted(
+    section: WorkspaceSection, postures: PointPostures, branch: Branch
+) -> CurvePiece | None:
     """Count the postures on either side of a piece; None where it divides nothing."""
     points = branch.points
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -155,7 +159,7 @@ def _counted(section: Section, postures: PointPostures, branch: Branch) -> Piece
     q = branch.q
     if left < right:
         left, right, q, points = right, left, q[::-1], points[::-1]
-    return Piece(branch.joint, branch.limit, np.array(q), np.array(points), left, right)
+    return CurvePiece(branch.joint, branch.limit, np.array(q), np.array(points), left, right)
 
 
 def _probes(points: Array, lengths: Array, beside: float) -> tuple[Array, Array]:
@@ -173,7 +177,7 @@ def _probes(points: Array, lengths: Array, beside: float) -> tuple[Array, Array]
     return middle + step * normal, middle - step * normal
 
 
-def _coincide(piece: Piece, other: Piece, size: float) -> bool:
+def _coincide(piece: CurvePiece, other: CurvePiece, size: float) -> bool:
     """Whether two pieces are the same curve: arms that reach it in two ways have it twice."""
     if (piece.more, piece.fewer) != (other.more, other.fewer):
         return False

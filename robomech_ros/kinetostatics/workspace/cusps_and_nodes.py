@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
 __all__ = ["Branch", "Crossing", "cusps_of", "intersections"]
 
@@ -50,19 +50,21 @@ class Branch:
     points: Array
 
     @classmethod
-    def of(cls, section: Section, joint: int, limit: str, q: Array) -> "Branch":
+    def of(cls, section: WorkspaceSection, joint: int, limit: str, q: Array) -> "Branch":
         """Make one from joint values (k, 2)."""
         return cls(joint, limit, q, section.image(q[:, 0], q[:, 1]))
 
 
-def cusps_of(section: Section, curve: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+def cusps_of(
+    section: WorkspaceSection, curve: Array
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
     """Find the cusps of the image of a curve on which det J21 vanishes.
 
     There the direction that moves nothing is tangent to the curve.
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
     curve : ndarray, shape (k, 2)
         Joint values (rad or m).
 
@@ -99,7 +101,7 @@ def cusps_of(section: Section, curve: Array) -> tuple[Array, NDArray[np.int64], 
     return curve, np.flatnonzero(marks == 1), np.flatnonzero(marks == 2)
 
 
-def _weights(section: Section, curve: Array) -> Array:
+def _weights(section: WorkspaceSection, curve: Array) -> Array:
     """Give the image's tangents, shape (k, 2), in the smooth coordinates of the section."""
     au, av, _, _, _, bu, bv, *_ = section.regular(curve[:, 0], curve[:, 1])
     rows = np.stack((np.stack((au, av), -1), np.stack((bu, bv), -1)), axis=1)
@@ -109,7 +111,7 @@ def _weights(section: Section, curve: Array) -> Array:
     return tangents
 
 
-def _tangency(section: Section, q: Array, weights: Array) -> Array:
+def _tangency(section: WorkspaceSection, q: Array, weights: Array) -> Array:
     """Give the derivative of det J21 along the direction that moves nothing, shape (...)."""
     u, v = q[..., 0], q[..., 1]
     au, av, _, _, _, bu, bv, *_ = section.regular(u, v)
@@ -119,7 +121,7 @@ def _tangency(section: Section, q: Array, weights: Array) -> Array:
     return result
 
 
-def _cusp(section: Section, q: Array, weights: Array) -> Array:
+def _cusp(section: WorkspaceSection, q: Array, weights: Array) -> Array:
     for _ in range(_NEWTON):
         f, fu, fv = section.determinant_gradient(q[0], q[1])
         g = _tangency(section, q, weights)
@@ -150,7 +152,7 @@ class Crossing:
     point: Array
 
 
-def intersections(section: Section, branches: list[Branch]) -> list[Crossing]:
+def intersections(section: WorkspaceSection, branches: list[Branch]) -> list[Crossing]:
     """Find where images of branches cross each other or themselves."""
     starts = np.concatenate([branch.points[:-1] for branch in branches])
     ends = np.concatenate([branch.points[1:] for branch in branches])
@@ -183,7 +185,7 @@ def intersections(section: Section, branches: list[Branch]) -> list[Crossing]:
     return found
 
 
-def _is_same(section: Section, node: Crossing, other: Crossing) -> bool:
+def _is_same(section: WorkspaceSection, node: Crossing, other: Crossing) -> bool:
     apart = np.abs(node.point - other.point).max()
     if node.branches != other.branches or apart > _SAME * section.size:
         return False
@@ -245,13 +247,13 @@ def _crossing(
 
 
 def _nodes(
-    section: Section, joint: NDArray[np.int64], q: Array
+    section: WorkspaceSection, joint: NDArray[np.int64], q: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Refine crossings by Newton's method in the four joint values.
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
     joint : ndarray of int, shape (2, k)
         Of the branches, see :class:`Branch`.
     q : ndarray, shape (2, k, 2)

@@ -8,10 +8,10 @@ there are points that cannot be reached.
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
-from robomech_ros.kinetostatics.workspace.pieces import Piece
-from robomech_ros.kinetostatics.workspace.postures import PointPostures
-from robomech_ros.kinetostatics.workspace.section import Section
+from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
 __all__ = ["LimitedBoundary"]
 
@@ -30,15 +30,17 @@ class LimitedBoundary:
 
     Parameters
     ----------
-    section : Section
+    section : WorkspaceSection
         Whose first joint has limits.
-    pieces : list of Piece
+    pieces : list of CurvePiece
         All that divide the section.
     postures : PointPostures
         Within the limits.
     """
 
-    def __init__(self, section: Section, pieces: list[Piece], postures: PointPostures) -> None:
+    def __init__(
+        self, section: WorkspaceSection, pieces: list[CurvePiece], postures: PointPostures
+    ) -> None:
         from scipy.spatial import cKDTree
 
         self._section, self._postures = section, postures
@@ -202,7 +204,7 @@ class LimitedBoundary:
             normals.append(self._moved(normal, first, turns_only=True))
         return np.concatenate(rows), np.concatenate(normals)
 
-    def _wall_samples(self, pieces: list[Piece]) -> tuple[Array, Array]:
+    def _wall_samples(self, pieces: list[CurvePiece]) -> tuple[Array, Array]:
         section = self._section
         rows, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
         spacing = _SPACING * section.size

@@ -1,0 +1,181 @@
+"""Steps of an integrator, to the end or to what ends a simulation before."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
+from robomech_ros.dynamics.simulation.crossings import (
+    Event,
+    bounced,
+    first_crossing,
+    limit_events,
+    note,
+)
+from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, RunAwayError
+from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
+from robomech_ros.dynamics.simulation.record import Record
+from robomech_ros.errors import BadValueError
+
+__all__ = ["FINISHED", "MOST_STEPS", "Integration", "SolverChoice"]
+
+Array = NDArray[np.float64]
+
+FINISHED = "finished"
+MOST_STEPS = 200_000
+_MOST_BOUNCES = 1000
+# A joint that comes to a stop slower than this (rad/s or m/s) would bounce for ever.
+_REST = 1e-6
+
+
+@dataclass(frozen=True)
+class SolverChoice:
+    """What integrates, and how finely.
+
+    Attributes
+    ----------
+    method : str
+        ``"midpoint"``, or the name of one of scipy's solvers.
+    step : float or None
+        Longest step, or that of the midpoint rule (s).
+    rtol, atol : float
+        Tolerances of scipy's solvers.
+    """
+
+    method: str
+    step: float | None
+    rtol: float
+    atol: float
+
+    def solver(self, motion: EquationsOfMotion, t: float, state: Array, end: float) -> Any:
+        """Make a solver that starts from a state at a time and stops at the end (s)."""
+        if self.method == "midpoint":
+            assert self.step is not None
+            return MidpointSolver(motion, t, state, end, self.step)
+        from scipy import integrate
+
+        kind = getattr(integrate, self.method)
+        longest = np.inf if self.step is None else self.step
+        return kind(motion.rates, t, state, end, rtol=self.rtol, atol=self.atol, max_step=longest)
+
+
+class Integration:
+    """One simulation under way.
+
+    Parameters
+    ----------
+    motion : EquationsOfMotion
+        What moves.
+    choice : SolverChoice
+        What integrates.
+    at_limits : str
+        ``"ignore"``, ``"end"`` or ``"bounce"``.
+    restitution : float
+        Part of its rate with which a joint bounces.
+    watched : sequence of callable
+        Events whose zeros are noted.
+    record : Record
+        Gets the states.
+
+    Attributes
+    ----------
+    seen : list of (float, int)
+        Time and number of each event that was met.
+    """
+
+    def __init__(
+        self,
+        motion: EquationsOfMotion,
+        choice: SolverChoice,
+        at_limits: str,
+        restitution: float,
+        watched: Sequence[Event],
+        record: Record,
+    ) -> None:
+        self._motion, self._choice = motion, choice
+        self._at_limits, self._restitution = at_limits, restitution
+        self._watched, self._record = list(watched), record
+        self._bounds = [] if at_limits == "ignore" else list(limit_events(motion.chain))
+        self._bounces = 0
+        self.seen: list[tuple[float, int]] = []
+
+    def run(self, state: Array, duration: float) -> str:
+        """Step from a state (2 n + 2,) for a duration (s); returns why it ended.
+
+        Raises
+        ------
+        BadValueError
+            The start is outside the position limits, or an event is no finite number.
+        """
+        n = self._motion.chain.n
+        self._record.add(0.0, state, None)
+        if any(crossing(state) < 0.0 for crossing in self._bounds):
+            raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
+        try:
+            solver = self._choice.solver(self._motion, 0.0, state, duration)
+            for _ in range(MOST_STEPS):
+                if solver.status == "finished":
+                    return FINISHED
+                reason, after = self._step(solver)
+                if reason:
+                    return reason
+                if after is not None:
+                    solver = self._choice.solver(self._motion, *after, duration)
+        except RunAwayError as error:
+            return f"the motion ran away: {error}"
+        return f"{MOST_STEPS} steps did not reach the end"
+
+    def _step(self, solver: Any) -> tuple[str, tuple[float, Array] | None]:
+        """Do one step.
+
+        Returns
+        -------
+        reason : str
+            Why the simulation ends with it; empty where it goes on.
+        after : tuple of float and ndarray, or None
+            Time and state from which a new solver goes on after a bounce.
+        """
+        n = self._motion.chain.n
+        before, y_before = solver.t, solver.y.copy()
+        message = solver.step()
+        if solver.status == "failed":
+            return f"the integration failed at {before:.6g} s: {message}", None
+        dense = solver.dense_output()
+        y_after = solver.y
+        _refuse_run_away(solver.t, y_after, n)
+        hits = first_crossing(self._bounds, dense, (before, y_before), (solver.t, y_after))
+        end, crossing = min(hits, default=(solver.t, -1))
+        ended = note(self._watched, dense, before, end, n, self.seen)
+        if ended is not None:
+            self._record.add(ended[0], dense(ended[0]), dense)
+            return f"event {ended[1]} at {ended[0]:.9g} s", None
+        self._record.add(end, dense(end) if hits else y_after, dense)
+        return self._at_limit(end, crossing, dense(end)) if hits else ("", None)
+
+    def _at_limit(
+        self, t: float, crossing: int, state: Array
+    ) -> tuple[str, tuple[float, Array] | None]:
+        """End the simulation at a limit, or bounce there; gives what :meth:`_step` gives."""
+        chain = self._motion.chain
+        joint, side = divmod(crossing, 2)
+        where = f"its {('lower', 'upper')[side]} limit at {t:.9g} s"
+        if self._at_limits == "end":
+            return f"joint '{chain.joint_names[joint]}' came to {where}", None
+        self._bounces += 1
+        if self._bounces > _MOST_BOUNCES or abs(state[chain.n + joint]) < _REST:
+            return f"joint '{chain.joint_names[joint]}' came to rest at {where}", None
+        return "", (t, bounced(chain, state, joint, side, self._restitution))
+
+
+def _refuse_run_away(t: float, state: Array, n: int) -> None:
+    if not np.isfinite(state).all():
+        raise RunAwayError(f"the state at {t:.6g} s is not finite")
+    fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
+    if fastest > LARGEST_SERVO_RATE:
+        raise RunAwayError(
+            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
+            f"{LARGEST_SERVO_RATE:g} is the most"
+        )
