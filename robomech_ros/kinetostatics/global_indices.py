@@ -113,15 +113,20 @@ def global_conditioning_index(
         [_sums(chain, lower + points * (upper - lower), rows, metres, index)
          for points in _shifted(chain.n, count)]
     )  # fmt: skip
-    above, below = sums.T
-    if not above.any():
+    if not sums[:, 0].any():
         expected = f"one that is not singular in every posture as to its {rows}"
         raise BadValueError("chain", chain.name, expected)
+    result = _ratio(*sums.T)
+    result.postures, result.length = _SHIFTS * count, metres
+    return result
+
+
+def _ratio(above: Array, below: Array) -> GlobalIndex:
+    """Divide two sums, each known once for every shift, and estimate the error of the ratio."""
     result = GlobalIndex(above.sum() / below.sum())
     residuals = above - float(result) * below
     spread = math.sqrt(residuals @ residuals / (_SHIFTS * (_SHIFTS - 1)))
     result.standard_error = spread / below.mean()
-    result.postures, result.length = _SHIFTS * count, metres
     return result
 
 

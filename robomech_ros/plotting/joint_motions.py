@@ -2,28 +2,22 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.plotting.pictures import new_figure
 
-__all__ = ["PlottingUnavailableError", "plot_motion"]
+__all__ = ["plot_motion"]
 
 Array = NDArray[np.float64]
 
 # Width of a picture, and height of one diagram and of the rest, in inches.
 _WIDTH, _HEIGHT, _REST = 10.0, 2.45, 0.65
-_DPI = 110
 _LABELS = ("position", "velocity", "acceleration", "jerk")
 _UNITS = {False: ("rad", "rad/s", "rad/s²", "rad/s³"), True: ("m", "m/s", "m/s²", "m/s³")}
-
-
-class PlottingUnavailableError(RobomechError):
-    """matplotlib is not installed."""
-
-    def __init__(self) -> None:
-        super().__init__("plots need matplotlib: pip install matplotlib")
 
 
 def plot_motion(
@@ -74,31 +68,13 @@ def plot_motion(
     """
     slides = list(prismatic) if prismatic is not None else [False] * len(joint_names)
     _check(joint_names, times, curves, limits)
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise PlottingUnavailableError from None
-    size = (_WIDTH, _REST + _HEIGHT * len(curves))
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    figure = new_figure(_WIDTH, _REST + _HEIGHT * len(curves))
     axes = np.atleast_1d(figure.subplots(len(curves), 1, sharex=True))
     for i, (ax, curve) in enumerate(zip(axes, curves, strict=True)):
-        for joint, name in enumerate(joint_names):
-            label = f"{name} (m)" if slides[joint] and not all(slides) else name
-            (line,) = ax.plot(times, curve[:, joint], linewidth=1.4, label=label)
-            for bound in (pair[joint] for pair in (limits[i] if limits else ())):
-                if np.isfinite(bound):
-                    ax.axhline(bound, color=line.get_color(), linewidth=0.9, linestyle="--")
-        for instant, _ in marks:
-            ax.axvline(instant, color="0.6", linewidth=0.8, linestyle=":")
+        _draw_curves(ax, joint_names, times, curve, slides, limits[i] if limits else ())
         units = " or ".join(_UNITS[kind][i] for kind in sorted(set(slides)))
         ax.set_ylabel(f"{_LABELS[i]} ({units})")
-        ax.grid(visible=True, color="0.9")
-        ax.margins(x=0.01)
-    for instant, label in marks:
-        axes[0].annotate(
-            label, (instant, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -11),
-            textcoords="offset points", fontsize=8, color="0.4",
-        )  # fmt: skip
+    _draw_marks(axes, marks)
     axes[-1].set_xlabel("time (s)")
     figure.suptitle(title)
     handles, labels = axes[0].get_legend_handles_labels()
@@ -106,6 +82,36 @@ def plot_motion(
     path = Path(path)
     figure.savefig(path)
     return path
+
+
+def _draw_curves(
+    ax: Any,
+    joint_names: Sequence[str],
+    times: Array,
+    curve: Array,
+    slides: Sequence[bool],
+    limits: Sequence[Array],
+) -> None:
+    """Draw one quantity of all joints, with its limits in the joints' colours."""
+    for joint, name in enumerate(joint_names):
+        label = f"{name} (m)" if slides[joint] and not all(slides) else name
+        (line,) = ax.plot(times, curve[:, joint], linewidth=1.4, label=label)
+        for bound in (side[joint] for side in limits):
+            if np.isfinite(bound):
+                ax.axhline(bound, color=line.get_color(), linewidth=0.9, linestyle="--")
+    ax.grid(visible=True, color="0.9")
+    ax.margins(x=0.01)
+
+
+def _draw_marks(axes: NDArray, marks: Sequence[tuple[float, str]]) -> None:
+    """Draw a line at each instant in all diagrams, and its label in the first."""
+    for instant, label in marks:
+        for ax in axes:
+            ax.axvline(instant, color="0.6", linewidth=0.8, linestyle=":")
+        axes[0].annotate(
+            label, (instant, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -11),
+            textcoords="offset points", fontsize=8, color="0.4",
+        )  # fmt: skip
 
 
 def _check(

@@ -1,6 +1,7 @@
 """Slices through maps of reach and dexterity."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.numerics.arrays import real_number
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["QUANTITIES", "plot_map"]
@@ -23,7 +24,6 @@ QUANTITIES = {
     "conditioning": "mean of 1 / condition number",
 }
 _AXES = "xyz"
-_DPI = 110
 # Width of each picture and height of all, in inches.
 _WIDTH, _HEIGHT = 4.6, 4.4
 
@@ -71,31 +71,32 @@ def plot_map(
         raise BadValueError("at", at, "an axis as well: x, y or z")
     chosen = tuple(_AXES) if axis is None else (as_choice("axis", axis, tuple(_AXES)),)
     layers = [(_AXES.index(name), _layer(reach, _AXES.index(name), at)) for name in chosen]
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise PlottingUnavailableError from None
     values = _values(reach, quantity)
-    largest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
-    figure = Figure(figsize=(_WIDTH * len(layers) + 1.0, _HEIGHT), dpi=_DPI, layout="constrained")
+    figure = new_figure(_WIDTH * len(layers) + 1.0, _HEIGHT)
     pictures = np.atleast_1d(figure.subplots(1, len(layers)))
     for picture, (normal, layer) in zip(pictures, layers, strict=True):
-        across, up = (i for i in range(3) if i != normal)
-        image = picture.imshow(
-            np.take(values, layer, axis=normal).T,
-            origin="lower",
-            extent=(*_span(reach.grid.axes[across]), *_span(reach.grid.axes[up])),
-            vmin=0.0,
-            vmax=largest if largest > 0.0 else 1.0,
-            interpolation="nearest",
-        )
-        picture.set_xlabel(f"{_AXES[across]} (m)")
-        picture.set_ylabel(f"{_AXES[up]} (m)")
-        picture.set_title(f"{_AXES[normal]} = {reach.grid.axes[normal][layer]:.4g} m")
+        image = _draw_slice(picture, reach, values, normal, layer)
     figure.colorbar(image, ax=pictures, label=label)
     figure.suptitle(f"{reach.robot.name}, {reach.robot.tip}" if title is None else title)
     figure.savefig(path)
     return Path(path)
+
+
+def _draw_slice(picture: Any, reach: ReachMap, values: Array, normal: int, layer: int) -> Any:
+    """Draw the layer of this number perpendicular to an axis; gives the image."""
+    largest = float(np.nanmax(values)) if np.isfinite(values).any() else 1.0
+    across, up = (i for i in range(3) if i != normal)
+    picture.set_xlabel(f"{_AXES[across]} (m)")
+    picture.set_ylabel(f"{_AXES[up]} (m)")
+    picture.set_title(f"{_AXES[normal]} = {reach.grid.axes[normal][layer]:.4g} m")
+    return picture.imshow(
+        np.take(values, layer, axis=normal).T,
+        origin="lower",
+        extent=(*_span(reach.grid.axes[across]), *_span(reach.grid.axes[up])),
+        vmin=0.0,
+        vmax=largest if largest > 0.0 else 1.0,
+        interpolation="nearest",
+    )
 
 
 def _layer(reach: ReachMap, normal: int, at: float | None) -> int:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.pictures import new_figure
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_axis_angle
@@ -108,35 +108,43 @@ def plot_postures(
     if not 1 <= len(postures) <= _MOST:
         raise BadValueError("number of postures", len(postures), f"1 to {_MOST}")
     forward_kinematics(chain, postures)  # says what is wrong with values that are no numbers
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise PlottingUnavailableError from None
     view = _View(_rows(azimuth, elevation))
     skeletons = [_skeleton(chain, posture) for posture in postures]
     columns = math.ceil(math.sqrt(len(postures)))
     rows = math.ceil(len(postures) / columns)
-    size = (_PANEL * columns, _PANEL * rows + (0.45 if title else 0.0))
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
+    height = _PANEL * rows + (0.45 if title else 0.0)
+    figure = new_figure(_PANEL * columns, height, dpi=_DPI, facecolor="white")
     panels = np.atleast_1d(figure.subplots(rows, columns)).ravel()
-    middle, half = _frame(view, skeletons)
+    frame = _frame(view, skeletons)
     for number, ax in enumerate(panels):
         ax.set_axis_off()
-        if number >= len(postures):
-            continue
-        ax.set_aspect("equal")
-        ax.set_xlim(middle[0] - half, middle[0] + half)
-        ax.set_ylim(middle[1] - half, middle[1] + half)
-        painter = _Painter(ax, view, 2.0 * half)
-        for other in skeletons:
-            painter.ghost(other)
-        painter.arm(skeletons[number], chain)
-        _caption(ax, number, postures[number], chain)
+        if number < len(postures):
+            _draw_panel(ax, view, frame, skeletons, chain, number)
+            _caption(ax, number, postures[number], chain)
     if title:
         figure.suptitle(title, color=_DARK, fontsize=13)
     path = Path(path)
     figure.savefig(path)
     return path
+
+
+def _draw_panel(
+    ax: Any,
+    view: _View,
+    frame: tuple[Array, float],
+    skeletons: list[_Skeleton],
+    chain: SerialChain,
+    number: int,
+) -> None:
+    """Draw the posture of this number, and all of them in grey behind it."""
+    middle, half = frame
+    ax.set_aspect("equal")
+    ax.set_xlim(middle[0] - half, middle[0] + half)
+    ax.set_ylim(middle[1] - half, middle[1] + half)
+    painter = _Painter(ax, view, 2.0 * half)
+    for other in skeletons:
+        painter.ghost(other)
+    painter.arm(skeletons[number], chain)
 
 
 def _rows(azimuth: float, elevation: float) -> Array:

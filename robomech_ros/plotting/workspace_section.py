@@ -4,15 +4,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics import Workspace
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.pictures import new_figure
 
 __all__ = ["plot_workspace"]
 
+Array = NDArray[np.float64]
+
 # Points of the grid on which postures are counted for the colours, per metre of the larger side.
 _GRID = 220
-_DPI = 110
 _HEIGHT = 7.0
 _COLOURS = ("#ffffff", "#e8f1fa", "#c6dcef", "#a3c6e3", "#7fb0d8")
 _STYLES: dict[str, dict[str, Any]] = {
@@ -48,40 +50,15 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
     PlottingUnavailableError
         matplotlib is not installed.
     """
-    try:
-        from matplotlib.colors import BoundaryNorm, ListedColormap
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise PlottingUnavailableError from None
-    points = np.concatenate([curve.points for curve in space.curves])
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * (high - low).max()
-    low, high = low - margin, high + margin
-    if not space.section.slides[0]:
-        low[0] = max(low[0], 0.0)
+    low, high = _corners(space)
     spans = high - low
     width = float(np.clip(_HEIGHT * spans[0] / spans[1], 4.0, 14.0))
-    figure = Figure(figsize=(width + 2.5, _HEIGHT), dpi=_DPI, layout="constrained")
+    figure = new_figure(width + 2.5, _HEIGHT)
     ax = figure.subplots()
-    steps = np.maximum((_GRID * spans / spans.max()).astype(int), 2)
-    axes = [np.linspace(low[k], high[k], steps[k]) for k in (0, 1)]
-    x, y = np.meshgrid(*axes)
-    counts = space.section_count(np.stack((x, y), axis=-1))
-    levels = np.arange(len(_COLOURS) + 1) - 0.5
-    mesh = ax.pcolormesh(
-        x, y, np.minimum(counts, len(_COLOURS) - 1), shading="nearest",
-        cmap=ListedColormap(_COLOURS), norm=BoundaryNorm(levels, len(_COLOURS)), rasterized=True,
-    )  # fmt: skip
+    mesh = _draw_counts(ax, space, low, high)
     bar = figure.colorbar(mesh, ax=ax, ticks=range(len(_COLOURS)), shrink=0.5)
     bar.set_label("postures of the first joints")
-    named = set()
-    for curve in space.curves:
-        label = _LABELS[curve.role] if curve.role not in named else None
-        named.add(curve.role)
-        ax.plot(*curve.points.T, label=label, **_STYLES[curve.role])
-    for marked, marker, label in ((space.cusps, "^", "cusp"), (space.nodes, "o", "node")):
-        if len(marked):
-            ax.plot(*marked.T, marker, color="darkorange", markersize=5, label=label)
+    _draw_curves(ax, space)
     ax.set_aspect("equal")
     ax.set_xlabel(f"{space.coordinates[0]} (m)")
     ax.set_ylabel(f"{space.coordinates[1]} (m)")
@@ -90,3 +67,42 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
     path = Path(path)
     figure.savefig(path)
     return path
+
+
+def _corners(space: Workspace) -> tuple[Array, Array]:
+    """Give the corners (2,) of the picture, with some room around all curves (m)."""
+    points = np.concatenate([curve.points for curve in space.curves])
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.06 * (high - low).max()
+    low, high = low - margin, high + margin
+    if not space.section.slides[0]:
+        low[0] = max(low[0], 0.0)
+    return low, high
+
+
+def _draw_counts(ax: Any, space: Workspace, low: Array, high: Array) -> Any:
+    """Colour the section by the number of postures; gives the mesh."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    spans = high - low
+    steps = np.maximum((_GRID * spans / spans.max()).astype(int), 2)
+    axes = [np.linspace(low[k], high[k], steps[k]) for k in (0, 1)]
+    x, y = np.meshgrid(*axes)
+    counts = space.section_count(np.stack((x, y), axis=-1))
+    levels = np.arange(len(_COLOURS) + 1) - 0.5
+    return ax.pcolormesh(
+        x, y, np.minimum(counts, len(_COLOURS) - 1), shading="nearest",
+        cmap=ListedColormap(_COLOURS), norm=BoundaryNorm(levels, len(_COLOURS)), rasterized=True,
+    )  # fmt: skip
+
+
+def _draw_curves(ax: Any, space: Workspace) -> None:
+    """Draw the curves, cusps and nodes; each kind is named once in the legend."""
+    named = set()
+    for curve in space.curves:
+        label = _LABELS[curve.role] if curve.role not in named else None
+        named.add(curve.role)
+        ax.plot(*curve.points.T, label=label, **_STYLES[curve.role])
+    for marked, marker, label in ((space.cusps, "^", "cusp"), (space.nodes, "o", "node")):
+        if len(marked):
+            ax.plot(*marked.T, marker, color="darkorange", markersize=5, label=label)

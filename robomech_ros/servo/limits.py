@@ -66,6 +66,12 @@ class ServoLimits:
         room = np.clip(0.5 * (self.upper - self.lower), 0.0, POSITION_ROUNDING)
         return self.lower + room, self.upper - room
 
+    def share_of(self, rates: Array) -> tuple[float, int]:
+        """Give how much of rates (rad/s or m/s) is allowed, and which joint needs that most."""
+        share = np.abs(rates) / self.velocity
+        fastest = int(np.argmax(share))
+        return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
+
     def smoothing(self, period: float) -> int:
         """Give over how many periods (s) positions are averaged so that jerks stay in limits.
 

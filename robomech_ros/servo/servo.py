@@ -1,8 +1,6 @@
 """The servo itself: the last command, how old it is, and what becomes of it in the next period."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,39 +8,16 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.servo.commands import Command, JointCommand
 from robomech_ros.servo.limits import ServoLimits
-from robomech_ros.servo.motion import Advance, Motion, Samples
+from robomech_ros.servo.motion import Motion, Samples
+from robomech_ros.servo.report import ServoCondition, ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.spatial.arrays import all_finite, as_finite
 
-__all__ = [
-    "Command",
-    "JointCommand",
-    "Servo",
-    "ServoCondition",
-    "ServoReport",
-    "ServoSettings",
-    "TwistCommand",
-]
+__all__ = ["Servo", "ServoSettings"]
 
 Array = NDArray[np.float64]
-
-# Changes of velocity that take longer than this many periods are worth a word.
-_NEARLY_ONE = 1.0 - 1e-6
-
-
-class ServoCondition(Enum):
-    """What limits the motion."""
-
-    NO_WARNING = "no warning"
-    APPROACHING_SINGULARITY = "approaching a singularity"
-    SINGULARITY = "singularity"
-    LEAVING_SINGULARITY = "leaving a singularity"
-    JOINT_BOUND = "joint bound"
-    RATE_BOUND = "rate bound"
-    IMPOSSIBLE = "impossible"
-    STALE_COMMAND = "stale command"
-    PAUSED = "paused"
 
 
 @dataclass(frozen=True)
@@ -67,70 +42,6 @@ class ServoSettings:
     stop_at: float = 90.0
     length: float | None = None
     lead: int = 1
-
-
-@dataclass(frozen=True, eq=False)
-class TwistCommand:
-    """Move the tip.
-
-    Attributes
-    ----------
-    twist : ndarray, shape (6,)
-        Angular velocity, then velocity of the tip's origin (rad/s and m/s).
-    axes : callable
-        Gives for q the rotation ``R_base_axes`` of the axes in which the twist is expressed, or
-        None for the base.
-    until : float
-        When it is stale (s).
-    """
-
-    twist: Array
-    axes: Callable[[Array], Array | None]
-    until: float
-
-
-@dataclass(frozen=True, eq=False)
-class JointCommand:
-    """Move the joints.
-
-    Attributes
-    ----------
-    rates : ndarray, shape (n,)
-        rad/s or m/s.
-    until : float
-        When it is stale (s).
-    """
-
-    rates: Array
-    until: float
-
-
-Command = TwistCommand | JointCommand
-
-
-@dataclass(frozen=True, eq=False)
-class ServoReport:
-    """What was made of the command in one period.
-
-    Attributes
-    ----------
-    condition : ServoCondition
-        What limits the motion.
-    scale : float
-        Part of the commanded speed at which the motion is carried out, 0 to 1; 1 without command.
-    condition_number : float
-        Of the Jacobian over the characteristic length.
-    joints : tuple of str
-        The joints that limit the motion.
-    text : str
-        The same in words; empty where nothing limits it.
-    """
-
-    condition: ServoCondition
-    scale: float
-    condition_number: float
-    joints: tuple[str, ...] = ()
-    text: str = ""
 
 
 class Servo:
@@ -243,10 +154,9 @@ class Servo:
             axes = command.axes(position)
             twist = command.twist if axes is None else _turned(axes, command.twist)
             resolution = self._resolver.resolve(position, twist, motion.velocity)
-        speed, fastest = self._within_rates(resolution.rates)
-        scale = min(speed, resolution.scale)
-        advance = motion.advance(scale * resolution.rates)
-        return self._judged(resolution, scale, speed, fastest, advance)
+        share = self.limits.share_of(resolution.rates)
+        advance = motion.advance(min(share[0], resolution.scale) * resolution.rates)
+        return motion_report(self.limits, resolution, share, advance, motion.velocity)
 
     def samples(self) -> Samples:
         """Give the stream from the first knot shown on, at rest at the end."""
@@ -268,54 +178,6 @@ class Servo:
         age = now - self._command.until
         text = f"the last command is stale, for {max(age, 0.0):.3g} s"
         return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)
-
-    def _within_rates(self, rates: Array) -> tuple[float, int]:
-        """Give the scale that velocity limits allow, and the joint that needs it most."""
-        share = np.abs(rates) / self.limits.velocity
-        fastest = int(np.argmax(share))
-        return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
-
-    def _judged(
-        self, found: Resolution, scale: float, speed: float, fastest: int, advance: Advance
-    ) -> ServoReport:
-        """Say what limits the motion most."""
-        number = found.condition_number
-        carried = self._carried(found.rates)
-        if not found.possible:
-            text = "the arm cannot move in the direction of the twist, whatever its posture"
-            return ServoReport(ServoCondition.IMPOSSIBLE, 0.0, number, (), text)
-        if scale == 0.0:
-            text = f"the motion leads into a singularity (condition number {number:.4g})"
-            return ServoReport(ServoCondition.SINGULARITY, carried, number, (), text)
-        if advance.bound and advance.allowed < _NEARLY_ONE:
-            text = f"{', '.join(advance.bound)} near the end of the range"
-            return ServoReport(ServoCondition.JOINT_BOUND, carried, number, advance.bound, text)
-        if found.scale < min(speed, _NEARLY_ONE):
-            text = f"slowed down to {found.scale:.3g} before a singularity"
-            text += f" (condition number {number:.4g})"
-            return ServoReport(ServoCondition.APPROACHING_SINGULARITY, carried, number, (), text)
-        if speed < _NEARLY_ONE:
-            name, limit = self.limits.names[fastest], float(self.limits.velocity[fastest])
-            text = (
-                f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
-            )
-            leaving = found.leaving
-            what = ServoCondition.LEAVING_SINGULARITY if leaving else ServoCondition.RATE_BOUND
-            return ServoReport(what, carried, number, (name,), text)
-        if advance.followed < _NEARLY_ONE:
-            text = "the acceleration limits are used up"
-            return ServoReport(ServoCondition.RATE_BOUND, carried, number, (), text)
-        return ServoReport(ServoCondition.NO_WARNING, carried, number)
-
-    def _carried(self, rates: Array) -> float:
-        """Give what part of the commanded rates the joints have now."""
-        largest = float(np.abs(rates).max())
-        if largest == 0.0:
-            return 1.0
-        # Not their square, which would overflow.
-        along = rates / largest
-        part = float(self.motion.velocity @ along) / float(along @ along) / largest
-        return min(max(part, 0.0), 1.0)
 
 
 def _turned(axes: Array, twist: Array) -> Array:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError, plot_motion
+from robomech_ros.plotting.joint_motions import plot_motion
+from robomech_ros.plotting.pictures import PlottingUnavailableError
 
 TIMES = np.linspace(0.0, 1.0, 50)
 Q = np.column_stack((TIMES**2, 1.0 - TIMES))

@@ -8,7 +8,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.pictures import PlottingUnavailableError
 from robomech_ros.plotting.postures import _rows, _skeleton, plot_postures
 from robomech_ros.robots import load_robot
 

@@ -7,7 +7,7 @@ import pytest
 
 from robomech_ros.cli.main import main
 from robomech_ros.kinetostatics import workspace_boundary
-from robomech_ros.plotting.joint_motions import PlottingUnavailableError
+from robomech_ros.plotting.pictures import PlottingUnavailableError
 from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_robot
 

@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 
 from robomech_ros.robots import load_robot
-from robomech_ros.servo.servo import JointCommand, Servo, ServoSettings, TwistCommand
+from robomech_ros.servo.commands import JointCommand, TwistCommand
+from robomech_ros.servo.servo import Servo, ServoSettings
 
 # Characteristic lengths (m), which take a second or two to find.
 LENGTHS = {"puma560": 0.283, "ur5e": 0.264, "scara": 0.4, "panda": 0.22, "iiwa14": 0.3}

@@ -7,7 +7,7 @@ from servo_drives import LENGTHS, Drive, robot_of
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian, singularity_report
-from robomech_ros.servo.servo import ServoCondition
+from robomech_ros.servo.report import ServoCondition
 
 HALT = ServoCondition.SINGULARITY
 # Of drives that are many, twice as long as usual (s).

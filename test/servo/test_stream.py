@@ -9,9 +9,10 @@ from servo_drives import TIMEOUT, Drive
 from robomech_ros.errors import MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
+from robomech_ros.servo.commands import JointCommand, TwistCommand
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Motion
-from robomech_ros.servo.servo import JointCommand, ServoCondition, TwistCommand
+from robomech_ros.servo.report import ServoCondition
 
 ROBOTS = ["puma560", "ur5e", "scara", "panda", "iiwa14"]
 REGULAR = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]

@@ -187,13 +187,7 @@ def identify(
     if A.shape[0] * chain.n <= A.shape[2]:
         raise WrongSizeError("q", q.shape, f"more than {A.shape[2] // chain.n} states")
     _require_rank(A)
-    if deviations is None:
-        first = _solved(A.reshape(-1, A.shape[2]), b.ravel())
-        weights = _left(A, b, first)
-        # Torques without noise leave rounding only, which weighs nothing.
-        weights = np.maximum(weights, 1e-9 * np.abs(b).max(initial=1.0))
-    else:
-        weights = _deviations(chain, deviations)
+    weights = _first_deviations(A, b) if deviations is None else _deviations(chain, deviations)
     weighted = (A / weights[:, None]).reshape(-1, A.shape[2])
     right = (b / weights).ravel()
     values = _solved(weighted, right)
@@ -209,6 +203,14 @@ def identify(
         condition=float(singular[0] / singular[-1]),
         deviations=_left(A, b, values),
     )
+
+
+def _first_deviations(A: Array, b: Array) -> Array:
+    """Estimate the standard deviations (n,) of the torques from a solution without weights."""
+    left = _left(A, b, _solved(A.reshape(-1, A.shape[2]), b.ravel()))
+    # Torques without noise leave rounding only, which weighs nothing.
+    deviations: Array = np.maximum(left, 1e-9 * np.abs(b).max(initial=1.0))
+    return deviations
 
 
 def excitation(

@@ -210,15 +210,7 @@ class ControlledArm:
         if wanted.ndim != 3:
             raise WrongSizeError("wanted", wanted.shape, f"(m, 3, {n})")
         learned = np.zeros(n) if observed is None else observed
-        state = np.empty((3, n))
-        for row, (name, array) in enumerate((("q", q), ("qd", qd), ("observed", learned))):
-            if not isinstance(array, np.ndarray) or array.dtype != np.float64:
-                raise BadValueError(name, array, "an array of float64, to be overwritten")
-            if array.shape != (n,):
-                raise WrongSizeError(name, array.shape, f"({n},)")
-            if not np.isfinite(array).all():
-                raise NonFiniteError(name, array)
-            state[row] = array
+        state = _state(n, q=q, qd=qd, observed=learned)
         arguments, own_period, substeps, rate = self._arguments
         step = own_period if period is None else positive_number("period", period)
         out = np.empty((len(wanted), 3, n))
@@ -228,14 +220,28 @@ class ControlledArm:
         done = kernels.servo_steps(*arguments, wanted, step, substeps, state, out)
         q[:], qd[:], learned[:] = state
         effort = out[:done, 2]
-        reason = ""
-        if done < len(wanted):
-            reason = (
-                f"the motion ran away after {done * step:.6g} s, with rates of up to "
-                f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
-            )
+        reason = "" if done == len(wanted) else _ran_away(done * step, qd)
         saturated = np.abs(effort) >= arguments[8]
         return ControlledMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
+
+
+def _state(n: int, **arrays: Array) -> Array:
+    """Check arrays (n,) that the end of a motion overwrites; gives them in rows."""
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray) or array.dtype != np.float64:
+            raise BadValueError(name, array, "an array of float64, to be overwritten")
+        if array.shape != (n,):
+            raise WrongSizeError(name, array.shape, f"({n},)")
+        if not np.isfinite(array).all():
+            raise NonFiniteError(name, array)
+    return np.array([*arrays.values()])
+
+
+def _ran_away(seconds: float, qd: Array) -> str:
+    return (
+        f"the motion ran away after {seconds:.6g} s, with rates of up to "
+        f"{np.abs(qd).max():.3g} rad/s or m/s; {LARGEST_SERVO_RATE:g} is the most"
+    )
 
 
 def _stops(limits: Array, q: Array, held: ArrayLike | None) -> Array:

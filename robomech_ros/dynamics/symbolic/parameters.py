@@ -159,18 +159,7 @@ def symbolic_parameters(
     slides = [one for one, kind in zip(variables, table.types, strict=True) if kind != REVOLUTE]
     lengths = [one for one in names.values if one not in {a.symbol for a in names.angles}]
     ring = TermRing((*lengths, *slides), names.angles)
-    links = tuple(
-        SymbolicLink(
-            a=_poly(ring, row[0]),
-            b=_poly(ring, row[1]),
-            turn=(_poly(ring, row[2]), _poly(ring, row[3])),
-            twist=(_poly(ring, row[4]), _poly(ring, row[5])),
-            mass=_poly(ring, body[0]),
-            com=tuple(_poly(ring, one) for one in body[1:4]),
-            inertia=tuple(_poly(ring, one) for one in body[4:]),
-        )
-        for row, body in zip(rows, bodies, strict=True)
-    )
+    links = tuple(_link(ring, row, body) for row, body in zip(rows, bodies, strict=True))
     rates = tuple(_derived(one, "dot") for one in variables)
     drives = _Names(by_name)
     return SymbolicParameters(
@@ -193,6 +182,19 @@ def symbolic_parameters(
         values=names.values | drives.values,
         base=_exact_pose(table.base),
         tool=_exact_pose(table.tool),
+    )
+
+
+def _link(ring: TermRing, row: Sequence[sympy.Expr], body: Sequence[sympy.Expr]) -> SymbolicLink:
+    """Turn what :func:`_link_row` and :func:`_body_row` give for a link into polynomials."""
+    return SymbolicLink(
+        a=_poly(ring, row[0]),
+        b=_poly(ring, row[1]),
+        turn=(_poly(ring, row[2]), _poly(ring, row[3])),
+        twist=(_poly(ring, row[4]), _poly(ring, row[5])),
+        mass=_poly(ring, body[0]),
+        com=tuple(_poly(ring, one) for one in body[1:4]),
+        inertia=tuple(_poly(ring, one) for one in body[4:]),
     )
 
 

@@ -1,53 +1,50 @@
-"""The servo's status as a message."""
+"""What the servo says of itself: each period while it drives, else where something is new."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable
+
+from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.servo.servo import ServoCondition, ServoReport
+from robomech_ros.nodes.servo.messages import status_message
+from robomech_ros.servo.report import ServoReport
 
-__all__ = ["status_message"]
+__all__ = ["REPEATED", "StatusPublisher"]
 
-_CODES = {
-    ServoCondition.NO_WARNING: ServoStatus.NO_WARNING,
-    ServoCondition.APPROACHING_SINGULARITY: ServoStatus.DECELERATE_FOR_APPROACHING_SINGULARITY,
-    ServoCondition.SINGULARITY: ServoStatus.HALT_FOR_SINGULARITY,
-    ServoCondition.LEAVING_SINGULARITY: ServoStatus.DECELERATE_FOR_LEAVING_SINGULARITY,
-    ServoCondition.JOINT_BOUND: ServoStatus.JOINT_BOUND,
-    ServoCondition.RATE_BOUND: ServoStatus.RATE_BOUND,
-    ServoCondition.IMPOSSIBLE: ServoStatus.INVALID,
-    ServoCondition.STALE_COMMAND: ServoStatus.STALE_COMMAND,
-    ServoCondition.PAUSED: ServoStatus.PAUSED,
-}
+# How often a status is repeated while nothing moves (s).
+REPEATED = 1.0
 
 
-def status_message(
-    stamp: Any, report: ServoReport | None, refusal: str, no_state: str, joints: Sequence[str] = ()
-) -> ServoStatus:
-    """Make the message.
+class StatusPublisher:
+    """Publishes the status of a servo.
 
     Parameters
     ----------
-    stamp : builtin_interfaces.msg.Time
-        By the clock of the node.
-    report : ServoReport or None
-        What was made of the command; None where the state of the joints is not known.
-    refusal : str
-        Why the last command was refused; empty if it was not.
-    no_state : str
-        Why the state of the joints is not known, or not what was told; empty otherwise.
-    joints : sequence of str
-        Those that this is about.
+    node : Node
+        Owner of the publisher.
+    refusal : callable
+        Gives why a command was refused just before a time (s); empty if none was.
     """
-    status = ServoStatus(code=ServoStatus.NO_STATE, message=no_state, joint_names=list(joints))
-    status.header.stamp = stamp
-    status.condition_number = float("nan")
-    if report is not None:
-        status.code = _CODES[report.condition]
-        status.message = report.text
-        status.scale = report.scale
-        status.condition_number = report.condition_number
-        status.joint_names = list(report.joints)
-    if refusal:
-        status.code, status.message = ServoStatus.INVALID, refusal
-    return status
+
+    def __init__(self, node: Node, refusal: Callable[[float], str]) -> None:
+        self._clock, self._refusal = node.get_clock(), refusal
+        self._publisher = node.create_publisher(ServoStatus, "~/status", 10)
+        self._told: tuple[tuple[object, ...], float] = ((), -REPEATED)
+
+    def is_new(self, situation: tuple[object, ...], now: float) -> bool:
+        """Whether a situation, or a refusal in it, was not told in the last second."""
+        situation = (*situation, self._refusal(now))
+        if situation == self._told[0] and now < self._told[1] + REPEATED:
+            return False
+        self._told = (situation, now)
+        return True
+
+    def publish(
+        self,
+        now: float,
+        report: ServoReport | None = None,
+        why: str = "",
+        joints: tuple[str, ...] = (),
+    ) -> None:
+        """Publish a report, or why there is none and the joints at fault."""
+        stamp, refusal = self._clock.now().to_msg(), self._refusal(now)
+        self._publisher.publish(status_message(stamp, report, refusal, why, joints))

@@ -1,40 +1,107 @@
-"""A stream of joint positions as a trajectory message."""
+"""The stream to the controller: its knots in time, and the messages that show it."""
 
-from collections.abc import Sequence
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.time import Time
+from trajectory_msgs.msg import JointTrajectory
 
-from builtin_interfaces.msg import Time
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.servo.messages import stream_message
+from robomech_ros.nodes.servo.settings import ServoNodeSettings
+from robomech_ros.servo.report import ServoReport
+from robomech_ros.servo.servo import Servo
 
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
-from robomech_ros.servo.motion import Samples
+__all__ = ["StreamPublisher"]
 
-__all__ = ["stream_message"]
+Array = NDArray[np.float64]
+
+# A knot that is nearer than this part of a period is too near for the controller to get it in time.
+_IN_TIME = 0.2
 
 
-def stream_message(
-    names: Sequence[str], samples: Samples, ahead: float, stamp: Time
-) -> JointTrajectory:
-    """Make the message: positions and velocities only, between which a cubic is exact.
+class StreamPublisher:
+    """Keeps the stream of a servo so many periods ahead of the time, and publishes it.
 
     Parameters
     ----------
-    names : sequence of str
-        The n joints.
-    samples : Samples
-        From a knot to rest.
-    ahead : float
-        How long after the stamp the knot is (s).
-    stamp : Time
-        When the message was made, in ROS time.
+    node : Node
+        Owner of the publisher.
+    servo : Servo
+        Makes the stream.
+    clock : MotionClock
+        Whose time it is.
+    names : tuple of str
+        The joints.
+    settings : ServoNodeSettings
+        Topic, rate and lead.
     """
-    q, v, end, n = floats(samples.positions), floats(samples.velocities), 0, len(names)
-    points = []
-    for time in samples.times.tolist():
-        begin, end = end, end + n
-        point = JointTrajectoryPoint(time_from_start=duration_from_seconds(ahead + time))
-        # A part of Python's array is taken without conversion.
-        point.positions, point.velocities = q[begin:end], v[begin:end]
-        points.append(point)
-    message = JointTrajectory(joint_names=list(names), points=points)
-    message.header.stamp = stamp
-    return message
+
+    def __init__(
+        self,
+        node: Node,
+        servo: Servo,
+        clock: MotionClock,
+        names: tuple[str, ...],
+        settings: ServoNodeSettings,
+    ) -> None:
+        self._servo, self._clock, self._names = servo, clock, names
+        self._lead, self._period = settings.lead, 1.0 / settings.publish_rate
+        # The time of the latest knot (s).
+        self._knot = 0.0
+        self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
+
+    @property
+    def topic(self) -> str:
+        """Where the controller listens."""
+        return str(self._publisher.topic_name)
+
+    @property
+    def period(self) -> float:
+        """Time between knots (s)."""
+        return self._period
+
+    def begin(self, now: float, position: Array, velocity: Array) -> None:
+        """Begin where the joints will be at the first knot (rad or m, and per s)."""
+        ahead = self._lead * self._period
+        self._servo.start(position + ahead * velocity, velocity)
+        self._knot = now + ahead
+
+    def catch_up(self, now: float) -> None:
+        """Where the node was held up, brake as the controller does, which was told to stop."""
+        earliest = now + _IN_TIME * self._period
+        while self._knot < earliest and not self._servo.motion.at_rest:
+            self._servo.motion.brake()
+            self._knot += self._period
+        if self._knot < earliest:
+            self._knot = now + self._lead * self._period
+
+    def go_on(self, now: float) -> ServoReport | None:
+        """Go on until the stream is as far ahead as it should be; None if it is already.
+
+        No more knots are new than a message shows before its latest.
+        """
+        report, enough = None, now + (self._lead + 0.5) * self._period
+        for _ in range(self._lead):
+            if self._knot >= enough:
+                break
+            report = self._servo.step(now)
+            self._knot += self._period
+        return report
+
+    def publish(self, now: float) -> tuple[float, Array]:
+        """Publish the stream; its stamp is no later than now, so that it counts at once.
+
+        Returns
+        -------
+        time : float
+            Of the first knot that is shown (s).
+        position : ndarray, shape (n,)
+            Of the joints there (rad or m).
+        """
+        samples = self._servo.samples()
+        first = self._knot - self._lead * self._period
+        told = min(now, first - self._period)
+        stamp = Time(nanoseconds=max(self._clock.stamp(told), 0)).to_msg()
+        self._publisher.publish(stream_message(self._names, samples, first - told, stamp))
+        return first, samples.positions[0]

@@ -20,7 +20,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
-from robomech_ros.servo.servo import JointCommand, TwistCommand
+from robomech_ros.servo.commands import JointCommand, TwistCommand
 
 __all__ = ["CommandReader"]
 

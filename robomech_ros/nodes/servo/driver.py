@@ -1,0 +1,163 @@
+"""Drives the robot period by period: takes commands, continues the stream, watches the joints."""
+
+from collections.abc import Callable
+
+import numpy as np
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.servo.command_intake import CommandIntake
+from robomech_ros.nodes.servo.command_reader import CommandReader
+from robomech_ros.nodes.servo.joint_watch import Fault, JointWatch
+from robomech_ros.nodes.servo.settings import ServoNodeSettings
+from robomech_ros.nodes.servo.status import REPEATED, StatusPublisher
+from robomech_ros.nodes.servo.stream import StreamPublisher
+from robomech_ros.servo.servo import Servo
+
+__all__ = ["Driver"]
+
+# How long the robot is left alone after it did not follow (s).
+_LEFT_ALONE = 0.5
+# A joint that is slower than this part of its limit stands.
+_STANDING = 0.01
+
+
+class Driver:
+    """Makes one robot follow commands; idle it is woken by the next of them.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of timer, topics and publishers.
+    model : RobotModel
+        The robot.
+    servo : Servo
+        Turns commands into a stream.
+    monitor : JointStateMonitor
+        Hears the robot's joint states.
+    clock : MotionClock
+        Whose time it is.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        model: RobotModel,
+        servo: Servo,
+        monitor: JointStateMonitor,
+        clock: MotionClock,
+        settings: Callable[[], ServoNodeSettings],
+    ) -> None:
+        self._servo, self._clock, self._settings = servo, clock, settings
+        self._logger = node.get_logger()
+        self._halts = 0
+        self._fault: Fault | None = None
+        # Until when at least the robot is left alone, and it is looked for commands (s).
+        self._left_alone_until = self._awake_until = 0.0
+        reader = CommandReader(model, clock, settings)
+        self._intake = CommandIntake(node, servo, reader, settings, self.wake)
+        self._status = StatusPublisher(node, self._intake.refusal)
+        self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
+        self._joints = JointWatch(model.chain, monitor, settings)
+        self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
+        self._timer.cancel()
+        # A timer that has not fired since it was reset would wait until its old time comes again.
+        clock.on_jump(lambda by: self._timer.is_canceled() or self._timer.reset())
+
+    @property
+    def topic(self) -> str:
+        """Where the controller listens."""
+        return self._stream.topic
+
+    def wake(self) -> None:
+        """Look again and again, from now on until nothing is to be seen for a while."""
+        self._awake_until = self._clock.now() + REPEATED
+        if self._timer.is_canceled():
+            self._intake.attend(False)
+            self._timer.reset()
+            self._tick()
+
+    def pause(self, paused: bool) -> None:
+        """Brake and hold whatever is commanded, or follow commands again."""
+        self._servo.paused = paused
+        # What was commanded before must not move the robot after a pause.
+        self._servo.forget()
+        self._intake.clear()
+        self.wake()
+
+    def _tick(self) -> None:
+        now = self._clock.now()
+        if self._intake.take(now):
+            self._awake_until = now + REPEATED
+        if not self._servo.active and not self._begin(now):
+            self._sleep(now)
+            return
+        self._stream.catch_up(now)
+        report = self._stream.go_on(now)
+        if report is None:
+            return
+        self._joints.tell(*self._stream.publish(now))
+        self._status.publish(now, report)
+        if fault := self._joints.fault(now):
+            self._let_go(now, fault)
+        elif self._has_halted(now):
+            self._servo.end()
+
+    def _sleep(self, now: float) -> None:
+        if now > self._awake_until and not self._servo.active:
+            self._timer.cancel()
+            self._intake.attend(True)
+
+    def _has_halted(self, now: float) -> bool:
+        """Whether enough trajectories were published of a robot that stands."""
+        idle = self._servo.motion.at_rest and not self._servo.wants_to_move(now)
+        self._halts = self._halts + 1 if idle else 0
+        return self._halts >= self._settings().halt_messages
+
+    def _begin(self, now: float) -> bool:
+        """Begin a stream if there is a reason to; says whether it has begun."""
+        alone = now < self._left_alone_until
+        if alone or not self._servo.wants_to_move(now):
+            self._joints.stop_waiting()
+            (self._tell_fault if alone else self._tell_idle)(now)
+            return False
+        state = self._joints.fresh_state(now)
+        if state is None:
+            if self._joints.is_overdue(now) and self._status.is_new(("no state",), now):
+                self._status.publish(now, why=self._joints.why_no_state())
+            return False
+        if self._fault is not None:
+            if (np.abs(state[1]) > _STANDING * self._servo.limits.velocity).any():
+                self._tell_fault(now)
+                return False
+            self._fault = None
+        self._stream.begin(now, *state)
+        self._joints.begin(now)
+        self._halts = 0
+        return True
+
+    def _let_go(self, now: float, fault: Fault) -> None:
+        """End the stream: its last message has the robot brake, unless others move it."""
+        self._servo.end()
+        self._servo.forget()
+        self._fault = fault._replace(why=f"{fault.why}; the stream has stopped")
+        self._left_alone_until = now + _LEFT_ALONE
+        self._logger.warning(self._fault.why)
+        self._tell_fault(now)
+
+    def _tell_fault(self, now: float) -> None:
+        if self._fault is not None and self._status.is_new(self._fault, now):
+            self._status.publish(now, None, *self._fault)
+
+    def _tell_idle(self, now: float) -> None:
+        """Publish the status of a robot that is left alone, where it is new."""
+        if self._status.is_new((self._servo.paused, self._servo.command is None), now):
+            position = self._joints.position()
+            if position is None:
+                self._status.publish(now, why=self._joints.why_no_state())
+            else:
+                self._status.publish(now, self._servo.idle(now, position))

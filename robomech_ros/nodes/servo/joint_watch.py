@@ -1,0 +1,113 @@
+"""Watches the joints: where a stream can begin, and whether they do what they are told."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.nodes.common.error_codes import NoStateError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.servo.settings import ServoNodeSettings
+from robomech_ros.robots import SerialChain
+from robomech_ros.servo.tracking import Tracking
+
+__all__ = ["Fault", "JointWatch"]
+
+Array = NDArray[np.float64]
+
+# How long the next state of the joints may take before it is missed (s).
+_STATE_DUE = 0.2
+# How long states may fail to come on top of the tracking delay while the robot is driven (s).
+_STATE_LOST = 0.5
+
+
+class Fault(NamedTuple):
+    """Why a robot is let go, and the joints at fault."""
+
+    why: str
+    joints: tuple[str, ...]
+
+
+class JointWatch:
+    """Knows the joints of a robot that is to be driven.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        The robot.
+    monitor : JointStateMonitor
+        Hears its joint states.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self,
+        chain: SerialChain,
+        monitor: JointStateMonitor,
+        settings: Callable[[], ServoNodeSettings],
+    ) -> None:
+        self._names, self._monitor, self._settings = chain.joint_names, monitor, settings
+        given = settings()
+        self._tracking = Tracking(chain, given.tracking_tolerance, given.tracking_delay)
+        # How many looks have heard of the joints, and when that became more (s).
+        self._heard, self._heard_at = 0, 0.0
+        self._waits_from: float | None = None
+
+    def position(self) -> Array | None:
+        """Give the latest positions (rad or m), shape (n,); None while one is not known."""
+        return self._monitor.positions(self._names)
+
+    def fresh_state(self, now: float) -> tuple[Array, Array] | None:
+        """Give positions and velocities (n,) that came after the first call; None until then."""
+        position = self.position()
+        heard = self._monitor.heard(self._names)
+        if self._waits_from is None:
+            # What was heard before may be old: the next state is the present one.
+            self._waits_from, self._heard = now, heard
+        if position is None or heard <= self._heard:
+            return None
+        return position, self._monitor.velocities(self._names)
+
+    def is_overdue(self, now: float) -> bool:
+        """Whether the state that `fresh_state` waits for should have come by now."""
+        late = self._waits_from is not None and now > self._waits_from + _STATE_DUE
+        return late or self.position() is None
+
+    def stop_waiting(self) -> None:
+        """Wait no longer: the next call of `fresh_state` is a first one."""
+        self._waits_from = None
+
+    def why_no_state(self) -> str:
+        """Say why the joints are not known, or that a state is awaited."""
+        try:
+            self._monitor.require(self._names)
+        except NoStateError as error:
+            return str(error)
+        return "waits for a new state of the joints"
+
+    def begin(self, now: float) -> None:
+        """Watch a stream that begins now (s)."""
+        self._tracking.begin()
+        self._waits_from = None
+        self._heard, self._heard_at = self._monitor.heard(self._names), now
+
+    def tell(self, time: float, position: Array) -> None:
+        """Note where the joints were told to be at a time (s)."""
+        self._tracking.tell(time, position)
+
+    def fault(self, now: float) -> Fault | None:
+        """Say where the joints do not do what they are told, or nothing is heard of them."""
+        settings = self._settings()
+        if not settings.tracking_tolerance:
+            return None
+        position = self.position()
+        heard = self._monitor.heard(self._names)
+        if position is None or heard <= self._heard:
+            silent = now - self._heard_at
+            lost = silent > settings.tracking_delay + _STATE_LOST
+            return Fault(f"no state of the joints for {silent:.3g} s", ()) if lost else None
+        self._heard, self._heard_at = heard, now
+        found = self._tracking.deviation(now, position)
+        return None if found is None else Fault(found.text, (found.joint,))

@@ -1,0 +1,42 @@
+"""What all pictures need: matplotlib, where it is installed, and a figure to draw in."""
+
+from typing import TYPE_CHECKING, Any
+
+from robomech_ros.errors import RobomechError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["PlottingUnavailableError", "new_figure"]
+
+_DPI = 110
+
+
+class PlottingUnavailableError(RobomechError):
+    """matplotlib is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__("plots need matplotlib: pip install matplotlib")
+
+
+def new_figure(width: float, height: float, **options: Any) -> "Figure":
+    """Make a figure that belongs to no window.
+
+    Parameters
+    ----------
+    width, height : float
+        In inches.
+    **options
+        Of matplotlib's figure.
+
+    Raises
+    ------
+    PlottingUnavailableError
+        matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise PlottingUnavailableError from None
+    settings: dict[str, Any] = {"dpi": _DPI, "layout": "constrained"} | options
+    return Figure(figsize=(width, height), **settings)

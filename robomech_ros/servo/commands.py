@@ -1,0 +1,50 @@
+"""What a servo may be asked to do."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Command", "JointCommand", "TwistCommand"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TwistCommand:
+    """Move the tip.
+
+    Attributes
+    ----------
+    twist : ndarray, shape (6,)
+        Angular velocity, then velocity of the tip's origin (rad/s and m/s).
+    axes : callable
+        Gives for q the rotation ``R_base_axes`` of the axes in which the twist is expressed, or
+        None for the base.
+    until : float
+        When it is stale (s).
+    """
+
+    twist: Array
+    axes: Callable[[Array], Array | None]
+    until: float
+
+
+@dataclass(frozen=True, eq=False)
+class JointCommand:
+    """Move the joints.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (n,)
+        rad/s or m/s.
+    until : float
+        When it is stale (s).
+    """
+
+    rates: Array
+    until: float
+
+
+Command = TwistCommand | JointCommand

@@ -1,0 +1,117 @@
+"""What a servo says of a period: how much of the command was carried out, and what limits it."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.motion import Advance
+from robomech_ros.servo.resolution import Resolution
+
+__all__ = ["ServoCondition", "ServoReport", "motion_report"]
+
+Array = NDArray[np.float64]
+
+# Changes of velocity that take longer than this many periods are worth a word.
+_NEARLY_ONE = 1.0 - 1e-6
+
+
+class ServoCondition(Enum):
+    """What limits the motion."""
+
+    NO_WARNING = "no warning"
+    APPROACHING_SINGULARITY = "approaching a singularity"
+    SINGULARITY = "singularity"
+    LEAVING_SINGULARITY = "leaving a singularity"
+    JOINT_BOUND = "joint bound"
+    RATE_BOUND = "rate bound"
+    IMPOSSIBLE = "impossible"
+    STALE_COMMAND = "stale command"
+    PAUSED = "paused"
+
+
+@dataclass(frozen=True, eq=False)
+class ServoReport:
+    """What was made of the command in one period.
+
+    Attributes
+    ----------
+    condition : ServoCondition
+        What limits the motion.
+    scale : float
+        Part of the commanded speed at which the motion is carried out, 0 to 1; 1 without command.
+    condition_number : float
+        Of the Jacobian over the characteristic length.
+    joints : tuple of str
+        The joints that limit the motion.
+    text : str
+        The same in words; empty where nothing limits it.
+    """
+
+    condition: ServoCondition
+    scale: float
+    condition_number: float
+    joints: tuple[str, ...] = ()
+    text: str = ""
+
+
+def motion_report(
+    limits: ServoLimits,
+    found: Resolution,
+    share: tuple[float, int],
+    advance: Advance,
+    velocity: Array,
+) -> ServoReport:
+    """Say what limits a motion most.
+
+    Parameters
+    ----------
+    limits : ServoLimits
+        Of n joints.
+    found : Resolution
+        The rates that were looked for.
+    share : tuple of float and int
+        How much of them the velocity limits allow, and which joint needs that most.
+    advance : Advance
+        What became of them in the period.
+    velocity : ndarray, shape (n,)
+        At its end (rad/s or m/s).
+    """
+    number, (speed, fastest) = found.condition_number, share
+    carried = _carried(found.rates, velocity)
+    if not found.possible:
+        text = "the arm cannot move in the direction of the twist, whatever its posture"
+        return ServoReport(ServoCondition.IMPOSSIBLE, 0.0, number, (), text)
+    if min(speed, found.scale) == 0.0:
+        text = f"the motion leads into a singularity (condition number {number:.4g})"
+        return ServoReport(ServoCondition.SINGULARITY, carried, number, (), text)
+    if advance.bound and advance.allowed < _NEARLY_ONE:
+        text = f"{', '.join(advance.bound)} near the end of the range"
+        return ServoReport(ServoCondition.JOINT_BOUND, carried, number, advance.bound, text)
+    if found.scale < min(speed, _NEARLY_ONE):
+        text = f"slowed down to {found.scale:.3g} before a singularity"
+        text += f" (condition number {number:.4g})"
+        return ServoReport(ServoCondition.APPROACHING_SINGULARITY, carried, number, (), text)
+    if speed < _NEARLY_ONE:
+        name, limit = limits.names[fastest], float(limits.velocity[fastest])
+        text = f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
+        leaving = ServoCondition.LEAVING_SINGULARITY
+        what = leaving if found.leaving else ServoCondition.RATE_BOUND
+        return ServoReport(what, carried, number, (name,), text)
+    if advance.followed < _NEARLY_ONE:
+        text = "the acceleration limits are used up"
+        return ServoReport(ServoCondition.RATE_BOUND, carried, number, (), text)
+    return ServoReport(ServoCondition.NO_WARNING, carried, number)
+
+
+def _carried(rates: Array, velocity: Array) -> float:
+    """Give what part of the commanded rates the joints have now."""
+    largest = float(np.abs(rates).max())
+    if largest == 0.0:
+        return 1.0
+    # Not their square, which would overflow.
+    along = rates / largest
+    part = float(velocity @ along) / float(along @ along) / largest
+    return min(max(part, 0.0), 1.0)
