@@ -11,10 +11,8 @@ from robomech_ros.lazy import lazy_exports
 if TYPE_CHECKING:
     from robomech_ros.kinematics.forward import forward_kinematics, link_poses
     from robomech_ros.kinematics.forward_uncompiled import tip_poses
-    from robomech_ros.kinematics.inverse.inverse_kinematics import (
-        inverse_kinematics,
-        inverse_kinematics_batch,
-    )
+    from robomech_ros.kinematics.inverse.batch import inverse_kinematics_batch
+    from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
     from robomech_ros.kinematics.inverse.optimal_posture import optimal_posture
     from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
     from robomech_ros.kinematics.inverse.self_motion import (
@@ -51,7 +49,7 @@ _MODULES = {
     "Status": "inverse.status",
     "forward_kinematics": "forward",
     "inverse_kinematics": "inverse.inverse_kinematics",
-    "inverse_kinematics_batch": "inverse.inverse_kinematics",
+    "inverse_kinematics_batch": "inverse.batch",
     "link_poses": "forward",
     "optimal_posture": "inverse.optimal_posture",
     "self_motion": "inverse.self_motion",

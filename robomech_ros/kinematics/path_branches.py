@@ -14,11 +14,9 @@ from robomech_ros._kernels.tolerances import (
 )
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.fewest_jumps import fewest_jumps
+from robomech_ros.kinematics.inverse.batch import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.kinematics.inverse.inverse_kinematics import (
-    inverse_kinematics,
-    inverse_kinematics_batch,
-)
+from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
 from robomech_ros.kinematics.inverse.request import as_seed, as_tolerance
 from robomech_ros.kinematics.inverse.target import as_targets

@@ -3,10 +3,11 @@
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
-from robomech_ros.robots.description import Joint, RobotDescription
+from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh, dh_from_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.library import (
     list_robots,
     load_description,

@@ -11,61 +11,18 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, pack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
-from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.joint import MOVING, Joint, turn_of_z
 from robomech_ros.spatial import inverse_pose
 
-__all__ = ["Joint", "RobotDescription"]
+__all__ = ["RobotDescription"]
 
 Array = NDArray[np.float64]
 
-MOVING = ("revolute", "continuous", "prismatic")
 # Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).
 TIP_NAMES = ("tool0", "flange")
 _MOST_NAMES = 20
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """A joint of a robot's tree.
-
-    The child link's pose in the parent link is ``origin J(q) after``, J a rotation about or a
-    translation along the axis.  Limits are in rad, m, s, N m and N; lower and upper are infinite
-    and the others NaN where there is none.
-    """
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    origin: Array
-    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    after: Array = field(default_factory=lambda: np.eye(4))
-    lower: float = -np.inf
-    upper: float = np.inf
-    velocity: float = np.nan
-    acceleration: float = np.nan
-    jerk: float = np.nan
-    effort: float = np.nan
-    mimic: str | None = None
-    drive: Drive = field(default_factory=Drive)
-
-    @property
-    def moves(self) -> bool:
-        """Whether the joint is one that a chain can contain as a variable."""
-        return self.type in MOVING
-
-    @cached_property
-    def at_rest(self) -> Array:
-        """Pose of the child in the parent with the joint at 0, or its limit next to that."""
-        q = float(np.clip(0.0, self.lower, self.upper))
-        if not self.moves or q == 0.0:
-            return self.origin @ self.after
-        turn = _turn_of_z(self.axis)
-        return (
-            self.origin @ turn @ joint_transform(self.type == "prismatic", q) @ turn.T @ self.after
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +204,7 @@ class RobotDescription:
         for joint in path:
             C = C @ joint.origin
             if joint.moves:
-                turn = _turn_of_z(joint.axis)
+                turn = turn_of_z(joint.axis)
                 constants.append(C @ turn)
                 C = turn.T
             C = C @ joint.after
@@ -305,25 +262,6 @@ class RobotDescription:
                     attached = LinkFrame(joint.child, frame.joints, offset, frame.name)
                     yield attached
                     waiting.append(attached)
-
-
-def _turn_of_z(axis: Array) -> Array:
-    """Rotate z onto a unit vector; without rounding where that is a coordinate axis."""
-    x, y, z = axis
-    T = np.eye(4)
-    if z == 1.0:
-        return T
-    if z < 0.0:
-        # Half a turn about x first: the formula below is singular at z = -1.
-        T[:3, :3] = np.diag((1.0, -1.0, -1.0))
-        return T if z == -1.0 else T @ _turn_of_z(np.array([x, -y, -z]))
-    k = 1.0 / (1.0 + z)
-    T[:3, :3] = (
-        (1.0 - k * x * x, -k * x * y, x),
-        (-k * x * y, 1.0 - k * y * y, y),
-        (-x, -y, z),
-    )
-    return T
 
 
 def _listed(names: list[str]) -> str:

@@ -111,16 +111,6 @@ def chain_from_dh(
     links = link_transforms(table)
     transforms = np.concatenate((table.base[None], links))
     transforms[n] = links[n - 1] @ table.tool
-    frames = [LinkFrame(base_link, 0, np.eye(4))]
-    for i in range(n):
-        frames.append(LinkFrame(f"link_{i + 1}", i + 1, links[i], frames[-1].name))
-    frames.append(LinkFrame(tip_link, n, transforms[n], frames[-1].name))
-    check_name("base_link", base_link)
-    check_name("tip_link", tip_link)
-    links_between = [frame.name for frame in frames[1:-1]]
-    if base_link == tip_link or base_link in links_between or tip_link in links_between:
-        expected = f"names that differ from each other and from {', '.join(links_between)}"
-        raise BadValueError("base_link and tip_link", (base_link, tip_link), expected)
     return SerialChain(
         name=name,
         base=base_link,
@@ -128,12 +118,28 @@ def chain_from_dh(
         joint_names=_names(joint_names, n),
         types=kinds,
         packed=pack_chain(transforms, kinds),
-        frames=tuple(frames),
+        frames=_frames(base_link, tip_link, links, transforms[n]),
         dh_given=table,
         bodies=_in_joint_frames(bodies, links),
         drives=checked_entries("drives", () if drives is None else drives, Drive, n),
         **limit_arrays(limits, n),
     )
+
+
+def _frames(base_link: str, tip_link: str, links: Array, last: Array) -> tuple[LinkFrame, ...]:
+    """List the frames of base, links and tip, whose pose behind the last joint is ``last``."""
+    n = len(links)
+    frames = [LinkFrame(base_link, 0, np.eye(4))]
+    for i in range(n):
+        frames.append(LinkFrame(f"link_{i + 1}", i + 1, links[i], frames[-1].name))
+    frames.append(LinkFrame(tip_link, n, last, frames[-1].name))
+    check_name("base_link", base_link)
+    check_name("tip_link", tip_link)
+    links_between = [frame.name for frame in frames[1:-1]]
+    if base_link == tip_link or base_link in links_between or tip_link in links_between:
+        expected = f"names that differ from each other and from {', '.join(links_between)}"
+        raise BadValueError("base_link and tip_link", (base_link, tip_link), expected)
+    return tuple(frames)
 
 
 def dh_from_chain(chain: SerialChain) -> DHTable:

@@ -21,22 +21,20 @@ Beside a URDF of the same stem a file gives its source, and what URDF has no pla
 """
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.description import Joint, RobotDescription
+from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.robots.guarded_yaml import check_keys, parse_yaml
-from robomech_ros.robots.limit_arrays import position_limits
-from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
-from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.yaml_bodies import drive_from_yaml
+from robomech_ros.robots.yaml_rows import LIMITS, read_pose, read_positive, read_rows, read_text
 
 __all__ = ["description_from_yaml", "with_yaml_limits"]
 
@@ -44,12 +42,6 @@ Array = NDArray[np.float64]
 
 _TOP_KEYS = ("name", "source", "joints")
 _TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool")
-_ROW_KEYS = ("name", "type", "a", "b", "alpha")
-_ROW_OPTIONAL = ("theta", "body", "drive")
-_LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
-_TYPES = ("revolute", "continuous", "prismatic")
-_MOST_JOINTS = 64
-_LONGEST_NAME = 256
 
 
 def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescription:
@@ -69,7 +61,7 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         document, the value and what is allowed are named.
     """
     document = check_keys(parse_yaml(text, where), where, _TOP_KEYS, _TOP_OPTIONAL)
-    rows = _rows(document["joints"], where)
+    rows = read_rows(document["joints"], where)
     chain = _chain(document, rows, where)
     links = [frame.name for frame in chain.frames]
     bodies = {
@@ -77,45 +69,31 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
     }
     first = None
     if "first_link" in document:
-        first = _text(document["first_link"], f"{where}: first_link")
+        first = read_text(document["first_link"], f"{where}: first_link")
         if first in links:
             why = f"'{first}', expected a name other than {', '.join(links)}"
             raise RobotDescriptionError(f"{where}: first_link", why)
         links.insert(1, first)
     return RobotDescription(
-        name=_text(document["name"], f"{where}: name"),
+        name=read_text(document["name"], f"{where}: name"),
         links=tuple(links),
         joints=_joints(chain, rows, first),
         where=where,
-        source=_text(document["source"], f"{where}: source", longest=None),
+        source=read_text(document["source"], f"{where}: source", longest=None),
         dh=chain.dh_given,
         bodies=bodies,
     )
 
 
-def _rows(rows: object, where: str) -> list[dict[str, Any]]:
-    where = f"{where}: joints"
-    if not isinstance(rows, list) or not rows:
-        raise RobotDescriptionError(where, "expected a list of joints")
-    if len(rows) > _MOST_JOINTS:
-        raise RobotDescriptionError(where, f"{len(rows)}, at most {_MOST_JOINTS} are allowed")
-    checked = [_row(row, f"{where}: joint {i + 1}") for i, row in enumerate(rows)]
-    names = [row["name"] for row in checked]
-    for name in names:
-        if names.count(name) > 1:
-            raise RobotDescriptionError(where, f"'{name}' is given twice")
-    return checked
-
-
 def _chain(document: Mapping[str, Any], rows: list[dict[str, Any]], where: str) -> SerialChain:
-    base_link = _text(document.get("base_link", "base_link"), f"{where}: base_link")
-    tip_link = _text(document.get("tip_link", "tool0"), f"{where}: tip_link")
+    base_link = read_text(document.get("base_link", "base_link"), f"{where}: base_link")
+    tip_link = read_text(document.get("tip_link", "tool0"), f"{where}: tip_link")
     try:
         chain = chain_from_dh(
             *([row[key] for row in rows] for key in ("a", "b", "alpha", "theta")),
             types=["P" if row["type"] == "prismatic" else "R" for row in rows],
-            base=_pose(document.get("base"), f"{where}: base"),
-            tool=_pose(document.get("tool"), f"{where}: tool"),
+            base=read_pose(document.get("base"), f"{where}: base"),
+            tool=read_pose(document.get("tool"), f"{where}: tool"),
             base_link=base_link,
             tip_link=tip_link,
         )
@@ -146,7 +124,7 @@ def _joints(chain: SerialChain, rows: list[dict[str, Any]], first: str | None) -
                 origin=origin if i == 0 else np.eye(4),
                 after=frames[i + 1].offset,
                 drive=row["drive"],
-                **{key: row[key] for key in _LIMITS},
+                **{key: row[key] for key in LIMITS},
             )
         )
     tip = f"{chain.tip}_fixed_joint"
@@ -188,93 +166,11 @@ def with_yaml_limits(
         changes[name] = {
             key: drive_from_yaml(value, f"{place}: drive")
             if key == "drive"
-            else _positive(value, key, place)
+            else read_positive(value, key, place)
             for key, value in values.items()
         }
     joints = tuple(
         dataclasses.replace(joint, **changes.get(joint.name, {})) for joint in description.joints
     )
-    source = _text(document["source"], f"{where}: source", longest=None)
+    source = read_text(document["source"], f"{where}: source", longest=None)
     return dataclasses.replace(description, joints=joints, source=source)
-
-
-def _row(row: object, where: str) -> dict[str, Any]:
-    checked = dict(check_keys(row, where, _ROW_KEYS, (*_ROW_OPTIONAL, *_LIMITS)))
-    where = f"{where} ('{_text(checked['name'], f'{where}: name')}')"
-    kind = checked["type"]
-    if kind not in _TYPES:
-        raise RobotDescriptionError(
-            where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(_TYPES)}"
-        )
-    for key in ("a", "b", "alpha"):
-        checked[key] = _number(checked[key], key, where)
-        if abs(checked[key]) > LARGEST_LENGTH:
-            raise RobotDescriptionError(where, f"{key} is {checked[key]:g}, at most 1e6 is allowed")
-    checked["theta"] = _number(checked.get("theta", 0.0), "theta", where)
-    checked["lower"], checked["upper"] = _range(checked, kind, where)
-    for key in _LIMITS[2:]:
-        checked[key] = _positive(checked[key], key, where) if key in checked else math.nan
-    if "body" in checked:
-        checked["body"] = body_from_yaml(checked["body"], f"{where}: body")
-    checked["drive"] = drive_from_yaml(checked.get("drive", {}), f"{where}: drive")
-    return checked
-
-
-def _range(row: Mapping[str, Any], kind: str, where: str) -> tuple[float, float]:
-    given = [key for key in ("lower", "upper") if key in row]
-    if kind == "continuous":
-        if given:
-            why = "a continuous joint has no lower and upper; write type revolute"
-            raise RobotDescriptionError(where, why)
-        return -math.inf, math.inf
-    if len(given) < 2:
-        why = f"a {kind} joint needs lower and upper" + (
-            "; write type continuous for one without" if kind == "revolute" else ""
-        )
-        raise RobotDescriptionError(where, why)
-    lower, upper = (_number(row[key], key, where) for key in ("lower", "upper"))
-    if lower > upper:
-        raise RobotDescriptionError(where, f"lower {lower:g} is above upper {upper:g}")
-    return position_limits(lower, upper)
-
-
-def _number(value: object, key: str, where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise RobotDescriptionError(
-            where, f"{key} is {str(value)[:80]!r}, expected a finite number"
-        )
-    return float(value)
-
-
-def _positive(value: object, key: str, where: str) -> float:
-    number = _number(value, key, where)
-    if number <= 0.0:
-        raise RobotDescriptionError(where, f"{key} limit is {number:g}, expected a positive number")
-    return number
-
-
-def _text(value: object, where: str, longest: int | None = _LONGEST_NAME) -> str:
-    if not isinstance(value, str) or not value.strip():
-        raise RobotDescriptionError(where, f"{str(value)[:80]!r}, expected a text")
-    if longest is not None and len(value) > longest:
-        raise RobotDescriptionError(where, f"longer than {longest}")
-    return value.strip()
-
-
-def _pose(value: object, where: str) -> Array | None:
-    """Read a pose: ``xyz`` (m) and ``rpy`` about fixed axes (rad), both optional."""
-    if value is None:
-        return None
-    pose = check_keys(value, where, (), ("xyz", "rpy"))
-    numbers = {}
-    for key in ("xyz", "rpy"):
-        entry = pose.get(key, [0.0, 0.0, 0.0])
-        if not isinstance(entry, list) or len(entry) != 3:
-            raise RobotDescriptionError(where, f"{key} must be a list of three numbers")
-        numbers[key] = [_number(item, key, where) for item in entry]
-        if max(map(abs, numbers[key])) > LARGEST_LENGTH:
-            raise RobotDescriptionError(where, f"{key} is {entry}, at most 1e6 is allowed")
-    T = np.eye(4)
-    T[:3, :3] = matrix_from_roll_pitch_yaw(numbers["rpy"])
-    T[:3, 3] = numbers["xyz"]
-    return T

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import AXIS_LENGTH
 from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.robots.description import Joint, RobotDescription
+from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.urdf_inertial import link_bodies
 from robomech_ros.robots.urdf_reader import ElementReader

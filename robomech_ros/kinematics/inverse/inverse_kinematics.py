@@ -6,24 +6,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
-from robomech_ros._kernels.tolerances import MOST_SAMPLED
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data
-from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
+from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.least_squares import add_nearest
-from robomech_ros.kinematics.inverse.reach import out_of_reach
 from robomech_ros.kinematics.inverse.redundant_solutions import (
-    sample_self_motions,
     solve_by_sampling,
 )
 from robomech_ros.kinematics.inverse.request import (
     Request,
-    as_cap,
-    as_flag,
-    as_metric,
     as_request,
-    as_seed,
     with_task,
 )
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
@@ -33,7 +24,7 @@ from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["family_within", "inverse_kinematics", "inverse_kinematics_batch", "solve_many"]
+__all__ = ["inverse_kinematics"]
 
 Array = NDArray[np.float64]
 
@@ -161,145 +152,3 @@ def _sampled_or_searched(
         if sampled is not None:
             return sampled
     return solve_by_search(chain, T, request, started)
-
-
-def inverse_kinematics_batch(
-    chain: SerialChain,
-    T: ArrayLike,
-    *,
-    seed: ArrayLike | None = None,
-    respect_limits: bool = True,
-    metric: str = "linf",
-    max_solutions: int | None = None,
-) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
-    """Solve many poses in one compiled loop.
-
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : array_like, shape (m, 4, 4)
-        Wanted ``T_base_tip`` (m).
-    seed, respect_limits, metric, max_solutions
-        As for :func:`inverse_kinematics`; the seed (n,) serves every pose.
-
-    Returns
-    -------
-    q : ndarray, shape (m, 16, n)
-        Solutions (rad or m), nearest to the seed first, NaN after the last. The second axis is
-        ``max_solutions`` long where that is less than 16; for a redundant arm 64 takes the place
-        of 16.
-    count : ndarray of int, shape (m,)
-        How many each pose has.
-    status : ndarray of int, shape (m,)
-        :class:`Status` of each. A pose without a solution takes some milliseconds, to tell
-        whether its position or its orientation is out of reach.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError, SeedOutsideLimitsError
-        As for :func:`inverse_kinematics`; of a target at fault the message names the index.
-
-    See Also
-    --------
-    inverse_kinematics : one pose, with names of the branches and reasons.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
-    >>> from robomech_ros.robots import load_robot
-    >>> ur5e = load_robot("ur5e")
-    >>> postures = [[0.1, -1.0, 1.2, -0.5, 0.6, 0.0], [0.4, -1.2, 0.9, 0.3, 1.0, 0.2]]
-    >>> targets = forward_kinematics(ur5e, postures)
-    >>> q, count, status = inverse_kinematics_batch(ur5e, targets, max_solutions=1)
-    >>> q.shape, count.tolist(), status.tolist()
-    ((2, 1, 6), [1, 1], [0, 0])
-    """
-    targets = as_targets(T, batch=True)
-    respect_limits = as_flag("respect_limits", respect_limits)
-    start = as_seed(chain, seed, respect_limits)
-    number, cap = as_metric(metric), as_cap(max_solutions)
-    family = family_of(chain)
-    if family.redundant:
-        room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
-        q, count, _, _ = sample_self_motions(
-            chain, targets, family, start, number, respect_limits, room
-        )
-    else:
-        family = family_within(chain, respect_limits)
-        room = min(cap or MAX_SOLUTIONS, MAX_SOLUTIONS)
-        q, count, _ = solve_many(chain, targets, family, start, number, respect_limits, room)
-    status = np.zeros(len(targets), np.int64)
-    for index in np.flatnonzero(count <= 0):
-        one = targets[index]
-        outcome = _outcome_of_none(chain, one, family, start, number, respect_limits)
-        if outcome is None:
-            found = inverse_kinematics(
-                chain,
-                one,
-                seed=start,
-                respect_limits=respect_limits,
-                metric=metric,
-                max_solutions=room,
-            )
-            outcome = found.status
-            count[index] = len(found)
-            q[index, : len(found)] = found.q
-        status[index] = outcome
-    np.maximum(count, 0, out=count)
-    return q, count, status
-
-
-def family_within(chain: SerialChain, respect_limits: bool) -> Family:
-    """Give the family of a chain; an iterative one searches with limits or without."""
-    family = family_of(chain)
-    if family.closed_form:
-        return family
-    return iterative_family(chain, iterative_data(chain, respect_limits=respect_limits))
-
-
-def solve_many(
-    chain: SerialChain,
-    targets: Array,
-    family: Family,
-    seed: Array,
-    metric: int,
-    respect_limits: bool,
-    room: int,
-) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
-    """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
-
-    Counts below 1 are those of ``_kernels.inverse.solve``.
-    """
-    q = np.empty((len(targets), room, chain.n))
-    count = np.empty(len(targets), np.int64)
-    state = solve(
-        family.arm,
-        targets,
-        seed,
-        metric,
-        respect_limits,
-        np.empty((MAX_SOLUTIONS, chain.n)),
-        q,
-        np.empty(MAX_SOLUTIONS),
-        np.empty((MARKS, MAX_SOLUTIONS), np.int64),
-        count,
-    )
-    return q, count, state
-
-
-def _outcome_of_none(
-    chain: SerialChain, T: Array, family: Family, seed: Array, metric: int, respect_limits: bool
-) -> Status | None:
-    """Tell why a closed form gave nothing for a pose of a batch; None where a search has to."""
-    if family.redundant or not family.closed_form:
-        return None
-    _, _, state = solve_many(chain, T[None], family, seed, metric, respect_limits, 1)
-    bare, _, _, singular, unproven = state
-    if bare:
-        return Status.SINGULAR_CONTINUUM if singular else Status.LIMITS_EXCLUDE_ALL
-    if unproven:
-        return None
-    reachable = out_of_reach(chain, T) == 0.0
-    return Status.ORIENTATION_UNREACHABLE if reachable else Status.OUT_OF_REACH

@@ -24,6 +24,7 @@ from robomech_ros._kernels.inverse.six_joints import (
     six_joint_postures,
 )
 from robomech_ros._kernels.tolerances import NEARLY_NAMED, SAME_NAMED, SAME_POSTURE
+from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.inverse.families import decoupled, three_parallel
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
@@ -96,10 +97,10 @@ def _straightened(chain: SerialChain) -> SerialChain:
     slack = NEARLY_NAMED * arm_size(chain)
     for link in C[1:6]:
         _align(link)
-        points = decoupled.nearest_points(link)
+        points = nearest_points(link)
         if points is not None and points[2] < slack:
             link[:3, 3] -= _across(link)
-    before, behind = decoupled.nearest_points(C[4]), decoupled.nearest_points(C[5])
+    before, behind = nearest_points(C[4]), nearest_points(C[5])
     if before is not None and behind is not None and abs(before[1] - behind[0]) < slack:
         C[5, 2, 3] += before[1] - behind[0]
     return chain_of(C, chain.types.tolist())

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import posture_factors as kind
 from robomech_ros._kernels.tolerances import ARM_RANK, NAMED_MISFIT
-from robomech_ros.kinematics.inverse.families.decoupled import common_point, nearest_points
+from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain

@@ -18,8 +18,9 @@ from typing import Any
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.robots.description import Joint, RobotDescription
+from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.robot_yaml import with_yaml_limits
 
 __all__ = ["JointLimitsFile", "NoLimitsForPlanError", "read_joint_limits"]

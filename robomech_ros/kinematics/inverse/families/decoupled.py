@@ -15,11 +15,12 @@ from robomech_ros._kernels.tolerances import (
     NEARLY_NAMED,
     NEARLY_SPECIAL,
 )
+from robomech_ros.kinematics.axis_points import common_point
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["common_point", "match", "nearest_points", "wrist_constants"]
+__all__ = ["match", "wrist_constants"]
 
 Array = NDArray[np.float64]
 
@@ -82,39 +83,6 @@ def match(chain: SerialChain) -> Array | None:
     data[at.NAMED] = _side(chain.types[:3], links, data)
     data.setflags(write=False)
     return data
-
-
-def common_point(link: Array, following: Array) -> tuple[float, float, float] | None:
-    """Find the common point of three axes: its height on the first and the last, the misfit (m).
-
-    None where neighbouring axes are parallel.
-
-    Parameters
-    ----------
-    link, following : ndarray, shape (4, 4)
-        Constant transforms between the first two and the last two of the axes (m).
-    """
-    first = nearest_points(link)
-    last = nearest_points(following)
-    if first is None or last is None:
-        return None
-    height4, height5, gap = first
-    height5_again, height6, gap_again = last
-    return height4, height6, max(gap, gap_again, abs(height5 - height5_again))
-
-
-def nearest_points(link: Array) -> tuple[float, float, float] | None:
-    """Give the heights of nearest points on the z axes before and after a link; their distance.
-
-    None where the axes are parallel.
-    """
-    u, d = link[:3, 2], link[:3, 3]
-    sine2 = u[0] ** 2 + u[1] ** 2
-    if sine2 < ARM_RANK**2:
-        return None
-    before = d[2] - u[2] * (u[0] * d[0] + u[1] * d[1]) / sine2
-    after = -(u[0] * d[0] + u[1] * d[1]) / sine2
-    return before, after, abs(u[0] * d[1] - u[1] * d[0]) / math.sqrt(sine2)
 
 
 def _size(C: Array, height4: float) -> float:

@@ -85,17 +85,7 @@ def iterative_data(
         wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS
     size = max(reach_bound(chain), 1e-3)
     turns = chain.types != PRISMATIC
-    lower = np.where(respect_limits, chain.lower, -np.inf)
-    upper = np.where(respect_limits, chain.upper, np.inf)
-    # A joint that can turn all the way round reaches every angle within its limits.
-    all_round = turns & (upper - lower >= 2.0 * np.pi)
-    lower, upper = np.where(all_round, -np.inf, lower), np.where(all_round, np.inf, upper)
-    half = np.where(turns, np.pi, size)
-    start = np.where(
-        np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - 2.0 * half, -half)
-    )
-    end = np.where(np.isfinite(upper), upper, start + 2.0 * half)
-
+    lower, upper, start, end = _box(chain, respect_limits, size)
     data = np.zeros(at.ROWS + at.N_ROWS * n + 13 * (n + 1))
     data[at.JOINTS], data[at.UNIT] = n, (2.0 / size) ** 2
     data[at.POSITION_TOLERANCE] = position_tolerance
@@ -114,6 +104,24 @@ def iterative_data(
     data[at.ROWS + at.N_ROWS * n :] = chain.packed.ravel()
     data.setflags(write=False)
     return data
+
+
+def _box(
+    chain: SerialChain, respect_limits: bool, size: float
+) -> tuple[Array, Array, Array, Array]:
+    """Give the bounds of a search, and between which joint values its starts are spread."""
+    turns = chain.types != PRISMATIC
+    lower = np.where(respect_limits, chain.lower, -np.inf)
+    upper = np.where(respect_limits, chain.upper, np.inf)
+    # A joint that can turn all the way round reaches every angle within its limits.
+    all_round = turns & (upper - lower >= 2.0 * np.pi)
+    lower, upper = np.where(all_round, -np.inf, lower), np.where(all_round, np.inf, upper)
+    half = np.where(turns, np.pi, size)
+    start = np.where(
+        np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - 2.0 * half, -half)
+    )
+    end = np.where(np.isfinite(upper), upper, start + 2.0 * half)
+    return lower, upper, start, end
 
 
 def _neighbourhood(position_tolerance: float, orientation_tolerance: float) -> float:

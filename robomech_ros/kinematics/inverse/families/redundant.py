@@ -23,8 +23,9 @@ from robomech_ros._kernels.tolerances import (
     NEARLY_SPHERICAL,
     SPHERICAL_SLACK,
 )
+from robomech_ros.kinematics.axis_points import common_point
 from robomech_ros.kinematics.inverse.families import decoupled, general
-from robomech_ros.kinematics.inverse.families.decoupled import common_point, wrist_constants
+from robomech_ros.kinematics.inverse.families.decoupled import wrist_constants
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data
 from robomech_ros.kinematics.inverse.families.six_joints import (
     SixJointArm,

@@ -1,14 +1,6 @@
-"""Arms with three parallel axes next to each other: recognition and constants.
+"""Arms with three parallel axes next to each other: their constants."""
 
-Covered is every arm of six joints in which three neighbouring revolute axes are parallel (in
-either sense), whatever the other three revolute axes are, and those in which one of the other
-three is prismatic.  Arms with a prismatic joint between the parallel axes, or with two prismatic
-joints, are not: the first go to the iterative solver, the second cannot take a general pose.
-"""
-
-import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,47 +8,22 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.tolerances import (
     PARALLEL_ANGLE,
-    PARALLEL_DISTANCE,
     PARALLEL_EXACT,
     PARALLEL_MEETING,
     PARALLEL_SLACK,
 )
-from robomech_ros.kinematics.mobility import moves_in_all_directions
+from robomech_ros.kinematics.inverse.families.parallel_axes import (
+    AxisLine,
+    ParallelAxes,
+    find_parallel_axes,
+    sine_between,
+)
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Line:
-    """A joint axis in the base at q = 0: unit direction, a point (m), whether it is a slide."""
-
-    direction: Array
-    point: Array
-    slides: bool
-
-
-@dataclass(frozen=True, eq=False)
-class _Arm:
-    """The axes in the order in which the solver takes them.
-
-    ``axes`` are a, the three parallel ones, 5 and 6; ``joints`` their indices in the chain.
-    """
-
-    order: int
-    from_tip: bool
-    axes: tuple[_Line, ...]
-    joints: tuple[int, ...]
-    home: Array
-    size: float
-
-    @property
-    def triple(self) -> tuple[_Line, ...]:
-        return self.axes[1:4]
 
 
 def match(chain: SerialChain) -> Array | None:
@@ -72,58 +39,8 @@ def match(chain: SerialChain) -> Array | None:
         The constants that ``_kernels.inverse_parallel`` reads; None where there are no three such
         axes, or the arm cannot move in all directions.
     """
-    sliding = chain.types == PRISMATIC
-    if chain.n != 6 or sliding.sum() > 1:
-        return None
-    lines, home = _axes(chain)
-    size = _size(lines, home)
-    for order, from_tip in itertools.product((at.AXIS_BEFORE, at.AXIS_BETWEEN), (False, True)):
-        joints = [0, 1, 2, 3, 4, 5] if order == at.AXIS_BEFORE else [3, 0, 1, 2, 4, 5]
-        if from_tip:
-            # The inverse motion: the axes in opposite order and sense.
-            joints = [5 - j for j in joints]
-        sense = -1.0 if from_tip else 1.0
-        axes = tuple(
-            _Line(sense * lines[j].direction, lines[j].point, lines[j].slides) for j in joints
-        )
-        arm = _Arm(order, from_tip, axes, tuple(joints), home, size)
-        if _are_parallel(arm) and moves_in_all_directions(chain, size):
-            return _constants(chain, arm)
-    return None
-
-
-def _axes(chain: SerialChain) -> tuple[list[_Line], Array]:
-    """Find the joint axes and the tip's pose in the base at q = 0."""
-    pose = np.eye(4)
-    lines = []
-    for kind, step in zip(chain.packed[:, 0], unpack_chain(chain.packed), strict=True):
-        pose = pose @ step
-        lines.append(_Line(pose[:3, 2], pose[:3, 3], kind == PRISMATIC))
-    return lines[:-1], pose
-
-
-def _size(lines: list[_Line], home: Array) -> float:
-    """Measure the arm: the sum of the distances between neighbouring axes' points (m)."""
-    points = [line.point for line in lines] + [home[:3, 3]]
-    return max(sum(float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(points)), 1e-3)
-
-
-def _are_parallel(arm: _Arm) -> bool:
-    """Tell whether the three axes are parallel and apart, and their neighbours are not so, too."""
-    w = arm.triple[0].direction
-    if any(line.slides or _sine(w, line.direction) > PARALLEL_ANGLE for line in arm.triple):
-        return False
-    neighbours = [arm.axes[0]] if arm.order == at.AXIS_BETWEEN else [arm.axes[0], arm.axes[4]]
-    if any(not n.slides and _sine(w, n.direction) < PARALLEL_DISTANCE for n in neighbours):
-        return False
-    return all(
-        float(np.linalg.norm(np.cross(w, b.point - a.point))) > PARALLEL_DISTANCE * arm.size
-        for a, b in itertools.pairwise(arm.triple)
-    )
-
-
-def _sine(u: Array, v: Array) -> float:
-    return float(np.linalg.norm(np.cross(u, v)))
+    arm = find_parallel_axes(chain)
+    return None if arm is None else _constants(chain, arm)
 
 
 def _frame(z: Array, x: Array, origin: Array) -> Array:
@@ -139,7 +56,7 @@ def _frame(z: Array, x: Array, origin: Array) -> Array:
     return pose
 
 
-def _last_frames(arm: _Arm) -> tuple[int, float, Array, Array]:
+def _last_frames(arm: ParallelAxes) -> tuple[int, float, Array, Array]:
     """Frames 5 and 6 at the feet of the common normal; how the axes stand, and their distance."""
     w5, w6 = arm.axes[4].direction, arm.axes[5].direction
     p5, p6 = arm.axes[4].point, arm.axes[5].point
@@ -161,7 +78,7 @@ def _last_frames(arm: _Arm) -> tuple[int, float, Array, Array]:
     return kind, offset, _frame(w5, np.cross(normal, w5), foot5), _frame(w6, normal, foot6)
 
 
-def _constants(chain: SerialChain, arm: _Arm) -> Array:
+def _constants(chain: SerialChain, arm: ParallelAxes) -> Array:
     """Lay out the constants as the kernel reads them."""
     a = arm.axes[0]
     triple = arm.triple
@@ -216,7 +133,7 @@ def _constants(chain: SerialChain, arm: _Arm) -> Array:
     return data
 
 
-def _planar_part(data: Array, base: Array, triple: tuple[_Line, ...]) -> None:
+def _planar_part(data: Array, base: Array, triple: tuple[AxisLine, ...]) -> None:
     """Enter the lengths and the bend of the planar arm of the parallel axes."""
     x, y = base[:3, 0], base[:3, 1]
     p = [
@@ -254,16 +171,16 @@ def _direction_part(data: Array, base: Array, frame5: Array, frame_a: Array) -> 
     data[at.HEIGHT : at.HEIGHT + 3] = -height - cos_a * d[2], -sin_a * d[0], sin_a * d[1]
 
 
-def _neglected(arm: _Arm, kind: int) -> float:
+def _neglected(arm: ParallelAxes, kind: int) -> float:
     """How far (sine, or distance over size) the constants are from the true geometry.
 
     That is what counts as parallel or meeting without being so, and the digits that feet of a
     common normal far away cost.
     """
     w = arm.triple[0].direction
-    worst = max(_sine(w, line.direction) for line in arm.triple)
+    worst = max(sine_between(w, line.direction) for line in arm.triple)
     five, six = arm.axes[4:]
-    sine = _sine(five.direction, six.direction)
+    sine = sine_between(five.direction, six.direction)
     if kind == at.PARALLEL:
         return max(worst, sine)
     if kind == at.INTERSECTING:

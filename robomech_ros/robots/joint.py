@@ -1,0 +1,77 @@
+"""A joint of a robot's tree."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain_layout import joint_transform
+from robomech_ros.robots.drives import Drive
+
+__all__ = ["MOVING", "Joint", "turn_of_z"]
+
+Array = NDArray[np.float64]
+
+MOVING = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint of a robot's tree.
+
+    The child link's pose in the parent link is ``origin J(q) after``, J a rotation about or a
+    translation along the axis.  Limits are in rad, m, s, N m and N; lower and upper are infinite
+    and the others NaN where there is none.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: Array
+    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    after: Array = field(default_factory=lambda: np.eye(4))
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.nan
+    acceleration: float = np.nan
+    jerk: float = np.nan
+    effort: float = np.nan
+    mimic: str | None = None
+    drive: Drive = field(default_factory=Drive)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the joint is one that a chain can contain as a variable."""
+        return self.type in MOVING
+
+    @cached_property
+    def at_rest(self) -> Array:
+        """Pose of the child in the parent with the joint at 0, or its limit next to that."""
+        q = float(np.clip(0.0, self.lower, self.upper))
+        if not self.moves or q == 0.0:
+            return self.origin @ self.after
+        turn = turn_of_z(self.axis)
+        return (
+            self.origin @ turn @ joint_transform(self.type == "prismatic", q) @ turn.T @ self.after
+        )
+
+
+def turn_of_z(axis: Array) -> Array:
+    """Rotate z onto a unit vector; without rounding where that is a coordinate axis."""
+    x, y, z = axis
+    T = np.eye(4)
+    if z == 1.0:
+        return T
+    if z < 0.0:
+        # Half a turn about x first: the formula below is singular at z = -1.
+        T[:3, :3] = np.diag((1.0, -1.0, -1.0))
+        return T if z == -1.0 else T @ turn_of_z(np.array([x, -y, -z]))
+    k = 1.0 / (1.0 + z)
+    T[:3, :3] = (
+        (1.0 - k * x * x, -k * x * y, x),
+        (-k * x * y, 1.0 - k * y * y, y),
+        (-x, -y, z),
+    )
+    return T

@@ -1,0 +1,126 @@
+"""Entries of a robot's YAML: the joints of a table, numbers, texts and poses."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.guarded_yaml import check_keys
+from robomech_ros.robots.limit_arrays import position_limits
+from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
+from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+
+__all__ = ["LIMITS", "read_number", "read_pose", "read_positive", "read_rows", "read_text"]
+
+Array = NDArray[np.float64]
+
+_ROW_KEYS = ("name", "type", "a", "b", "alpha")
+_ROW_OPTIONAL = ("theta", "body", "drive")
+LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
+_TYPES = ("revolute", "continuous", "prismatic")
+_MOST_JOINTS = 64
+_LONGEST_NAME = 256
+
+
+def read_rows(rows: object, where: str) -> list[dict[str, Any]]:
+    """Read the joints of a table, each with all keys."""
+    where = f"{where}: joints"
+    if not isinstance(rows, list) or not rows:
+        raise RobotDescriptionError(where, "expected a list of joints")
+    if len(rows) > _MOST_JOINTS:
+        raise RobotDescriptionError(where, f"{len(rows)}, at most {_MOST_JOINTS} are allowed")
+    checked = [_row(row, f"{where}: joint {i + 1}") for i, row in enumerate(rows)]
+    names = [row["name"] for row in checked]
+    for name in names:
+        if names.count(name) > 1:
+            raise RobotDescriptionError(where, f"'{name}' is given twice")
+    return checked
+
+
+def _row(row: object, where: str) -> dict[str, Any]:
+    checked = dict(check_keys(row, where, _ROW_KEYS, (*_ROW_OPTIONAL, *LIMITS)))
+    where = f"{where} ('{read_text(checked['name'], f'{where}: name')}')"
+    kind = checked["type"]
+    if kind not in _TYPES:
+        raise RobotDescriptionError(
+            where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(_TYPES)}"
+        )
+    for key in ("a", "b", "alpha"):
+        checked[key] = read_number(checked[key], key, where)
+        if abs(checked[key]) > LARGEST_LENGTH:
+            raise RobotDescriptionError(where, f"{key} is {checked[key]:g}, at most 1e6 is allowed")
+    checked["theta"] = read_number(checked.get("theta", 0.0), "theta", where)
+    checked["lower"], checked["upper"] = _range(checked, kind, where)
+    for key in LIMITS[2:]:
+        checked[key] = read_positive(checked[key], key, where) if key in checked else math.nan
+    if "body" in checked:
+        checked["body"] = body_from_yaml(checked["body"], f"{where}: body")
+    checked["drive"] = drive_from_yaml(checked.get("drive", {}), f"{where}: drive")
+    return checked
+
+
+def _range(row: Mapping[str, Any], kind: str, where: str) -> tuple[float, float]:
+    given = [key for key in ("lower", "upper") if key in row]
+    if kind == "continuous":
+        if given:
+            why = "a continuous joint has no lower and upper; write type revolute"
+            raise RobotDescriptionError(where, why)
+        return -math.inf, math.inf
+    if len(given) < 2:
+        why = f"a {kind} joint needs lower and upper" + (
+            "; write type continuous for one without" if kind == "revolute" else ""
+        )
+        raise RobotDescriptionError(where, why)
+    lower, upper = (read_number(row[key], key, where) for key in ("lower", "upper"))
+    if lower > upper:
+        raise RobotDescriptionError(where, f"lower {lower:g} is above upper {upper:g}")
+    return position_limits(lower, upper)
+
+
+def read_number(value: object, key: str, where: str) -> float:
+    """Read a finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise RobotDescriptionError(
+            where, f"{key} is {str(value)[:80]!r}, expected a finite number"
+        )
+    return float(value)
+
+
+def read_positive(value: object, key: str, where: str) -> float:
+    """Read a positive limit."""
+    number = read_number(value, key, where)
+    if number <= 0.0:
+        raise RobotDescriptionError(where, f"{key} limit is {number:g}, expected a positive number")
+    return number
+
+
+def read_text(value: object, where: str, longest: int | None = _LONGEST_NAME) -> str:
+    """Read a text that is not blank."""
+    if not isinstance(value, str) or not value.strip():
+        raise RobotDescriptionError(where, f"{str(value)[:80]!r}, expected a text")
+    if longest is not None and len(value) > longest:
+        raise RobotDescriptionError(where, f"longer than {longest}")
+    return value.strip()
+
+
+def read_pose(value: object, where: str) -> Array | None:
+    """Read a pose: ``xyz`` (m) and ``rpy`` about fixed axes (rad), both optional."""
+    if value is None:
+        return None
+    pose = check_keys(value, where, (), ("xyz", "rpy"))
+    numbers = {}
+    for key in ("xyz", "rpy"):
+        entry = pose.get(key, [0.0, 0.0, 0.0])
+        if not isinstance(entry, list) or len(entry) != 3:
+            raise RobotDescriptionError(where, f"{key} must be a list of three numbers")
+        numbers[key] = [read_number(item, key, where) for item in entry]
+        if max(map(abs, numbers[key])) > LARGEST_LENGTH:
+            raise RobotDescriptionError(where, f"{key} is {entry}, at most 1e6 is allowed")
+    T = np.eye(4)
+    T[:3, :3] = matrix_from_roll_pitch_yaw(numbers["rpy"])
+    T[:3, 3] = numbers["xyz"]
+    return T
