@@ -21,7 +21,8 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanJoint, QueryWorkspace, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import load_reach_map
-from robomech_ros.nodes.common.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.robots import load_description, load_robot
 
 PATIENCE = 60.0

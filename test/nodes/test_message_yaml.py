@@ -6,7 +6,7 @@ from std_srvs.srv import SetBool
 
 from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.common.message_yaml import (
+from robomech_ros.nodes.commands.message_yaml import (
     fill_message,
     interface_class,
     parse_yaml,

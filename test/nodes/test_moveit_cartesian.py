@@ -26,7 +26,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.common.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose

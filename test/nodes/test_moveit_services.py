@@ -29,7 +29,8 @@ from std_msgs.msg import Header
 
 from robomech_interfaces.srv import SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.nodes.common.conversions import joint_state, matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, quaternion_from_matrix

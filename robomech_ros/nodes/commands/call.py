@@ -5,7 +5,7 @@ import math
 import sys
 from typing import Any
 
-from robomech_ros.nodes.common.message_yaml import parse_yaml, to_yaml
+from robomech_ros.nodes.commands.message_yaml import parse_yaml, to_yaml
 
 __all__ = ["EXIT_NO_ANSWER", "add_arguments", "run", "seconds_to_wait"]
 

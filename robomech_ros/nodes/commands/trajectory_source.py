@@ -10,8 +10,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
-from robomech_ros.nodes.common.conversions import seconds_from_duration
-from robomech_ros.nodes.common.message_yaml import fill_message, parse_yaml
+from robomech_ros.nodes.commands.message_yaml import fill_message, parse_yaml
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.trajectory import Waypoints
 

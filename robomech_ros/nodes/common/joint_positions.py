@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.nodes.common.conversions import positions_by_name
+from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings

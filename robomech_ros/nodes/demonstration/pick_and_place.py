@@ -6,12 +6,9 @@ from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import PlanJoint, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.conversions import (
-    joint_state,
-    matrix_from_pose,
-    seconds_from_duration,
-    stamped_pose,
-)
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.load import TRACKED, Load

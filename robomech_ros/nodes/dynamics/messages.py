@@ -11,7 +11,8 @@ from sensor_msgs.msg import JointState
 from robomech_ros.dynamics import TorqueSummary
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats, positions_by_name
+from robomech_ros.nodes.common.joint_messages import positions_by_name
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import Body, SerialChain

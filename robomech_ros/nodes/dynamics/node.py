@@ -27,10 +27,10 @@ from robomech_ros.dynamics import (
 )
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.nodes.common.conversions import floats
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError, parameter
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known

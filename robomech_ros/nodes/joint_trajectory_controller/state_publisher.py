@@ -6,7 +6,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_ros.execution.joints import State
-from robomech_ros.nodes.common.conversions import floats
+from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.robot_description import RobotModel
 
 __all__ = ["StatePublisher"]

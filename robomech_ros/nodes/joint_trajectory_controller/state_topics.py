@@ -10,7 +10,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state
 from robomech_ros.execution.joints import State
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.nodes.common.conversions import append_numbers
+from robomech_ros.nodes.common.message_fields import append_numbers
 from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.robots import SerialChain
 

@@ -9,7 +9,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.kinematics import InverseKinematicsResult
-from robomech_ros.nodes.common.conversions import (
+from robomech_ros.nodes.common.message_fields import (
     duration_from_seconds,
     floats,
     seconds_from_duration,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.kinetostatics import SingularityReport, Workspace
-from robomech_ros.nodes.common.conversions import pose_from_matrix
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 
 __all__ = ["boundary_markers", "marker_array", "posture_markers"]
 

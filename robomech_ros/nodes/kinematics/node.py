@@ -24,19 +24,19 @@ from robomech_interfaces.srv import (
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import point_jacobian, singularity_report
-from robomech_ros.nodes.common.conversions import (
-    floats,
+from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.parameters import NodeParameters, parameter
+from robomech_ros.nodes.common.pauses import Turns, beside
+from robomech_ros.nodes.common.pose_messages import (
     linear_rows_first,
     matrices_from_pose_rows,
     matrix_from_pose,
     point_vector,
     stamped_pose,
 )
-from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.parameters import NodeParameters, parameter
-from robomech_ros.nodes.common.pauses import Turns, beside
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.kinematics.ik_batch import solve_in_turns

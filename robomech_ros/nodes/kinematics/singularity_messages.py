@@ -7,7 +7,7 @@ from geometry_msgs.msg import TwistStamped
 from numpy.typing import NDArray
 
 from robomech_ros.kinetostatics import SingularityReport
-from robomech_ros.nodes.common.conversions import floats
+from robomech_ros.nodes.common.message_fields import floats
 
 __all__ = ["encode_report"]
 

@@ -23,8 +23,9 @@ from robomech_ros.kinetostatics import (
     workspace_boundary,
 )
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
-from robomech_ros.nodes.common.conversions import append_numbers, matrix_from_pose
+from robomech_ros.nodes.common.message_fields import append_numbers
 from robomech_ros.nodes.common.pauses import Turns, beside
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import SerialChain
 

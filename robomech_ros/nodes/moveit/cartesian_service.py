@@ -24,7 +24,7 @@ from robomech_ros.nodes.common.cartesian_planning import (
     last_before,
     plan_along,
 )
-from robomech_ros.nodes.common.conversions import joint_trajectory
+from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.waypoint_paths import path_through

@@ -17,7 +17,7 @@ from robomech_ros.errors import (
     UnknownJointError,
     WrongSizeError,
 )
-from robomech_ros.nodes.common.conversions import matrix_from_pose, point_vector
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import (

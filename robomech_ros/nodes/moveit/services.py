@@ -12,12 +12,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.nodes.common.conversions import (
-    matrix_from_pose,
-    seconds_from_duration,
-    stamped_pose,
-)
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pauses import Turns
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import (

@@ -15,8 +15,8 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.conversions import joint_state
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.moveit.refusals import RefusedError

@@ -17,6 +17,7 @@ from robomech_ros.errors import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.pose_messages import twist_vector
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
@@ -62,8 +63,7 @@ class CommandReader:
         ------
         FrameUnavailableError, NonFiniteError, BadValueError
         """
-        settings, linear, angular = self._settings(), message.twist.linear, message.twist.angular
-        twist = np.array([angular.x, angular.y, angular.z, linear.x, linear.y, linear.z])
+        settings, twist = self._settings(), twist_vector(message.twist)
         scales = np.repeat((settings.rotational_scale, settings.linear_scale), 3)
         names = [f"twist.{component}" for component in _COMPONENTS]
         rates = self._speeds(twist, scales, names, _UNITS)

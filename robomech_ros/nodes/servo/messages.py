@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoCondition, ServoReport
 

@@ -12,8 +12,9 @@ from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.cartesian_planning import FollowedPath, PathBounds
-from robomech_ros.nodes.common.conversions import TrajectoryPoints, matrix_from_pose
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.plan_sampling import check_waypoints
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints
 from robomech_ros.trajectory import SampledPlan, TipSpeeds

@@ -24,9 +24,9 @@ from robomech_ros.nodes.common.cartesian_planning import (
     load_inverse_kinematics,
     plan_along,
 )
-from robomech_ros.nodes.common.conversions import TrajectoryPoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_joint_limits
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters, parameter

@@ -11,11 +11,10 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.nodes.common.conversions import (
-    TrajectoryPoints,
+from robomech_ros.nodes.common.joint_messages import TrajectoryPoints, joint_trajectory
+from robomech_ros.nodes.common.message_fields import (
     duration_from_seconds,
     floats,
-    joint_trajectory,
     seconds_from_duration,
 )
 from robomech_ros.nodes.common.plan_sampling import check_duration, check_waypoints

@@ -10,7 +10,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.kinematics import tip_poses
-from robomech_ros.nodes.common.conversions import fill_pose
+from robomech_ros.nodes.common.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.robots import SerialChain
 

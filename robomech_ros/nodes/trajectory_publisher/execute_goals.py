@@ -5,7 +5,7 @@ from typing import Any
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.action import ExecuteTrajectory
-from robomech_ros.nodes.common.conversions import duration_from_seconds
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 
 __all__ = ["ExecuteGoals"]

@@ -8,7 +8,7 @@ from control_msgs.msg import JointTolerance
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_ros.nodes.common.conversions import duration_from_seconds
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 
 __all__ = ["FollowGoals"]

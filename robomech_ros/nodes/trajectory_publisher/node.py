@@ -22,8 +22,8 @@ from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.nodes.common.conversions import duration_from_seconds
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.received_trajectory import received_trajectory

@@ -9,7 +9,7 @@ from rclpy.timer import Timer
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, Report, Transport
-from robomech_ros.nodes.common.conversions import joint_trajectory
+from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain

@@ -10,8 +10,8 @@ from std_srvs.srv import Trigger
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError
 from robomech_ros.execution.client.dispatcher import Dispatcher
-from robomech_ros.nodes.common.conversions import duration_from_seconds
 from robomech_ros.nodes.common.error_codes import answer, code_of
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.common.motion_clock import MotionClock
 
 __all__ = ["SpeedControl"]

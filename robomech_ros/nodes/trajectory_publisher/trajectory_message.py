@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.execution.client.delivery import Delivery
-from robomech_ros.nodes.common.conversions import duration_from_seconds, floats
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["trajectory_message"]

@@ -16,7 +16,7 @@ from robomech_ros.errors import (
     UnknownJointError,
     WrongSizeError,
 )
-from robomech_ros.nodes.common import conversions
+from robomech_ros.nodes.common import joint_messages, message_fields, pose_messages
 from robomech_ros.spatial import quaternion_from_matrix
 
 NAMES = ("a", "b", "c")
@@ -32,7 +32,7 @@ def state(names=(), positions=()):
 )
 def test_positions_by_name(names, positions):
     given = state(names, [float(p) for p in positions])
-    q = conversions.positions_by_name(given, NAMES, "seed", others=("x",))
+    q = joint_messages.positions_by_name(given, NAMES, "seed", others=("x",))
     assert q.tolist() == [1.0, 2.0, 3.0]
 
 
@@ -52,7 +52,7 @@ def test_positions_by_name(names, positions):
 def test_bad_joint_states(names, positions, error, text):
     given = state(names, [float(p) for p in positions])
     with pytest.raises(error, match=text.replace("(", r"\(")):
-        conversions.positions_by_name(given, NAMES, "seed")
+        joint_messages.positions_by_name(given, NAMES, "seed")
 
 
 def rotations():
@@ -69,16 +69,16 @@ def rotations():
 def test_pose_there_and_back_as_the_core_does_it(rotation):
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = rotation, (1.0, -2.0, 3.0)
-    pose = conversions.pose_from_matrix(T)
+    pose = pose_messages.pose_from_matrix(T)
     o = pose.orientation
     expected = quaternion_from_matrix(rotation)
     np.testing.assert_allclose([o.x, o.y, o.z, o.w], expected, atol=2e-15)
-    np.testing.assert_allclose(conversions.matrix_from_pose(pose), T, atol=1e-14)
+    np.testing.assert_allclose(pose_messages.matrix_from_pose(pose), T, atol=1e-14)
 
 
 def test_half_turn_has_one_sign_and_no_negative_zero():
     T = np.diag((-1.0, 1.0, -1.0, 1.0))
-    o = conversions.pose_from_matrix(T).orientation
+    o = pose_messages.pose_from_matrix(T).orientation
     assert [o.x, o.y, o.z, o.w] == [0.0, 1.0, 0.0, 0.0]
     assert not any(math.copysign(1.0, number) < 0 for number in (o.x, o.z, o.w))
 
@@ -88,7 +88,7 @@ def quaternion_pose(x, y, z, w):
 
 
 def test_quaternion_slightly_off_is_normalised():
-    T = conversions.matrix_from_pose(quaternion_pose(0.0, 0.0, 0.7071, 0.7071))
+    T = pose_messages.matrix_from_pose(quaternion_pose(0.0, 0.0, 0.7071, 0.7071))
     np.testing.assert_allclose(T[:3, :3], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15)
 
 
@@ -103,28 +103,28 @@ def test_quaternion_slightly_off_is_normalised():
 )
 def test_bad_quaternions(numbers, text):
     with pytest.raises(BadQuaternionError, match=text):
-        conversions.matrix_from_pose(quaternion_pose(*numbers), "target")
+        pose_messages.matrix_from_pose(quaternion_pose(*numbers), "target")
 
 
 @pytest.mark.parametrize(("field", "value"), [("x", math.nan), ("y", math.inf), ("z", -math.inf)])
 def test_positions_must_be_finite(field, value):
     pose = Pose(position=Point(**{field: value}), orientation=Quaternion(w=1.0))
     with pytest.raises(NonFiniteError, match=f"target.position.{field}"):
-        conversions.matrix_from_pose(pose, "target")
+        pose_messages.matrix_from_pose(pose, "target")
 
 
 def test_orientations_must_be_finite():
     with pytest.raises(NonFiniteError, match=r"target\.orientation\.y is nan"):
-        conversions.matrix_from_pose(quaternion_pose(0.0, math.nan, 0.0, 1.0), "target")
+        pose_messages.matrix_from_pose(quaternion_pose(0.0, math.nan, 0.0, 1.0), "target")
 
 
 def test_rows_of_poses():
     rows = [0.1, 0.2, 0.3, 0.0, 0.0, 0.7071, 0.7071] + [0.0] * 6 + [1.0]
-    T = conversions.matrices_from_pose_rows(rows)
+    T = pose_messages.matrices_from_pose_rows(rows)
     assert T.shape == (2, 4, 4)
     np.testing.assert_allclose(T[0, :3, 3], (0.1, 0.2, 0.3))
     np.testing.assert_array_equal(T[1], np.eye(4))
-    assert conversions.matrices_from_pose_rows([]).shape == (0, 4, 4)
+    assert pose_messages.matrices_from_pose_rows([]).shape == (0, 4, 4)
 
 
 @pytest.mark.parametrize(
@@ -137,12 +137,12 @@ def test_rows_of_poses():
 )
 def test_bad_rows_of_poses(rows, error, text):
     with pytest.raises(error, match=text):
-        conversions.matrices_from_pose_rows(rows)
+        pose_messages.matrices_from_pose_rows(rows)
 
 
 def test_linear_rows_first():
     J = np.arange(12.0).reshape(6, 2)
-    assert conversions.linear_rows_first(J)[:, 0].tolist() == [6, 8, 10, 0, 2, 4]
+    assert pose_messages.linear_rows_first(J)[:, 0].tolist() == [6, 8, 10, 0, 2, 4]
 
 
 @pytest.mark.parametrize(
@@ -156,19 +156,19 @@ def test_linear_rows_first():
     ],
 )
 def test_durations(seconds, sec, nanosec):
-    message = conversions.duration_from_seconds(seconds)
+    message = message_fields.duration_from_seconds(seconds)
     assert (message.sec, message.nanosec) == (sec, nanosec)
-    assert conversions.seconds_from_duration(message, "t") == pytest.approx(seconds, abs=1e-9)
+    assert message_fields.seconds_from_duration(message, "t") == pytest.approx(seconds, abs=1e-9)
 
 
 def test_negative_durations_are_refused():
     with pytest.raises(BadValueError, match="timeout is -1"):
-        conversions.seconds_from_duration(Duration(sec=-1), "timeout")
+        message_fields.seconds_from_duration(Duration(sec=-1), "timeout")
 
 
 def test_joint_trajectory():
     times, q = np.array([0.0, 0.25]), np.arange(6.0).reshape(2, 3)
-    message = conversions.joint_trajectory(NAMES, times, q, 2 * q, 3 * q)
+    message = joint_messages.joint_trajectory(NAMES, times, q, 2 * q, 3 * q)
     assert message.joint_names == list(NAMES)
     assert message.points[1].time_from_start == Duration(nanosec=250_000_000)
     assert list(message.points[1].positions) == [3, 4, 5]

@@ -1,0 +1,164 @@
+"""Joint states and trajectories in messages, which match joints by name, as arrays in order."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError
+from robomech_ros.nodes.common.message_fields import NANO, floats
+
+__all__ = [
+    "TrajectoryPoints",
+    "joint_state",
+    "joint_trajectory",
+    "positions_by_name",
+]
+
+Array = NDArray[np.float64]
+
+# Point messages that are kept from one trajectory to the next, 1 kB each.
+_POINTS_KEPT = 2000
+
+
+def positions_by_name(
+    state: JointState,
+    joint_names: Sequence[str],
+    what: str,
+    others: Iterable[str] = (),
+    field: str = "position",
+) -> Array:
+    """Read the positions of joints, or other numbers, from a joint state, matched by name.
+
+    Parameters
+    ----------
+    state : JointState
+        Positions in rad or m.  Without names they are in the order of `joint_names`.
+    joint_names : sequence of str
+        The joints wanted, n of them.
+    what : str
+        What the state is, for messages: ``"seed"``, ``"start"``.
+    others : iterable of str, optional
+        Further joints of the robot, which the state may contain and which are passed over.
+    field : {"position", "velocity", "effort"}
+        Which numbers.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In the order of `joint_names`.
+
+    Raises
+    ------
+    WrongSizeError
+        As many names as positions are required, each name once, and no joint may be missing.
+    UnknownJointError
+        A name that is neither among the joints nor among the others.
+    NonFiniteError
+        A position that is not a finite number; the joint is named.
+    """
+    names, positions = state.name, getattr(state, field)
+    if names:
+        if len(names) != len(positions):
+            expected = f"{len(names)}, one for every name"
+            raise WrongSizeError(f"{what}.{field}", len(positions), expected)
+        if list(names) != list(joint_names):
+            positions = _matched(names, positions, joint_names, what, others)
+    elif len(positions) != len(joint_names):
+        expected = f"{len(joint_names)} for {', '.join(joint_names)}"
+        raise WrongSizeError(f"{what}.{field}", len(positions), expected)
+    for name, value in zip(joint_names, positions, strict=True):
+        if not math.isfinite(value):
+            number = what if field == "position" else f"{what}.{field}"
+            raise NonFiniteError(f"{number} of joint '{name}'", value)
+    return np.array(positions, dtype=np.float64)
+
+
+def _matched(
+    names: Sequence[str],
+    positions: Sequence[float],
+    joint_names: Sequence[str],
+    what: str,
+    others: Iterable[str],
+) -> list[float]:
+    by_name = dict(zip(names, positions, strict=True))
+    if len(by_name) != len(names):
+        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        raise WrongSizeError(f"{what}.name", len(names), f"every name once; '{twice}' is repeated")
+    known = {*joint_names, *others}
+    for name in names:
+        if name not in known:
+            raise UnknownJointError(name, joint_names)
+    missing = [name for name in joint_names if name not in by_name]
+    if missing:
+        expected = f"all of {', '.join(joint_names)}; missing: {', '.join(missing)}"
+        raise WrongSizeError(f"{what}.name", len(names), expected)
+    return [by_name[name] for name in joint_names]
+
+
+def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:
+    """Make a joint state with positions (rad or m) only."""
+    return JointState(name=list(joint_names), position=floats(positions))
+
+
+class TrajectoryPoints:
+    """Trajectory points that are used again for one trajectory after the other.
+
+    To make a point message takes longer than to fill it.  Who uses them must have sent one
+    trajectory before the next is made: rclpy copies what it sends.
+    """
+
+    def __init__(self) -> None:
+        self._points: list[JointTrajectoryPoint] = []
+
+    def filled(
+        self, times: Array, positions: Array, velocities: Array, accelerations: Array
+    ) -> list[JointTrajectoryPoint]:
+        """Give m points; times (m,) in s, the others (m, n) in rad or m, per s and s^2."""
+        new = [JointTrajectoryPoint() for _ in range(len(times) - len(self._points))]
+        points = self._points[: len(times)] + new
+        self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
+        # A part of Python's array is copied faster than a row of numpy's.
+        q, v, a = floats(positions), floats(velocities), floats(accelerations)
+        whole, nano = np.divmod(np.rint(times * NANO).astype(np.int64), NANO)
+        end, n = 0, positions.shape[1]
+        for point, sec, nanosec in zip(points, whole.tolist(), nano.tolist(), strict=True):
+            begin, end = end, end + n
+            point.positions, point.velocities = q[begin:end], v[begin:end]
+            point.accelerations = a[begin:end]
+            time = point.time_from_start
+            time.sec, time.nanosec = sec, nanosec
+        return points
+
+
+def joint_trajectory(
+    joint_names: Sequence[str],
+    times: Array,
+    positions: Array,
+    velocities: Array,
+    accelerations: Array,
+    points: TrajectoryPoints | None = None,
+) -> JointTrajectory:
+    """Make a trajectory message from sampled curves.
+
+    Parameters
+    ----------
+    joint_names : sequence of str
+        n joints.
+    times : ndarray, shape (m,)
+        Times from start (s).
+    positions, velocities, accelerations : ndarray, shape (m, n)
+        rad or m, and per s and s^2.
+    points : TrajectoryPoints, optional
+        To be filled; default new ones.
+
+    Returns
+    -------
+    JointTrajectory
+        With stamp 0: start when received.
+    """
+    filled = (points or TrajectoryPoints()).filled(times, positions, velocities, accelerations)
+    return JointTrajectory(joint_names=list(joint_names), points=filled)

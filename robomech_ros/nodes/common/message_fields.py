@@ -1,0 +1,55 @@
+"""Lists of numbers and durations as the fields of messages take them."""
+
+from array import array
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Duration
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+
+__all__ = [
+    "NANO",
+    "append_numbers",
+    "duration_from_seconds",
+    "floats",
+    "seconds_from_duration",
+]
+
+Array = NDArray[np.float64]
+
+# Nanoseconds of a second.
+NANO = 1_000_000_000
+
+
+def floats(values: Array) -> "array[float]":
+    """Copy an array into what the messages' float64[] fields take without conversion."""
+    result = array("d")
+    result.frombytes(values.tobytes())
+    return result
+
+
+def append_numbers(target: "array[Any]", values: NDArray[Any]) -> None:
+    """Append the entries of an array, in its own order, to one of Python's arrays."""
+    target.frombytes(values.astype(target.typecode).tobytes())
+
+
+def seconds_from_duration(duration: Duration, what: str) -> float:
+    """Convert a duration message to s.
+
+    Raises
+    ------
+    BadValueError
+        It is negative.
+    """
+    seconds = float(duration.sec + duration.nanosec / NANO)
+    if seconds < 0.0:
+        raise BadValueError(what, seconds, "a duration that is not negative (s)")
+    return seconds
+
+
+def duration_from_seconds(seconds: float) -> Duration:
+    """Convert s to a duration message, rounded to nanoseconds."""
+    whole, nano = divmod(round(seconds * NANO), NANO)
+    return Duration(sec=int(whole), nanosec=int(nano))

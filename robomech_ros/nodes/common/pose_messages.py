@@ -1,0 +1,185 @@
+"""Poses, twists and Jacobians in messages: here ROS's order meets the core's.
+
+The core puts angular before linear components and the scalar of a quaternion first; ROS messages
+are linear first and have it last.  Single poses are converted with plain numbers, since NumPy's
+overhead on four of them would be a good part of a service's answer time.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import QUATERNION_NORM
+from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.quaternions import matrix_from_quaternion
+
+__all__ = [
+    "fill_pose",
+    "linear_rows_first",
+    "matrices_from_pose_rows",
+    "matrix_from_pose",
+    "point_vector",
+    "pose_from_matrix",
+    "stamped_pose",
+    "stamped_twist",
+    "twist_vector",
+]
+
+Array = NDArray[np.float64]
+
+_POSE_NUMBERS = 7
+
+
+def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
+    """Convert a pose message to a homogeneous transform.
+
+    Parameters
+    ----------
+    pose : Pose
+        Position in m; the quaternion's norm may differ from 1 by 1e-3 and is then made 1.
+    what : str
+        What the pose is, for messages.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+
+    Raises
+    ------
+    NonFiniteError
+        A number is NaN or infinite.
+    BadQuaternionError
+        The quaternion is zero or far from unit length.
+    """
+    p, o = pose.position, pose.orientation
+    x, y, z, w = o.x, o.y, o.z, o.w
+    if not math.isfinite(p.x + p.y + p.z):
+        _refuse_non_finite(f"{what}.position", p, "xyz")
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    if not abs(norm - 1.0) <= QUATERNION_NORM:
+        _refuse_non_finite(f"{what}.orientation", o, "xyzw")
+        reason = "all zero" if norm == 0.0 else f"its norm is {norm:.9g}"
+        expected = f"expected norm 1 within {QUATERNION_NORM:g}"
+        raise BadQuaternionError([x, y, z, w], f"{what}.orientation: {reason}, {expected}")
+    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    return np.array((
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), p.x),
+        (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), p.y),
+        (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), p.z),
+        (0.0, 0.0, 0.0, 1.0),
+    ))  # fmt: skip
+
+
+def _refuse_non_finite(what: str, vector: object, fields: str) -> None:
+    for name in fields:
+        value = getattr(vector, name)
+        if not math.isfinite(value):
+            raise NonFiniteError(f"{what}.{name}", value)
+    # Finite numbers whose sum or norm overflows are as useless as infinite ones.
+    if fields == "xyz":
+        raise NonFiniteError(what, math.inf)
+
+
+def pose_from_matrix(T: Array) -> Pose:
+    """Convert a homogeneous transform, shape (4, 4), to a pose message, as :func:`fill_pose`."""
+    message = Pose()
+    fill_pose(message, T)
+    return message
+
+
+def fill_pose(message: Pose, T: Array) -> None:
+    """Write a homogeneous transform, shape (4, 4), to a pose message.
+
+    Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number
+    that is not zero is positive.
+    """
+    (a, b, c, px), (d, e, f, py), (g, h, i, pz) = T[:3].tolist()
+    # The largest of the four parameters is found first: no division by a small number.
+    traces = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
+    largest = traces.index(max(traces))
+    x, y, z, w = (
+        (traces[0], b + d, c + g, h - f),
+        (b + d, traces[1], f + h, c - g),
+        (c + g, f + h, traces[2], d - b),
+        (h - f, c - g, d - b, traces[3]),
+    )[largest]
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    if (w, x, y, z) < (0.0, 0.0, 0.0, 0.0):
+        norm = -norm
+    # Adding 0 turns -0 into 0: equal poses are equal bytes.
+    position, orientation = message.position, message.orientation
+    position.x, position.y, position.z = px, py, pz
+    orientation.x, orientation.y = x / norm + 0.0, y / norm + 0.0
+    orientation.z, orientation.w = z / norm + 0.0, w / norm + 0.0
+
+
+def stamped_pose(T: Array, frame: str) -> PoseStamped:
+    """Convert a homogeneous transform to a pose message in a frame; the stamp stays 0."""
+    message = PoseStamped(pose=pose_from_matrix(T))
+    message.header.frame_id = frame
+    return message
+
+
+def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array:
+    """Convert rows of x y z qx qy qz qw to homogeneous transforms.
+
+    Parameters
+    ----------
+    rows : sequence of float
+        7 m numbers: position in m, unit quaternion within 1e-3.
+
+    Returns
+    -------
+    ndarray, shape (m, 4, 4)
+
+    Raises
+    ------
+    WrongSizeError
+        Not a multiple of seven numbers.
+    NonFiniteError, BadQuaternionError
+        The row is named.
+    """
+    if len(rows) % _POSE_NUMBERS:
+        raise WrongSizeError(what, len(rows), "a multiple of 7: x y z qx qy qz qw of every pose")
+    table = np.array(rows, dtype=np.float64).reshape(-1, _POSE_NUMBERS)
+    if not np.isfinite(table).all():
+        raise NonFiniteError(what, table)
+    T = np.zeros((len(table), 4, 4))
+    T[:, :3, 3] = table[:, :3]
+    T[:, :3, :3] = matrix_from_quaternion(table[:, 3:])
+    T[:, 3, 3] = 1.0
+    return T
+
+
+def point_vector(point: Point, what: str) -> Array:
+    """Convert a point message (m) to an array of shape (3,); it must be finite."""
+    vector = np.array((point.x, point.y, point.z))
+    if not np.isfinite(vector).all():
+        raise NonFiniteError(what, vector)
+    return vector
+
+
+def twist_vector(twist: Twist) -> Array:
+    """Convert a twist message to an array of shape (6,), angular first (rad/s and m/s)."""
+    angular, linear = twist.angular, twist.linear
+    return np.array([angular.x, angular.y, angular.z, linear.x, linear.y, linear.z])
+
+
+def stamped_twist(twist: Array, frame: str) -> TwistStamped:
+    """Convert a twist (6,), angular first, to a message in a frame; the stamp stays 0."""
+    message = TwistStamped()
+    message.header.frame_id = frame
+    for vector, values in (
+        (message.twist.angular, twist[:3]),
+        (message.twist.linear, twist[3:]),
+    ):
+        vector.x, vector.y, vector.z = values.tolist()
+    return message
+
+
+def linear_rows_first(J: Array) -> Array:
+    """Reorder the rows of a Jacobian, shape (6, n), from angular first to linear first."""
+    return np.concatenate((J[3:], J[:3]))
