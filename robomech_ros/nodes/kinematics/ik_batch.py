@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_interfaces.msg import ErrorCode
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.nodes.common.message_fields import append_numbers
 from robomech_ros.nodes.common.pauses import Turns
+from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
 
 __all__ = ["BatchLists", "solve_in_turns"]
@@ -74,7 +74,7 @@ class BatchLists:
     def add_left(self, poses: int) -> None:
         """Add poses that were not worked on."""
         append_numbers(self.counts, np.zeros(poses))
-        append_numbers(self.codes, np.full(poses, ErrorCode.TIMED_OUT))
+        append_numbers(self.codes, np.full(poses, Code.TIMED_OUT))
 
     def fill(self, response: Any) -> None:
         """Hand the lists over to a response."""

@@ -1,18 +1,15 @@
 """The node that answers kinematic questions: poses, joint positions, Jacobians, singularities."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from threading import Lock
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, PointCloud2
-from visualization_msgs.msg import MarkerArray
 
-from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import (
     AnalyzeSingularity,
     GetJacobian,
@@ -25,10 +22,10 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import point_jacobian, singularity_report
 from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
+from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.parameters import NodeParameters, parameter
+from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Turns, beside
 from robomech_ros.nodes.common.pose_messages import (
     linear_rows_first,
@@ -40,58 +37,46 @@ from robomech_ros.nodes.common.pose_messages import (
 from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
 from robomech_ros.nodes.kinematics.ik_batch import solve_in_turns
-from robomech_ros.nodes.kinematics.ik_messages import (
+from robomech_ros.nodes.kinematics.marker_publisher import MarkerPublisher
+from robomech_ros.nodes.kinematics.messages import (
     SolutionPoints,
+    answer_in_time,
+    encode_report,
     encode_result,
     inverse_options,
     is_nearest,
-)
-from robomech_ros.nodes.kinematics.markers import (
-    boundary_markers,
-    marker_array,
-    posture_markers,
-)
-from robomech_ros.nodes.kinematics.singularity_messages import encode_report
-from robomech_ros.nodes.kinematics.workspace_messages import (
-    Judgement,
-    ReachOfRobot,
     poses_in_base,
-    reach_of,
     workspace_cloud,
 )
+from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace, SpaceFinder
+from robomech_ros.nodes.kinematics.settings import KinematicsSettings
+from robomech_ros.nodes.kinematics.workspace_query import WorkspaceQuery
 from robomech_ros.nodes.moveit import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 
+Array = NDArray[np.float64]
 
-@dataclass(frozen=True)
-class KinematicsSettings(StateSettings):
-    """Parameters of the node."""
 
-    largest_batch: int = parameter(
-        10_000,
-        "Largest number of poses in one request of SolveIKBatch or QueryWorkspace, and in one "
-        "answer of SolveFK",
-        1,
-        10_000_000,
-        "poses",
-        read_only=False,
-    )
-    batch_timeout: float = parameter(
-        60.0,
-        "How long one request of SolveIKBatch or QueryWorkspace may take; others are served "
-        "meanwhile, and poses that are left then get the code TIMED_OUT",
-        0.001,
-        3600.0,
-        "s",
-        read_only=False,
-    )
-    publish_markers: bool = parameter(
-        True,
-        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace, "
-        "which is found as soon as somebody listens or calls query_workspace",
-        read_only=False,
-    )
+class _Posture(NamedTuple):
+    """What a request about a Jacobian is about.
+
+    Attributes
+    ----------
+    chain : SerialChain
+        To the link asked about, of n joints.
+    q : ndarray, shape (n,)
+        rad or m.
+    point : ndarray, shape (3,)
+        Of the link, in its frame (m).
+    axes : ndarray, shape (3, 3), or None
+        ``R_base_axes`` of the axes of the answer; None for the base.
+    """
+
+    chain: SerialChain
+    q: Array
+    point: Array
+    axes: Array | None
 
 
 class KinematicsNode(Node):
@@ -105,8 +90,6 @@ class KinematicsNode(Node):
         self._monitor = JointStateMonitor(self)
         self._points = SolutionPoints()
         self._measured: set[SerialChain] = set()
-        self._reach: ReachOfRobot | None = None
-        self._reach_lock = Lock()
         when_robot_known(self, self._table.settings, self._serve)
 
     def _serve(self, model: RobotModel) -> None:
@@ -125,15 +108,8 @@ class KinematicsNode(Node):
             (QueryWorkspace, "~/query_workspace", self._query_workspace),
         ):
             self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
-        self._boundary: list[Any] = []
-        self._posture: list[Any] = []
-        self._markers = self.create_publisher(
-            MarkerArray,
-            "~/markers",
-            LATCHED,
-            callback_group=ReentrantCallbackGroup(),
-            event_callbacks=PublisherEventCallbacks(matched=self._watched),
-        )
+        self._space = SpaceFinder(self, chain)
+        self._markers = MarkerPublisher(self, chain.base, self._show_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
             self,
@@ -186,10 +162,7 @@ class KinematicsNode(Node):
         }
         lists, done = await solve_in_turns(chain, T, allowed, Turns(self), **options)
         lists.fill(response)
-        if done < len(T):
-            text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
-            return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
-        return answer(response)
+        return answer_in_time(response, done, len(T), allowed)
 
     def _check_size(self, what: str, poses: int) -> None:
         largest = self._table.settings.largest_batch
@@ -199,34 +172,24 @@ class KinematicsNode(Node):
 
     @guarded
     async def _get_jacobian(self, request: Any, response: Any) -> Any:
-        chain = self._moving_chain(request.tip_link)
-        patience = self._table.settings.state_timeout
-        q = await self._joints.given_or_present(chain, request.state, "state", patience)
-        point = point_vector(request.tool_point, "tool_point")
-        axes = reference_axes(self._model, request.reference_frame, chain, q)
-        response.jacobian = floats(linear_rows_first(point_jacobian(chain, q, point, axes)))
-        response.joint_names = list(chain.joint_names)
+        asked = await self._posture_asked(request)
+        J = point_jacobian(asked.chain, asked.q, asked.point, asked.axes)
+        response.jacobian = floats(linear_rows_first(J))
+        response.joint_names = list(asked.chain.joint_names)
         return answer(response)
 
     @guarded
     async def _analyze_singularity(self, request: Any, response: Any) -> Any:
-        chain = self._moving_chain(request.tip_link)
-        patience = self._table.settings.state_timeout
-        q = await self._joints.given_or_present(chain, request.state, "state", patience)
-        point = point_vector(request.tool_point, "tool_point")
-        axes = reference_axes(self._model, request.reference_frame, chain, q)
+        asked = await self._posture_asked(request)
+        chain, q, point = asked.chain, asked.q, asked.point
         if chain not in self._measured:
             # The first report finds the characteristic length, which takes a second or two.
             await beside(self, lambda: singularity_report(chain, q))
             self._measured.add(chain)
         report = singularity_report(chain, q, point=point)
-        encode_report(report, axes, request.reference_frame or chain.base, response)
+        encode_report(report, asked.axes, request.reference_frame or chain.base, response)
         if self._table.settings.publish_markers:
-            T = forward_kinematics(chain, q)
-            J = point_jacobian(chain, q, point)
-            at = T[:3, :3] @ point + T[:3, 3]
-            self._posture = posture_markers(chain.base, at, J, report)
-            self._show()
+            self._markers.show_posture(chain, q, point, report)
         return answer(response)
 
     @guarded
@@ -234,41 +197,34 @@ class KinematicsNode(Node):
         chain, allowed = self._moving_chain(""), self._table.settings.batch_timeout
         self._check_size("poses", len(request.poses))
         T = poses_in_base(self._model, request.poses)
-        reach = await self._known_reach()
-        judged = Judgement(chain, T, tuple(bool(entry) for entry in request.task_mask), reach)
-        done = await judged.work(self, allowed)
-        judged.fill(response)
+        mask = tuple(bool(entry) for entry in request.task_mask)
+        query = WorkspaceQuery(chain, T, mask, await self._known_space())
+        done = await query.work(self, allowed)
+        query.fill(response)
         if len(T):
-            self._cloud.publish(workspace_cloud(chain.base, T, judged.count, judged.distance))
-        if done < len(T):
-            text = f"{len(T) - done} of {len(T)} poses were left after {allowed:g} s"
-            return answer(response, ErrorCode.TIMED_OUT, f"{text}, the parameter batch_timeout")
-        return answer(response)
+            self._cloud.publish(workspace_cloud(chain.base, T, query.count, query.distance))
+        return answer_in_time(response, done, len(T), allowed)
 
-    def _show(self) -> None:
-        """Publish all markers there are."""
-        self._markers.publish(marker_array([*self._posture, *self._boundary]))
+    async def _posture_asked(self, request: Any) -> _Posture:
+        """Read the posture, the point and the axes of a request about a Jacobian."""
+        chain = self._moving_chain(request.tip_link)
+        patience = self._table.settings.state_timeout
+        q = await self._joints.given_or_present(chain, request.state, "state", patience)
+        point = point_vector(request.tool_point, "tool_point")
+        axes = reference_axes(self._model, request.reference_frame, chain, q)
+        return _Posture(chain, q, point, axes)
 
-    async def _watched(self, matched: Any) -> None:
-        """Find and show the boundary for the first who listens to the markers."""
-        settings = self._table.settings
-        if matched.current_count and settings.publish_markers and self._model.chain.n:
-            await self._known_reach()
-
-    async def _known_reach(self) -> ReachOfRobot:
+    async def _known_space(self) -> ReachableSpace:
         """Give what is the same for all poses, and show the boundary if that is not done."""
-        if self._reach is None:
-            await beside(self, self._find_reach)
-        reach = self._reach or self._find_reach()
-        if reach.space is not None and not self._boundary and self._table.settings.publish_markers:
-            self._boundary = boundary_markers(self._model.chain.base, reach.space)
-            self._show()
-        return reach
+        space = await self._space.get()
+        if space.boundary is not None and self._table.settings.publish_markers:
+            self._markers.show_boundary(space.boundary)
+        return space
 
-    def _find_reach(self) -> ReachOfRobot:
-        with self._reach_lock:
-            self._reach = self._reach or reach_of(self._model.chain)
-            return self._reach
+    async def _show_boundary(self) -> None:
+        """Find and show the boundary for the first who listens to the markers."""
+        if self._table.settings.publish_markers and self._model.chain.n:
+            await self._known_space()
 
     def _moving_chain(self, link: str) -> SerialChain:
         """Give the chain to a link, "" being the configured tip, that joints move."""

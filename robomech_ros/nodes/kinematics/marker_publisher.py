@@ -1,0 +1,75 @@
+"""Shows the posture analysed last, and the boundary of the workspace, as markers."""
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinetostatics import SingularityReport, Workspace, point_jacobian
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.kinematics.markers import (
+    boundary_markers,
+    marker_array,
+    posture_markers,
+)
+from robomech_ros.robots import SerialChain
+
+__all__ = ["MarkerPublisher"]
+
+Array = NDArray[np.float64]
+
+
+class MarkerPublisher:
+    """Publishes ``~/markers``.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publisher.
+    base : str
+        First link of the chain.
+    on_watched : callable
+        Coroutine that is run when somebody listens.
+    """
+
+    def __init__(self, node: Node, base: str, on_watched: Callable[[], Awaitable[object]]) -> None:
+        self._base, self._on_watched = base, on_watched
+        self._posture: list[Marker] = []
+        self._boundary: list[Marker] = []
+        self._publisher = node.create_publisher(
+            MarkerArray,
+            "~/markers",
+            LATCHED,
+            callback_group=ReentrantCallbackGroup(),
+            event_callbacks=PublisherEventCallbacks(matched=self._matched),
+        )
+
+    def show_posture(
+        self, chain: SerialChain, q: Array, point: Array, report: SingularityReport
+    ) -> None:
+        """Show what a point (3,) of the tip link can do in a posture q (n,)."""
+        T = forward_kinematics(chain, q)
+        J = point_jacobian(chain, q, point)
+        at = T[:3, :3] @ point + T[:3, 3]
+        self._posture = posture_markers(chain.base, at, J, report)
+        self._show()
+
+    def show_boundary(self, space: Workspace) -> None:
+        """Show the boundary of a workspace, unless that was done."""
+        if not self._boundary:
+            self._boundary = boundary_markers(self._base, space)
+            self._show()
+
+    def _show(self) -> None:
+        """Publish all markers there are."""
+        self._publisher.publish(marker_array([*self._posture, *self._boundary]))
+
+    async def _matched(self, matched: Any) -> None:
+        if matched.current_count:
+            await self._on_watched()

@@ -1,0 +1,220 @@
+"""Reading of requests to the node kinematics, and writing of its answers."""
+
+from array import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import PointCloud2, PointField
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.kinematics import InverseKinematicsResult
+from robomech_ros.kinetostatics import SingularityReport
+from robomech_ros.nodes.common.error_codes import answer
+from robomech_ros.nodes.common.message_fields import (
+    duration_from_seconds,
+    floats,
+    seconds_from_duration,
+)
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.outcomes import Code
+
+__all__ = [
+    "SolutionPoints",
+    "answer_in_time",
+    "encode_report",
+    "encode_result",
+    "inverse_options",
+    "is_nearest",
+    "poses_in_base",
+    "workspace_cloud",
+]
+
+Array = NDArray[np.float64]
+
+_METRICS = ("linf", "l2")
+_NEAREST = 1
+
+
+def inverse_options(request: Any) -> dict[str, Any]:
+    """Read the options of a SolveIK request as keywords of `inverse_kinematics`.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        A mode or metric that does not exist, a negative tolerance or timeout.
+    """
+    if request.metric >= len(_METRICS):
+        raise BadValueError("metric", request.metric, "LINF (0) or L2 (1)")
+    options: dict[str, Any] = {
+        "respect_limits": not request.ignore_limits,
+        "include_windings": request.include_windings,
+        "metric": _METRICS[request.metric],
+    }
+    cap = 1 if is_nearest(request.mode) else request.max_solutions
+    if cap:
+        options["max_solutions"] = cap
+    mask = tuple(bool(entry) for entry in request.task_mask)
+    if any(mask):
+        options["task_mask"] = mask
+    for name in ("position_tolerance", "orientation_tolerance"):
+        value = getattr(request, name)
+        if value:
+            options[name] = _tolerance(name, value)
+    if request.timeout.sec or request.timeout.nanosec:
+        options["timeout"] = seconds_from_duration(request.timeout, "timeout")
+    return options
+
+
+def is_nearest(mode: int) -> bool:
+    """Whether a mode asks for the nearest solution only."""
+    if mode > _NEAREST:
+        raise BadValueError("mode", mode, "ALL (0) or NEAREST (1)")
+    return mode == _NEAREST
+
+
+def _tolerance(name: str, value: float) -> float:
+    if not np.isfinite(value):
+        raise NonFiniteError(name, value)
+    if value < 0.0:
+        raise BadValueError(name, value, "0 for the default, or a positive number")
+    return value
+
+
+class SolutionPoints:
+    """Trajectory points that are used again for every answer.
+
+    To make a point message takes longer than to fill it, and rclpy copies an answer before the
+    next request is taken.
+    """
+
+    def __init__(self) -> None:
+        self._points: list[JointTrajectoryPoint] = []
+
+    def filled(self, q: Array) -> list[JointTrajectoryPoint]:
+        """Give k points with the rows of q, shape (k, n), as positions."""
+        while len(self._points) < len(q):
+            self._points.append(JointTrajectoryPoint())
+        points = self._points[: len(q)]
+        for point, row in zip(points, q, strict=True):
+            point.positions = floats(row)
+        return points
+
+
+def encode_result(
+    result: InverseKinematicsResult,
+    joint_names: tuple[str, ...],
+    points: SolutionPoints,
+    solve_seconds: float,
+    response: Any,
+) -> Any:
+    """Fill a SolveIK response."""
+    response.joint_names = list(joint_names)
+    response.solutions = points.filled(result.q)
+    response.seed_distances = floats(result.seed_distance)
+    response.position_errors = floats(result.position_error)
+    response.orientation_errors = floats(result.orientation_error)
+    response.condition_numbers = floats(result.condition_number)
+    response.limit_margins = floats(result.limit_margin)
+    response.branches = list(result.branches)
+    response.complete = result.complete
+    response.family = result.family
+    response.blocking_joints = list(result.blocking_joints)
+    response.blocking_excess = array("d", result.blocking_excess)
+    response.solve_time = duration_from_seconds(solve_seconds)
+    response.error_code = int(result.status)
+    response.error_msg = result.reason
+    return response
+
+
+def poses_in_base(model: RobotModel, poses: list[Any]) -> Array:
+    """Convert the poses of a request to transforms in the base, shape (m, 4, 4) (m).
+
+    Raises
+    ------
+    NonFiniteError, BadQuaternionError, FrameUnavailableError
+        The message names the pose by its index.
+    """
+    T = np.empty((len(poses), 4, 4))
+    for k, stamped in enumerate(poses):
+        frame = model.frame_in_base(stamped.header.frame_id)
+        pose = matrix_from_pose(stamped.pose, f"poses[{k}].pose")
+        T[k] = pose if frame is None else frame @ pose
+    return T
+
+
+def encode_report(report: SingularityReport, axes: Array | None, frame: str, response: Any) -> Any:
+    """Fill an AnalyzeSingularity response.
+
+    Parameters
+    ----------
+    report : SingularityReport
+    axes : ndarray, shape (3, 3), or None
+        Rotation of the frame in the base in whose axes lost directions are given; None = base.
+    frame : str
+        Its name.
+    response : AnalyzeSingularity.Response
+    """
+    response.singular_values = floats(report.singular_values)
+    response.rank = report.rank
+    response.manipulability = report.manipulability
+    response.condition_number = report.condition_number
+    response.characteristic_length = report.length
+    response.normalised_condition_number = report.normalised_condition_number
+    response.lost_directions = [
+        stamped_twist(twist if axes is None else (twist.reshape(2, 3) @ axes).ravel(), frame)
+        for twist in report.lost_directions
+    ]
+    response.singularity_types = list(report.kinds)
+    response.summary = _summary(report)
+    return response
+
+
+def _summary(report: SingularityReport) -> str:
+    if not report.singular:
+        # More joints than freedoms leave singular values of zero, which say nothing of the posture.
+        largest, least = report.singular_values[0], report.singular_values[report.rank - 1]
+        return (
+            f"regular: rank {report.rank}, least singular value {least:.3g} "
+            f"and condition number {largest / least:.4g} with lengths over {report.length:.4g} m"
+        )
+    lost = len(report.lost_directions)
+    directions = f"{lost} direction{'s' if lost != 1 else ''} of motion lost"
+    return f"singular ({', '.join(report.kinds)}): rank {report.rank}, {directions}"
+
+
+def workspace_cloud(frame: str, T: Array, count: NDArray[np.int64], distance: Array) -> PointCloud2:
+    """Make a cloud of judged poses: x, y, z, how many solutions, distance from the boundary.
+
+    Parameters
+    ----------
+    frame : str
+        Base of the chain.
+    T : ndarray, shape (m, 4, 4)
+        m.
+    count : ndarray of int, shape (m,)
+    distance : ndarray, shape (m,)
+        m, NaN where it is not known.
+    """
+    rows = np.column_stack((T[:, :3, 3], count, distance)).astype("<f4")
+    names = ("x", "y", "z", "solutions", "boundary_distance")
+    fields = [
+        PointField(name=name, offset=4 * k, datatype=PointField.FLOAT32, count=1)
+        for k, name in enumerate(names)
+    ]
+    message = PointCloud2(height=1, width=len(rows), fields=fields, is_dense=False)
+    message.header.frame_id = frame
+    message.point_step = rows.itemsize * len(names)
+    message.row_step = message.point_step * len(rows)
+    message.data = array("B", rows.tobytes())
+    return message
+
+
+def answer_in_time(response: Any, done: int, poses: int, allowed: float) -> Any:
+    """Finish the answer about so many poses, of which some were done in the time allowed (s)."""
+    if done == poses:
+        return answer(response)
+    text = f"{poses - done} of {poses} poses were left after {allowed:g} s"
+    return answer(response, Code.TIMED_OUT, f"{text}, the parameter batch_timeout")

@@ -1,0 +1,90 @@
+"""What a robot reaches at all: found once, in a thread of its own, when it is first asked for."""
+
+import math
+from dataclasses import dataclass
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.kinetostatics import (
+    Workspace,
+    characteristic_length,
+    extreme_reach,
+    workspace_boundary,
+)
+from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
+from robomech_ros.nodes.common.pauses import beside
+from robomech_ros.robots import SerialChain
+
+__all__ = ["ReachableSpace", "SpaceFinder"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ReachableSpace:
+    """What is the same for all poses of a robot.
+
+    Parameters
+    ----------
+    least, greatest : float
+        Distance of the tip from the first joint (m).
+    length : float
+        Characteristic length (m); NaN for an arm that has none.
+    boundary : Workspace or None
+        None for an arm without a positioning part.
+    centre : ndarray, shape (3,)
+        The point that this part places, in the frame of the tip (m).
+    """
+
+    least: float
+    greatest: float
+    length: float
+    boundary: Workspace | None
+    centre: Array
+
+
+def reachable_space(chain: SerialChain) -> ReachableSpace:
+    """Find what holds for all poses of a robot; this takes some seconds."""
+    try:
+        length = float(characteristic_length(chain))
+    except RobomechError:
+        length = math.nan
+    boundary, centre = None, np.zeros(3)
+    try:
+        boundary, centre = workspace_boundary(chain), positioning_part(chain).in_tip
+        boundary.distance(np.zeros(3))  # what is the same for all points is found now
+    except RobomechError:
+        boundary = None
+    return ReachableSpace(*extreme_reach(chain), length, boundary, centre)
+
+
+class SpaceFinder:
+    """Finds the reachable space of a chain once.
+
+    Parameters
+    ----------
+    node : Node
+        Serves others meanwhile.
+    chain : SerialChain
+        Of one joint or more.
+    """
+
+    def __init__(self, node: Node, chain: SerialChain) -> None:
+        self._node, self._chain = node, chain
+        self._found: ReachableSpace | None = None
+        self._lock = Lock()
+
+    async def get(self) -> ReachableSpace:
+        """Give the space; the first call takes some seconds."""
+        if self._found is None:
+            await beside(self._node, self._find)
+        return self._found or self._find()
+
+    def _find(self) -> ReachableSpace:
+        with self._lock:
+            self._found = self._found or reachable_space(self._chain)
+            return self._found

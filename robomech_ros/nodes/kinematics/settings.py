@@ -1,0 +1,38 @@
+"""Parameters of the node kinematics."""
+
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.joint_positions import StateSettings
+from robomech_ros.nodes.common.parameters import parameter
+
+__all__ = ["KinematicsSettings"]
+
+
+@dataclass(frozen=True)
+class KinematicsSettings(StateSettings):
+    """Parameters of the node."""
+
+    largest_batch: int = parameter(
+        10_000,
+        "Largest number of poses in one request of SolveIKBatch or QueryWorkspace, and in one "
+        "answer of SolveFK",
+        1,
+        10_000_000,
+        "poses",
+        read_only=False,
+    )
+    batch_timeout: float = parameter(
+        60.0,
+        "How long one request of SolveIKBatch or QueryWorkspace may take; others are served "
+        "meanwhile, and poses that are left then get the code TIMED_OUT",
+        0.001,
+        3600.0,
+        "s",
+        read_only=False,
+    )
+    publish_markers: bool = parameter(
+        True,
+        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace, "
+        "which is found as soon as somebody listens or calls query_workspace",
+        read_only=False,
+    )
