@@ -8,7 +8,7 @@ from typing import Any
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Delivery", "Report", "Stage", "Transport"]
+__all__ = ["Delivery", "DeliveryReport", "Stage", "Transport"]
 
 
 class Transport(Enum):
@@ -33,7 +33,7 @@ class Stage(Enum):
 
 
 @dataclass(frozen=True)
-class Report:
+class DeliveryReport:
     """How a delivery ended.
 
     Attributes
@@ -88,8 +88,8 @@ class Delivery:
     stage: Stage = Stage.QUEUED
     sent_at: float = 0.0
     begun_at: float = 0.0
-    report: Report | None = None
-    _listeners: list[Callable[[Report], None]] = field(default_factory=list)
+    report: DeliveryReport | None = None
+    _listeners: list[Callable[[DeliveryReport], None]] = field(default_factory=list)
 
     @property
     def start(self) -> FloatArray | None:
@@ -128,20 +128,20 @@ class Delivery:
         """Whether it was sent and is to begin later than now (s)."""
         return self.stage is Stage.SENT and now < self.sent_at + self.delay
 
-    def listen(self, listener: Callable[[Report], None]) -> None:
+    def listen(self, listener: Callable[[DeliveryReport], None]) -> None:
         """Have the report told once, when it has ended."""
         if self.report is not None:
             listener(self.report)
         else:
             self._listeners.append(listener)
 
-    def tell(self, report: Report) -> None:
+    def tell(self, report: DeliveryReport) -> None:
         """Tell those who listen, who listen no longer then."""
         listeners, self._listeners = self._listeners, []
         for listener in listeners:
             listener(report)
 
-    def end(self, report: Report) -> None:
+    def end(self, report: DeliveryReport) -> None:
         """Set the report and tell it."""
         self.stage, self.report = Stage.ENDED, report
         self.tell(report)

@@ -11,9 +11,10 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 
-__all__ = ["ActionLink", "AskedTolerances", "GoalDialect", "OnResult"]
+__all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult"]
 
 OnResult = Callable[[Delivery, int, str], None]
 Moved = Callable[[], bool]
@@ -38,8 +39,8 @@ class AskedTolerances:
     goal_time: float = 0.0
 
 
-class GoalDialect(Protocol):
-    """An action type: how goals are put, and what results mean.
+class ActionGoals(Protocol):
+    """Goals of an action: how they are put, and what results mean.
 
     Attributes
     ----------
@@ -55,8 +56,8 @@ class GoalDialect(Protocol):
     def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
         """Make a goal."""
 
-    def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
-        """Give the ErrorCode and the text of a result; `began` says whether the robot moved."""
+    def verdict(self, status: int, result: Any, began: bool) -> Verdict:
+        """Give the code and the text of a result; `began` says whether the robot moved."""
 
 
 class ActionLink:
@@ -68,8 +69,8 @@ class ActionLink:
         Owner of the client.
     controller : str
         Name of the controller.
-    dialect : GoalDialect
-        The action.
+    goals : ActionGoals
+        Those of the action.
     tolerances : AskedTolerances
         What every goal asks of the controller.
     on_result : callable
@@ -80,14 +81,14 @@ class ActionLink:
         self,
         node: Node,
         controller: str,
-        dialect: GoalDialect,
+        goals: ActionGoals,
         tolerances: AskedTolerances,
         on_result: OnResult,
     ) -> None:
-        name = f"{controller}/{dialect.name}"
+        name = f"{controller}/{goals.name}"
         self.name = node.resolve_service_name(name)
-        self._client = ActionClient(node, dialect.kind, name)
-        self._dialect = dialect
+        self._client = ActionClient(node, goals.kind, name)
+        self._goals = goals
         self._tolerances = tolerances
         self._on_result = on_result
         self._destroyed = False
@@ -109,7 +110,7 @@ class ActionLink:
         """Send the message of a delivery; `moved` says whether the robot has moved since."""
         self._last += 1
         number = self._last
-        sent = self._client.send_goal_async(self._dialect.goal(message, self._tolerances))
+        sent = self._client.send_goal_async(self._goals.goal(message, self._tolerances))
         sent.add_done_callback(lambda future: self._take_handle(number, delivery, moved, future))
 
     def cancel(self) -> None:
@@ -151,8 +152,8 @@ class ActionLink:
             text = f"action '{self.name}' does not know the goal; how the motion ended is not known"
             self._conclude(number, delivery, Code.REJECTED, text)
             return
-        code, text = self._dialect.outcome(answer.status, answer.result, moved())
-        self._conclude(number, delivery, code, text)
+        verdict = self._goals.verdict(answer.status, answer.result, moved())
+        self._conclude(number, delivery, *verdict)
 
     def _conclude(self, number: int, delivery: Delivery, code: int, text: str) -> None:
         """Hand over the result of what was sent last."""

@@ -1,6 +1,6 @@
 """The way to the controller by topic and by action, and to the state of the robot."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,12 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.comparison import STILL
 from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
-from robomech_ros.nodes.trajectory_publisher.trajectory_message import trajectory_message
+from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ControllerLink"]
@@ -45,10 +47,16 @@ class ControllerLink:
         self._acceleration: dict[str, float] = {}
         self._clock = clock
 
-    def know_robot(self, continuous: Sequence[str], acceleration: Mapping[str, float]) -> None:
-        """Take note of the joints that turn without limits, and of acceleration limits by joint."""
-        self._continuous = frozenset(continuous)
-        self._acceleration = dict(acceleration)
+    def know_robot(self, model: RobotModel) -> None:
+        """Take note of the joints that turn without limits, and of acceleration limits."""
+        self._continuous = frozenset(
+            joint.name
+            for joint in model.description.joints
+            if joint.type != "prismatic" and np.isneginf(joint.lower) and np.isposinf(joint.upper)
+        )
+        chain = model.chain
+        limits = Joints.of(chain).acceleration.tolist()
+        self._acceleration = dict(zip(chain.joint_names, limits, strict=True))
 
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""
@@ -81,7 +89,7 @@ class ControllerLink:
 
     def send(self, delivery: Delivery) -> None:
         """Send by the transport of the delivery."""
-        message = trajectory_message(delivery, self._clock.stamp(delivery.sent_at))
+        message = message_from_delivery(delivery, self._clock.stamp(delivery.sent_at))
         if delivery.transport is Transport.TOPIC:
             self._publisher.publish(message)
             return

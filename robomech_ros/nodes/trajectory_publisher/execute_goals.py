@@ -5,6 +5,7 @@ from typing import Any
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.action import ExecuteTrajectory
+from robomech_ros.execution.verdict import Verdict
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
 
@@ -12,7 +13,7 @@ __all__ = ["ExecuteGoals"]
 
 
 class ExecuteGoals:
-    """Puts goals of ExecuteTrajectory; see `GoalDialect`."""
+    """Puts goals of ExecuteTrajectory; see `ActionGoals`."""
 
     kind = ExecuteTrajectory
     name = "execute_trajectory"
@@ -27,6 +28,6 @@ class ExecuteGoals:
             goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
         )
 
-    def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
+    def verdict(self, status: int, result: Any, began: bool) -> Verdict:
         """Give code and text, which the result has."""
-        return int(result.error_code), str(result.error_msg)
+        return Verdict(int(result.error_code), str(result.error_msg))

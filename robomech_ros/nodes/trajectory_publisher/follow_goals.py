@@ -7,20 +7,21 @@ from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTolerance
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_interfaces.msg import ErrorCode
+from robomech_ros.execution.verdict import Verdict
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances
+from robomech_ros.outcomes import Code
 
 __all__ = ["FollowGoals"]
 
 _RESULT = FollowJointTrajectory.Result
-_CODES: dict[int, int] = {
-    _RESULT.SUCCESSFUL: ErrorCode.REJECTED,
-    _RESULT.INVALID_GOAL: ErrorCode.REJECTED,
-    _RESULT.INVALID_JOINTS: ErrorCode.UNKNOWN_JOINT,
-    _RESULT.OLD_HEADER_TIMESTAMP: ErrorCode.REJECTED,
-    _RESULT.PATH_TOLERANCE_VIOLATED: ErrorCode.PATH_TOLERANCE,
-    _RESULT.GOAL_TOLERANCE_VIOLATED: ErrorCode.GOAL_TOLERANCE,
+_CODES: dict[int, Code] = {
+    _RESULT.SUCCESSFUL: Code.REJECTED,
+    _RESULT.INVALID_GOAL: Code.REJECTED,
+    _RESULT.INVALID_JOINTS: Code.UNKNOWN_JOINT,
+    _RESULT.OLD_HEADER_TIMESTAMP: Code.REJECTED,
+    _RESULT.PATH_TOLERANCE_VIOLATED: Code.PATH_TOLERANCE,
+    _RESULT.GOAL_TOLERANCE_VIOLATED: Code.GOAL_TOLERANCE,
 }
 # Codes that, once a motion has begun, say that something else has ended it.
 _STOPPED = (_RESULT.SUCCESSFUL, _RESULT.INVALID_GOAL)
@@ -34,7 +35,7 @@ _NOTHING = "Goal successfully reached!"
 
 
 class FollowGoals:
-    """Puts goals of FollowJointTrajectory; see `GoalDialect`."""
+    """Puts goals of FollowJointTrajectory; see `ActionGoals`."""
 
     kind = FollowJointTrajectory
     name = "follow_joint_trajectory"
@@ -49,7 +50,7 @@ class FollowGoals:
             goal_time_tolerance=duration_from_seconds(tolerances.goal_time),
         )
 
-    def outcome(self, status: int, result: Any, began: bool) -> tuple[int, str]:
+    def verdict(self, status: int, result: Any, began: bool) -> Verdict:
         """Translate a result.
 
         The same code, INVALID_GOAL, says that a goal is refused and that its motion was ended by
@@ -57,14 +58,14 @@ class FollowGoals:
         """
         given, text = int(result.error_code), str(result.error_string)
         if status == GoalStatus.STATUS_SUCCEEDED and given == _RESULT.SUCCESSFUL:
-            return ErrorCode.NONE, "" if text == _NOTHING else text
+            return Verdict(Code.NONE, "" if text == _NOTHING else text)
         name = _NAMES.get(given, f"error code {given}")
         if status == GoalStatus.STATUS_CANCELED:
-            return ErrorCode.PREEMPTED, text or "the goal was cancelled"
-        code = _CODES.get(given, ErrorCode.REJECTED)
+            return Verdict(Code.PREEMPTED, text or "the goal was cancelled")
+        code = _CODES.get(given, Code.REJECTED)
         if began and given in _STOPPED:
-            code = ErrorCode.PREEMPTED
-        return code, f"{name}: {text}" if text else f"{name}, without a reason"
+            code = Code.PREEMPTED
+        return Verdict(code, f"{name}: {text}" if text else f"{name}, without a reason")
 
 
 def _for_each(value: float, names: list[str]) -> list[JointTolerance]:

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.client.delivery import Delivery, Report, Transport
+from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
@@ -119,7 +119,7 @@ class ProgramRunner:
         self._drop_timer()
         self._next()
 
-    def _moved(self, report: Report) -> None:
+    def _moved(self, report: DeliveryReport) -> None:
         if report.code and self.runs:
             self._end(f"{self.condition}: {report.text}")
         else:

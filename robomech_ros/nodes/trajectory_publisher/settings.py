@@ -6,15 +6,15 @@ from robomech_ros.execution.client.delivery import Transport
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
-from robomech_ros.nodes.trajectory_publisher.action_link import AskedTolerances, GoalDialect
+from robomech_ros.nodes.trajectory_publisher.action_link import ActionGoals, AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 
 __all__ = [
     "PublisherSettings",
+    "action_goals",
     "answering_transport",
     "asked_tolerances",
     "dispatch_settings",
-    "goal_dialect",
 ]
 
 
@@ -137,7 +137,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
     return asked
 
 
-def goal_dialect(transport: Transport) -> GoalDialect:
+def action_goals(transport: Transport) -> ActionGoals:
     """Give the action of a transport.
 
     Raises

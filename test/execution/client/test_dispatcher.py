@@ -6,7 +6,8 @@ from execution_cases import to_rest
 
 from robomech_ros.execution.client.comparison import apart
 from robomech_ros.execution.client.delivery import Delivery, Stage, Transport
-from robomech_ros.execution.client.dispatch_settings import DispatchSettings, QueueFullError
+from robomech_ros.execution.client.delivery_queue import QueueFullError
+from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
@@ -334,20 +335,20 @@ def test_the_result_of_an_action(robot, dispatcher):
     dispatcher.offer(one, 0.0)
     dispatcher.step(1.2)
     robot.at = one.goal.copy()
-    dispatcher.concluded(one, 0, "", 1.21)
+    dispatcher.conclude(one, 0, "", 1.21)
     assert (one.report.code, one.report.text) == (0, "")
     two = delivery(start=one.goal, transport=Transport.ACTION)
     dispatcher.offer(two, 2.0)
-    dispatcher.concluded(two, 223, "joint 'elbow' left its path", 2.1)
+    dispatcher.conclude(two, 223, "joint 'elbow' left its path", 2.1)
     assert (two.report.code, two.report.text) == (223, "joint 'elbow' left its path")
-    dispatcher.concluded(two, 0, "late", 2.2)
+    dispatcher.conclude(two, 0, "late", 2.2)
     assert two.report.code == 223
 
 
 def test_success_that_the_joint_states_do_not_confirm(robot, dispatcher):
     one = delivery(transport=Transport.ACTION)
     dispatcher.offer(one, 0.0)
-    dispatcher.concluded(one, 0, "", 1.0)
+    dispatcher.conclude(one, 0, "", 1.0)
     assert one.report is None
     dispatcher.step(2.1)
     assert one.report.code == 0
@@ -411,7 +412,7 @@ def test_a_pause_that_comes_too_late_is_sent_again(robot, dispatcher, transport)
     first, now = one.goal.copy(), 0.4
     robot.old_goal_runs = True
     if transport is Transport.ACTION:
-        dispatcher.concluded(one, 221, "it should be over by now", now)
+        dispatcher.conclude(one, 221, "it should be over by now", now)
     while len(robot.sent) < 3:
         now += 0.05
         move_along(robot, dispatcher, lambda time: planned.sample(time).position, now, now + 0.04)
@@ -443,7 +444,7 @@ def test_a_pause_that_is_refused_again_and_again_is_given_up(robot, dispatcher):
     now = 0.01
     while one.report is None:
         now += 0.01
-        dispatcher.concluded(one, 221, "no", now)
+        dispatcher.conclude(one, 221, "no", now)
     assert 2 <= len(robot.sent) <= 5
     assert robot.cancelled == [one]
     assert (one.report.code, one.report.text) == (221, "no")

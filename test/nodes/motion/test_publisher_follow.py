@@ -49,7 +49,7 @@ MEANINGS = [
 @pytest.mark.parametrize(("status", "given", "said", "began", "code", "text"), MEANINGS)
 def test_what_results_mean(status, given, said, began, code, text):
     result = CODES(error_code=given, error_string=said)
-    assert FollowGoals().outcome(status, result, began) == (code, text)
+    assert FollowGoals().verdict(status, result, began) == (code, text)
 
 
 def test_goals_name_tolerances_where_they_are_asked_for():

@@ -9,30 +9,25 @@ from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError
-from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.error_codes import answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
-__all__ = ["SpeedControl"]
+__all__ = ["SpeedServices"]
 
 # Slowest part of the planned speed: that of the limits in a plan, too.
 _SLOWEST = 1e-6
 
 
-class SpeedControl:
+class SpeedServices:
     """Lets clients say how fast trajectories are executed, and whether at all.
 
     Parameters
     ----------
     node : Node
         Owner of the services.
-    dispatcher : Dispatcher
+    loop : DispatchLoop
         What executes.
-    clock : MotionClock
-        Its time.
-    watch : callable
-        Called when there may be something to watch.
     cancel_program : callable
         Ends the program that runs, for a reason; returns whether one did.
     """
@@ -40,14 +35,11 @@ class SpeedControl:
     def __init__(
         self,
         node: Node,
-        dispatcher: Dispatcher,
-        clock: MotionClock,
-        watch: Callable[[], None],
+        loop: DispatchLoop,
         cancel_program: Callable[[str], bool],
     ) -> None:
-        self._dispatcher = dispatcher
-        self._clock = clock
-        self._watch = watch
+        self._dispatcher = loop.dispatcher
+        self._loop = loop
         self._cancel_program = cancel_program
         node.create_service(Trigger, "~/pause", self._pause)
         node.create_service(Trigger, "~/resume", self._resume)
@@ -58,7 +50,7 @@ class SpeedControl:
         if self._dispatcher.paused:
             return _said(response, True, "paused already")
         try:
-            self._dispatcher.pause(self._clock.now())
+            self._dispatcher.pause(self._loop.clock.now())
         except RobomechError as error:
             return _said(response, False, str(error))
         moves = self._dispatcher.current is not None
@@ -69,25 +61,25 @@ class SpeedControl:
         if not self._dispatcher.paused:
             return _said(response, False, "nothing to resume: not paused")
         try:
-            self._dispatcher.resume(self._clock.now())
+            self._dispatcher.resume(self._loop.clock.now())
         except RobomechError as error:
             return _said(response, False, str(error))
-        self._watch()
+        self._loop.watch()
         moves = self._dispatcher.current is not None
         return _said(response, True, "the robot moves on" if moves else "nothing was waiting")
 
     def _cancel(self, request: Any, response: Any) -> Any:
         text = "cancelled by the service cancel"
         ran = self._cancel_program(f"program {text}")
-        count = self._dispatcher.cancel(text, self._clock.now())
-        self._watch()
+        count = self._dispatcher.cancel(text, self._loop.clock.now())
+        self._loop.watch()
         what = f"{count} trajectories given up; the robot stops on its path"
         if not count:
             what = "the program is given up" if ran else "nothing was under way or waiting"
         return _said(response, True, what)
 
     def _set_speed(self, request: Any, response: Any) -> Any:
-        now = self._clock.now()
+        now = self._loop.clock.now()
         try:
             self._dispatcher.set_speed(_checked(request.speed), now)
         except RobomechError as error:

@@ -1,0 +1,125 @@
+"""Sees by the joint states whether the robot arrives where a delivery ends."""
+
+from robomech_ros.execution.client.comparison import off_goal
+from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.dispatch_settings import DispatchSettings
+from robomech_ros.execution.client.gateway import Gateway
+from robomech_ros.execution.client.progress import Progress
+from robomech_ros.execution.verdict import Verdict
+from robomech_ros.outcomes import Code
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CONFIRMATION", "ArrivalWatch"]
+
+# How long the joint states may take to confirm what the controller says, and to come at all, s.
+CONFIRMATION = 1.0
+
+
+class ArrivalWatch:
+    """Watches the robot during one delivery.
+
+    Parameters
+    ----------
+    delivery : Delivery
+        What was sent.
+    gateway : Gateway
+        Knows the joint states, and whether the controller is there.
+    settings : DispatchSettings
+        How long things may take.
+    positions : ndarray, shape (n,)
+        Where the robot was when it was sent, rad or m.
+
+    Attributes
+    ----------
+    elapsed, late : float
+        At the last look, the time since it was sent and since it should be over, s.
+    off : str
+        How the robot was off its goal then; empty if it was there.
+    """
+
+    def __init__(
+        self,
+        delivery: Delivery,
+        gateway: Gateway,
+        settings: DispatchSettings,
+        positions: FloatArray,
+    ) -> None:
+        self.elapsed = self.late = 0.0
+        self.off = ""
+        self._delivery = delivery
+        self._gateway = gateway
+        self._settings = settings
+        self._now = delivery.sent_at
+        self._missing_since: float | None = None
+        self._progress = Progress(delivery, positions, gateway.heard(delivery.names))
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot was seen to stand since the trajectory should be over."""
+        return self._progress.stands
+
+    def begin_anew(self) -> None:
+        """Watch from now on what was sent instead, from where the robot is now."""
+        delivery = self._delivery
+        positions = self._gateway.positions(delivery.names)
+        if positions is not None:
+            self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
+
+    def look(self, now: float) -> None:
+        """Look where the robot is at a time (s)."""
+        delivery, gateway = self._delivery, self._gateway
+        self._now = now
+        self.elapsed = now - delivery.sent_at
+        self.late = self.elapsed - delivery.lasts
+        positions = gateway.positions(delivery.names)
+        self._progress.look(now, positions, gateway.heard(delivery.names))
+        if positions is None:
+            self.off = f"no joint states of {', '.join(delivery.names)}"
+        else:
+            continuous = gateway.continuous(delivery.names)
+            self.off = off_goal(delivery, positions, continuous, self._settings.goal_tolerance)
+
+    def lost(self, patience: float) -> Verdict | None:
+        """Give the verdict where controller or joint states are gone for `patience` (s)."""
+        gone = self._gone(patience)
+        if not gone:
+            return None
+        last = f"; at last {self.off}" if self.off else ""
+        return Verdict(Code.REJECTED, f"{gone}; how the motion ended is not known{last}")
+
+    def arrival(self) -> Verdict | None:
+        """Give the verdict where the robot has arrived, or will not; by the joint states alone."""
+        settings = self._settings
+        if self.late >= 0.0 and not self.off and self.stands:
+            return Verdict(Code.NONE, "")
+        if self.off and self._progress.stuck > settings.standstill_timeout:
+            return self._stopped()
+        if self.late > settings.arrival_timeout:
+            lost = self.lost(max(settings.arrival_timeout, CONFIRMATION))
+            restless = Verdict(Code.GOAL_TOLERANCE, self.off or "the robot does not come to rest")
+            return lost or restless
+        return None
+
+    def _gone(self, patience: float) -> str:
+        """Say what was not there for longer than `patience` (s); empty if all is there."""
+        delivery, silent = self._delivery, self._progress.silent
+        missing = self._gateway.missing(delivery.transport)
+        if not missing:
+            self._missing_since = None
+        elif self._missing_since is None:
+            self._missing_since = self._now
+        if self._missing_since is not None and self._now - self._missing_since > patience:
+            return f"the controller is gone: {missing} disappeared"
+        if silent > patience:
+            joints = ", ".join(delivery.names)
+            return f"the controller is gone: no joint states of {joints} for {silent:.1f} s"
+        return ""
+
+    def _stopped(self) -> Verdict:
+        """Say of a robot that stands off its goal that it was stopped, or never began to move."""
+        stuck = self._progress.stuck
+        since = f"for {stuck:.1f} s, in which the trajectory should have moved it"
+        if self._progress.moved:
+            how = "it was stopped, or something else moves it"
+            return Verdict(Code.PREEMPTED, f"the robot stands {since}: {how}; {self.off}")
+        return Verdict(Code.REJECTED, f"the robot does not move {since}; {self.off}")

@@ -1,0 +1,43 @@
+"""What a dispatcher needs of the controller and of the robot's state."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["Gateway"]
+
+
+class Gateway(Protocol):
+    """The way to the controller and to the robot's state."""
+
+    def missing(self, transport: Transport) -> str:
+        """Say what is not there to send by; empty if all is."""
+
+    def send(self, delivery: Delivery) -> None:
+        """Send, instead of what was sent of this delivery before.
+
+        By action, `Dispatcher.conclude` is called with the result of what was sent last.
+        """
+
+    def cancel(self, delivery: Delivery) -> None:
+        """Ask the controller to give up a delivery sent by action."""
+
+    def runs_before(self, delivery: Delivery) -> bool:
+        """Say whether the controller still executes what was sent before of this delivery."""
+
+    def positions(self, names: Sequence[str]) -> FloatArray | None:
+        """Give the present positions, rad or m; None if not known."""
+
+    def heard(self, names: Sequence[str]) -> int:
+        """Give a number that has grown when all these joints were heard of anew."""
+
+    def continuous(self, names: Sequence[str]) -> npt.NDArray[np.bool_]:
+        """Say which joints turn without limits."""
+
+    def acceleration(self, names: Sequence[str]) -> FloatArray | None:
+        """Give the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""

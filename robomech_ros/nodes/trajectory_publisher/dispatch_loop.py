@@ -1,0 +1,92 @@
+"""Has a dispatcher look at the robot again and again, by the clock of a node."""
+
+from rclpy.node import Node
+
+from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.dispatcher import Dispatcher
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
+from robomech_ros.outcomes import name_of
+
+__all__ = ["DispatchLoop"]
+
+
+class DispatchLoop:
+    """Tells a dispatcher the time, while it has something to do.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the timer, and whose log tells how deliveries end.
+    clock : MotionClock
+        The time.
+    link : ControllerLink
+        The way to the controller.
+    settings : PublisherSettings
+        How often it looks, and what the dispatcher needs.
+
+    Attributes
+    ----------
+    clock : MotionClock
+        The time.
+    dispatcher : Dispatcher
+        What executes deliveries.
+    """
+
+    def __init__(
+        self, node: Node, clock: MotionClock, link: ControllerLink, settings: PublisherSettings
+    ) -> None:
+        self._logger = node.get_logger()
+        self.clock = clock
+        self.dispatcher = Dispatcher(
+            link, dispatch_settings(settings), self._log_end, self._log_stall
+        )
+        self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
+        self._timer.cancel()
+        # A timer that has not fired since it was reset would wait until its old time comes again.
+        clock.on_jump(self._take_jump)
+
+    def offer(self, delivery: Delivery) -> None:
+        """Queue a delivery.
+
+        Raises
+        ------
+        QueueFullError
+            It is not accepted.
+        """
+        self.dispatcher.offer(delivery, self.clock.now())
+        self.watch()
+
+    def conclude(self, delivery: Delivery, code: int, text: str) -> None:
+        """Take the controller's result of a delivery sent by action."""
+        self.dispatcher.conclude(delivery, code, text, self.clock.now())
+
+    def watch(self) -> None:
+        """Look at the robot again and again while there is something to see."""
+        if self.dispatcher.busy:
+            self._timer.reset()
+
+    def _look(self) -> None:
+        self.dispatcher.step(self.clock.now())
+        if not self.dispatcher.busy:
+            self._timer.cancel()
+
+    def _take_jump(self, by: float) -> None:
+        """Have what waits for its stamp watched by the new time (s)."""
+        self.dispatcher.clock_jumped(by, self.clock.now())
+        self.watch()
+
+    def _log_end(self, delivery: Delivery) -> None:
+        report = delivery.report
+        assert report is not None
+        if report.code:
+            named = f"{report.code} {name_of(report.code)}"
+            self._logger.error(f"trajectory failed ({named}): {report.text}")
+        elif report.text:
+            self._logger.warning(report.text)
+        else:
+            self._logger.info(f"arrived after {report.duration:.2f} s")
+
+    def _log_stall(self, text: str) -> None:
+        self._logger.warning(f"{len(self.dispatcher.queue)} trajectories wait: {text}")

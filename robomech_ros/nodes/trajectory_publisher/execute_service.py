@@ -1,0 +1,142 @@
+"""The service execute: a trajectory, or the latest plan, and how its motion has ended."""
+
+import traceback
+from typing import Any
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_interfaces.srv import Execute
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.client.comparison import off_goal, off_start
+from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
+from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
+from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
+from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
+from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
+from robomech_ros.outcomes import Code
+
+__all__ = ["ExecuteService", "NoPlanError"]
+
+_DONE_BEFORE = "executed before this request; the robot stands at its end"
+
+
+class NoPlanError(NoStateError):
+    """The latest plan is asked for, and there is none."""
+
+    def __init__(self, topics: str) -> None:
+        RobomechError.__init__(self, f"no trajectory was planned yet, nothing came on {topics}")
+
+
+class ExecuteService:
+    """Executes what a request asks for, and answers when the motion has ended.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the service.
+    settings : PublisherSettings
+        How far the robot may be from start and goal.
+    plans : ReceivedPlans
+        Where the latest plan is.
+    reader : DeliveryReader
+        Makes deliveries.
+    loop : DispatchLoop
+        Executes them.
+    link : ControllerLink
+        Knows where the robot is.
+    transport : Transport
+        How what is asked for gets to the controller.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        settings: PublisherSettings,
+        plans: ReceivedPlans,
+        reader: DeliveryReader,
+        loop: DispatchLoop,
+        link: ControllerLink,
+        transport: Transport,
+    ) -> None:
+        self._logger = node.get_logger()
+        self._settings = settings
+        self._plans = plans
+        self._reader = reader
+        self._loop = loop
+        self._link = link
+        self._transport = transport
+        node.create_service(
+            Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup()
+        )
+
+    async def _execute(self, request: Any, response: Any) -> Any:
+        if _asks_for_latest(request.trajectory):
+            await self._plans.next_on_its_way()
+        try:
+            delivery = self._delivery(request.trajectory)
+        except Exception as error:
+            return self._refused(error, response)
+        before = delivery.report is not None and delivery is self._plans.latest
+        report = await _end_of(delivery)
+        response.duration = duration_from_seconds(report.duration)
+        done_before = before and not report.code
+        return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
+
+    def _refused(self, error: Exception, response: Any) -> Any:
+        """Answer a request that is not executed; to be called while the error is handled."""
+        if isinstance(error, RobomechError):
+            return answer(response, code_of(error), str(error))
+        self._logger.error(f"execute failed, please report:\n{traceback.format_exc()}")
+        return answer(response, Code.INTERNAL, f"internal error, please report it: {error}")
+
+    def _delivery(self, trajectory: JointTrajectory) -> Delivery:
+        """Find the delivery that a request means: a new one, or the latest plan's."""
+        if not _asks_for_latest(trajectory):
+            return self._offered(trajectory)
+        latest = self._plans.latest
+        if latest is None:
+            raise NoPlanError(self._plans.topics)
+        if self._in_hand(latest) or self._stands_at_the_end_of(latest):
+            return latest
+        self._plans.latest = self._reader.read(latest.trajectory, self._transport)
+        self._loop.offer(self._plans.latest)
+        return self._plans.latest
+
+    def _offered(self, trajectory: JointTrajectory) -> Delivery:
+        delivery = self._reader.read(trajectory, self._transport)
+        self._loop.offer(delivery)
+        return delivery
+
+    def _in_hand(self, delivery: Delivery) -> bool:
+        dispatcher = self._loop.dispatcher
+        return delivery is dispatcher.current or delivery in dispatcher.queue
+
+    def _stands_at_the_end_of(self, delivery: Delivery) -> bool:
+        """Whether it was executed, and the robot is still where it ended and not at its start."""
+        if delivery.report is None or delivery.report.code:
+            return False
+        names, settings = delivery.names, self._settings
+        positions = self._link.positions(names)
+        if positions is None:
+            return False
+        given = delivery, positions, self._link.continuous(names)
+        there = not off_goal(*given, settings.goal_tolerance)
+        return there and bool(off_start(*given, settings.start_tolerance))
+
+
+def _asks_for_latest(trajectory: JointTrajectory) -> bool:
+    return not (trajectory.points or trajectory.joint_names)
+
+
+async def _end_of(delivery: Delivery) -> DeliveryReport:
+    """Wait for the end of a delivery."""
+    ended: Future = Future()
+    delivery.listen(lambda report: ended.done() or ended.set_result(report))
+    report: DeliveryReport = await ended
+    return report

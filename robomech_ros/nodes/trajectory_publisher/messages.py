@@ -1,0 +1,114 @@
+"""Deliveries from the messages that come, and the messages that they are sent as."""
+
+import copy
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robomech_ros.errors import UnknownJointError, WrongSizeError
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.received_trajectory import read_waypoints
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["DeliveryReader", "message_from_delivery"]
+
+_NANO = 1_000_000_000
+
+
+class DeliveryReader:
+    """Makes deliveries of messages.
+
+    Parameters
+    ----------
+    clock : MotionClock
+        The time from which stamps count.
+    max_points : int
+        Most points of a trajectory.
+    max_duration : float
+        How long one may last, s.
+
+    Attributes
+    ----------
+    robot_joints : tuple of str
+        The joints that there are; empty as long as the robot is not known.
+    """
+
+    def __init__(self, clock: MotionClock, max_points: int, max_duration: float) -> None:
+        self.robot_joints: tuple[str, ...] = ()
+        self._clock = clock
+        self._max_points = max_points
+        self._max_duration = max_duration
+
+    def read(self, message: JointTrajectory, transport: Transport) -> Delivery:
+        """Check a trajectory that somebody sent, and make a delivery of it.
+
+        Raises
+        ------
+        RobomechError
+            It is refused.
+        """
+        names = list(message.joint_names)
+        if not names:
+            raise WrongSizeError("joint_names", 0, "at least one joint")
+        for name in names:
+            if self.robot_joints and name not in self.robot_joints:
+                raise UnknownJointError(name, self.robot_joints)
+        waypoints = read_waypoints(
+            received_trajectory(message), names, self._max_points, self._max_duration
+        )
+        delay = self._clock.until(message.header.stamp, self._clock.now())
+        return Delivery(message, names, waypoints, transport, delay)
+
+
+def message_from_delivery(delivery: Delivery, now: int) -> JointTrajectory:
+    """Make the message of a delivery.
+
+    Parameters
+    ----------
+    delivery : Delivery
+        What is to be sent.
+    now : int
+        ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts from it.
+
+    Returns
+    -------
+    JointTrajectory
+        As it came, unless it is sent at another pace.
+    """
+    if not delivery.paced:
+        message: JointTrajectory = delivery.trajectory
+        return message
+    header = copy.copy(delivery.trajectory.header)
+    if delivery.paced_on_way:
+        header.stamp = _stamp(now, delivery.delay)
+    waypoints = delivery.waypoints
+    message = JointTrajectory(header=header, joint_names=list(delivery.names))
+    for k, time in enumerate(waypoints.times.tolist()):
+        message.points.append(
+            JointTrajectoryPoint(
+                positions=floats(waypoints.positions[k]),
+                velocities=_row(waypoints.velocities, k),
+                accelerations=_row(waypoints.accelerations, k),
+                time_from_start=duration_from_seconds(time),
+            )
+        )
+    return message
+
+
+def _stamp(now: int, delay: float) -> Time:
+    """Give the stamp `delay` (s) from now; 0, which means at once, where there is none."""
+    if delay <= 0.0:
+        return Time()
+    seconds, nanoseconds = divmod(now + round(delay * _NANO), _NANO)
+    return Time(sec=seconds, nanosec=nanoseconds)
+
+
+def _row(rows: FloatArray | None, k: int) -> object:
+    """Give a row; nothing where it is NaN."""
+    if rows is None or np.isnan(rows[k]).any():
+        return []
+    return floats(rows[k])

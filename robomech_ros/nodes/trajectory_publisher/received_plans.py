@@ -1,0 +1,119 @@
+"""Plans as they come by topic."""
+
+import time
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
+from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
+from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
+from robomech_ros.outcomes import name_of
+
+__all__ = ["ReceivedPlans"]
+
+TOPIC = "planned_trajectory"
+# Plans may come faster than they are taken.
+_DEPTH = 100
+# A request for the latest plan overtakes the plan itself by no more than this, s: they come by
+# different ways.
+_ON_ITS_WAY = 0.1
+
+
+class ReceivedPlans:
+    """Keeps the latest plan, and has every new one executed if that is wanted.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    table : NodeParameters
+        Where plans come from, and what is done with them.
+    reader : DeliveryReader
+        Makes deliveries of them.
+    loop : DispatchLoop
+        Executes them.
+
+    Attributes
+    ----------
+    latest : Delivery or None
+        The plan that came last.
+    refusal : str
+        Why the plan that came last was refused; empty if it was not.
+    topics : str
+        Where plans come from, in words.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        table: NodeParameters[PublisherSettings],
+        reader: DeliveryReader,
+        loop: DispatchLoop,
+    ) -> None:
+        self._node = node
+        self._started = time.time_ns()
+        self._table = table
+        self._reader = reader
+        self._loop = loop
+        self._next: Future | None = None
+        self.latest: Delivery | None = None
+        self.refusal = ""
+        self.topics = self._listen(table.settings.planner_topic)
+
+    async def next_on_its_way(self) -> None:
+        """Wait a moment for a plan that was made before a request but has not arrived."""
+        if self._next is None or self._next.done():
+            self._next = Future()
+        arrived = self._next
+        timer = self._node.create_timer(
+            _ON_ITS_WAY,
+            lambda: arrived.done() or arrived.set_result(None),
+            clock=self._loop.clock.clock,
+        )
+        await arrived
+        self._node.destroy_timer(timer)
+
+    def _listen(self, planner_topic: str) -> str:
+        """Subscribe to plans, to none twice; returns the topics in words."""
+        node = self._node
+        plain = node.create_subscription(JointTrajectory, TOPIC, self._take, _DEPTH)
+        if not planner_topic or node.resolve_topic_name(planner_topic) == plain.topic_name:
+            return f"'{plain.topic_name}'"
+        latched = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        planner = node.create_subscription(
+            JointTrajectory, planner_topic, self._take_latched, latched
+        )
+        return f"'{plain.topic_name}' or '{planner.topic_name}'"
+
+    def _take_latched(self, plan: JointTrajectory, info: dict[str, Any]) -> None:
+        """Take a plan from a latched topic, unless it is from before this node's time."""
+        made = info["source_timestamp"]
+        if made and made < self._started:
+            age = (self._started - made) * 1e-9
+            text = f"a plan made {age:.1f} s before this node started is ignored"
+            self._node.get_logger().info(text)
+            return
+        self._take(plan)
+
+    def _take(self, plan: JointTrajectory) -> None:
+        settings = self._table.settings
+        arrived, self._next = self._next, None
+        if arrived is not None and not arrived.done():
+            arrived.set_result(None)
+        try:
+            self.latest = self._reader.read(plan, Transport(settings.transport))
+            if settings.auto_execute:
+                self._loop.offer(self.latest)
+            self.refusal = ""
+        except RobomechError as error:
+            self.refusal = str(error)
+            code = code_of(error)
+            self._node.get_logger().error(f"plan refused ({code} {name_of(code)}): {error}")
