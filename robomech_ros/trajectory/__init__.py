@@ -35,14 +35,15 @@ if TYPE_CHECKING:
         geodesic_orientation,
     )
     from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
-    from robomech_ros.trajectory.paths.path_tracking import (
-        PathTracking,
-        PathTrackingStatus,
-        track_path,
-    )
+    from robomech_ros.trajectory.paths.path_tracking import track_path
     from robomech_ros.trajectory.paths.pose_lists import arc_path, spline_path, straight_path
     from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample, pose_path
     from robomech_ros.trajectory.paths.spline_curves import spline_curve
+    from robomech_ros.trajectory.paths.tracking_result import (
+        PathCut,
+        PathTracking,
+        PathTrackingStatus,
+    )
     from robomech_ros.trajectory.plans.path_motions import (
         PATH_PROFILES,
         PathMotion,
@@ -101,6 +102,7 @@ __all__ = [
     "JointPath",
     "Limits",
     "Orientation",
+    "PathCut",
     "PathMotion",
     "PathTracking",
     "PathTrackingStatus",
@@ -196,8 +198,9 @@ _MODULES = {
     "JointPath": "paths.joint_path",
     "Limits": "limits",
     "Orientation": "paths.orientation",
-    "PathTracking": "paths.path_tracking",
-    "PathTrackingStatus": "paths.path_tracking",
+    "PathCut": "paths.tracking_result",
+    "PathTracking": "paths.tracking_result",
+    "PathTrackingStatus": "paths.tracking_result",
     "PiecewisePolynomial": "curves.piecewise",
     "Polynomial345": "profiles.rest_to_rest",
     "Polynomial4567": "profiles.rest_to_rest",

@@ -262,7 +262,7 @@ CASES = {
     "a spline straight back": (
         {"path": 1, "waypoints": shifted([0, 0, 0], [0.1, 0, 0], [0.05, 0, 0])},
         ErrorCode.BAD_VALUE,
-        ["waypoints[1]", "need not go straight back", "a STRAIGHT path (0) rests there"],
+        ["waypoints[1]", "need not go straight back", "a straight path rests there"],
     ),
     "unknown path": ({"path": 9}, ErrorCode.BAD_VALUE, ["STRAIGHT (0), SPLINE (1), ARC (2)"]),
     "unknown profile": (

@@ -142,7 +142,7 @@ def start_long_plan(graph):
 def test_others_are_served_while_a_long_plan_is_made(graph):
     node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
     published = []
-    node._trajectories.publish = lambda message: published.append(copy.deepcopy(message))
+    node._plans._trajectories.publish = lambda message: published.append(copy.deepcopy(message))
     slow = start_long_plan(graph)
     quick = [plan(graph, duration=duration_from_seconds(seconds)) for seconds in (7.0, 8.0)]
     assert not slow.done()

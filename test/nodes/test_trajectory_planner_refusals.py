@@ -272,7 +272,7 @@ def test_every_bad_request_is_refused_and_the_node_goes_on_serving(graph):
 def test_refused_requests_publish_nothing(graph):
     node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
     published = []
-    node._trajectories.publish = published.append
+    node._plans._trajectories.publish = published.append
     assert plan(graph, request(goal=JointState())).error_code == ErrorCode.WRONG_SIZE
     assert plan(graph, request()).error_code == ErrorCode.NONE
     assert plan(graph, request(profile=9)).error_code == ErrorCode.BAD_VALUE

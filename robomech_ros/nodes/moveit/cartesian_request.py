@@ -10,8 +10,8 @@ from moveit_msgs.msg import MoveItErrorCodes
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.nodes.common.plan_sampling import check_waypoints
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import chain_to, check_group, refuse_collision_checks

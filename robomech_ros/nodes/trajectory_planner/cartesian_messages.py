@@ -1,52 +1,104 @@
 """Decoding of PlanCartesian requests, and encoding of what came of them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.cartesian import CartesianPlan, PathBounds, path_through
 from robomech_ros.errors import BadValueError, NonFiniteError
-from robomech_ros.nodes.common.cartesian_planning import FollowedPath, PathBounds
+from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.plan_sampling import check_waypoints
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints
-from robomech_ros.trajectory import SampledPlan, TipSpeeds
+from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
+from robomech_ros.trajectory import PosePath, TipSpeeds
 
-__all__ = ["encode_path_plan", "path_bounds", "path_profile", "tip_speeds", "waypoint_poses"]
+__all__ = ["PathRequest", "encode_path_plan", "read_path_request"]
 
 _PROFILES = {
     getattr(PlanCartesian.Request, name): name.lower()
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
+_KINDS = {
+    getattr(PlanCartesian.Request, name): name.lower() for name in ("STRAIGHT", "SPLINE", "ARC")
+}
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
 _MOST = {"max_linear_speed": LARGEST_LENGTH, "max_angular_speed": LARGEST_LENGTH}
-_AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLOW: "SLOW"}
+_AT_SINGULARITY = {PlanCartesian.Request.STOP: "stop", PlanCartesian.Request.SLOW: "slow"}
 
 
-def path_profile(number: int) -> str:
-    """Give the name in `PATH_PROFILES` of a profile's number in a request.
+@dataclass(frozen=True, eq=False)
+class PathRequest:
+    """What a PlanCartesian request asks for, apart from its start.
+
+    Attributes
+    ----------
+    waypoints : ndarray, shape (m, 4, 4)
+        Poses in the base (m).
+    kind : str
+        Of the path, as `path_through` knows it.
+    options : dict
+        Keywords of `plan_along`.
+    """
+
+    waypoints: NDArray[np.float64]
+    kind: Any
+    options: dict[str, Any]
+
+    def path_from(self, pose: NDArray[np.float64]) -> PosePath:
+        """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
+        path = path_through(pose, self.waypoints, self.kind)
+        if path is None:
+            found = f"{len(self.waypoints)} poses equal to the start"
+            raise BadValueError("waypoints", found, "at least one other pose")
+        return path
+
+
+def read_path_request(request: Any, model: RobotModel, settings: PlannerSettings) -> PathRequest:
+    """Read a PlanCartesian request but for its start.
+
+    Parameters
+    ----------
+    request : PlanCartesian.Request
+        Its zeros stand for the parameters of the same names, and for no speed limits.
+    model : RobotModel
+        Whose base knows the frames of the waypoints.
+    settings : PlannerSettings
 
     Raises
     ------
-    BadValueError
-        There is no such profile; those there are get listed.
+    RobomechError
+        An unknown kind of path, profile or frame, a value out of range, a pose that is none.
     """
-    name = _PROFILES.get(number)
+    options = {
+        "profile": _named("profile", request.profile, _PROFILES),
+        "speeds": _tip_speeds(request),
+        "bounds": _path_bounds(request, settings),
+    }
+    waypoints = _waypoint_poses(request, model, settings.max_waypoints)
+    kind = _named("path", request.path, _KINDS)
+    return PathRequest(waypoints, kind, options | {"waypoints": waypoints})
+
+
+def _named(what: str, number: int, names: Mapping[int, str]) -> str:
+    """Give the name of a number in a request; refuse others with those there are."""
+    name = names.get(number)
     if name is None:
-        offered = ", ".join(f"{known.upper()} ({n})" for n, known in _PROFILES.items())
-        raise BadValueError("profile", number, f"one of {offered}")
+        offered = ", ".join(f"{known.upper()} ({n})" for n, known in names.items())
+        raise BadValueError(what, number, f"one of {offered}")
     return name
 
 
-def waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.float64]:
+def _waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.float64]:
     """Read the waypoints in the base, shape (m, 4, 4).
 
     Raises
@@ -67,7 +119,7 @@ def waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.flo
     return poses
 
 
-def path_bounds(request: Any, settings: Any) -> PathBounds:
+def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
     """Read what ends a path; zeros stand for the node's parameters of the same names.
 
     Raises
@@ -75,9 +127,7 @@ def path_bounds(request: Any, settings: Any) -> PathBounds:
     BadValueError, NonFiniteError
         A number that is none or negative, or an unknown value of at_singularity.
     """
-    if request.at_singularity not in _AT_SINGULARITY:
-        known = ", ".join(f"{name} ({number})" for number, name in _AT_SINGULARITY.items())
-        raise BadValueError("at_singularity", request.at_singularity, f"one of {known}")
+    _named("at_singularity", request.at_singularity, _AT_SINGULARITY)
     numbers = [
         _positive(request, name) or getattr(settings, name)
         for name in (
@@ -92,7 +142,7 @@ def path_bounds(request: Any, settings: Any) -> PathBounds:
     return PathBounds(*numbers)
 
 
-def tip_speeds(request: Any) -> TipSpeeds:
+def _tip_speeds(request: Any) -> TipSpeeds:
     """Read the largest speeds of the tip; zeros stand for none.
 
     Raises
@@ -121,20 +171,19 @@ def _positive(request: Any, name: str) -> float:
 
 
 def encode_path_plan(
-    followed: FollowedPath,
-    plan: SampledPlan | None,
+    plan: CartesianPlan,
+    wanted: PathRequest,
     joint_names: Sequence[str],
     messages: TrajectoryPoints,
     response: Any,
 ) -> Any:
     """Fill a PlanCartesian response with what can be followed, and why not more."""
-    if plan is not None:
-        response.trajectory = encode_waypoints(plan.waypoints, joint_names, messages)
-    response.fraction = float(followed.fraction)
-    response.stop_index = followed.stop_index
-    response.stop_reason = followed.tracking.reason
-    response.error_code = followed.code
-    if followed.code != ErrorCode.NONE:
-        part = f"{100.0 * followed.fraction:.4g} % of the path"
-        response.error_msg = f"{part}: {followed.tracking.reason}"
-    return response
+    if plan.samples is not None:
+        response.trajectory = encode_waypoints(plan.samples, joint_names, messages)
+    response.fraction, stop = float(plan.fraction), plan.stop
+    response.stop_index = len(wanted.waypoints) if stop is None else stop.index
+    if stop is None:
+        return answer(response)
+    response.stop_reason = stop.text
+    part = f"{100.0 * plan.fraction:.4g} % of the path"
+    return answer(response, stop.kind.code, f"{part}: {stop.text}")

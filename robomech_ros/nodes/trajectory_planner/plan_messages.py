@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,24 +18,20 @@ from robomech_ros.nodes.common.message_fields import (
     floats,
     seconds_from_duration,
 )
-from robomech_ros.nodes.common.plan_sampling import check_duration, check_waypoints
+from robomech_ros.nodes.common.request_sizes import check_waypoints
+from robomech_ros.nodes.trajectory_planner.settings import SHORTEST_PERIOD, PlannerSettings
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
+from robomech_ros.trajectory.plans.fitting_plan import check_duration
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
 
 __all__ = [
     "OFFERED",
-    "SHORTEST_PERIOD",
+    "PlanRequest",
     "encode_plan",
     "encode_waypoints",
-    "plan_options",
     "plan_points",
-    "profile_name",
-    "via_points",
-    "wanted_period",
+    "read_plan_request",
 ]
-
-# Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
-SHORTEST_PERIOD = 1e-4
 
 _NAMES = {
     getattr(PlanJoint.Request, name): name
@@ -50,7 +47,45 @@ _OWN_INSTANTS = ("ruckig", "time_optimal")
 _SCALES = ("velocity_scale", "acceleration_scale", "jerk_scale")
 
 
-def profile_name(number: int) -> str:
+@dataclass(frozen=True)
+class PlanRequest:
+    """What a PlanJoint request asks for, apart from its start and goal.
+
+    Attributes
+    ----------
+    via : ndarray, shape (m, n)
+        Points to pass on the way, rad or m.
+    options : dict
+        Keywords of `fitting_plan`: `wanted_period`, and those of `through_points`.
+    """
+
+    via: NDArray[np.float64]
+    options: dict[str, Any]
+
+
+def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -> PlanRequest:
+    """Read a PlanJoint request but for its start and goal.
+
+    Parameters
+    ----------
+    request : PlanJoint.Request
+        Its zeros stand for defaults.
+    limits : Limits
+        Of n joints.
+    settings : PlannerSettings
+        Whose max_duration and max_waypoints count.
+
+    Raises
+    ------
+    RobomechError
+        An unknown profile, via points it does not take or that are none, a value out of range.
+    """
+    options = _plan_options(request, settings.max_duration)
+    via = _via_points(request, limits, settings.max_waypoints)
+    return PlanRequest(via, options | {"wanted_period": _wanted_period(request)})
+
+
+def _profile_name(number: int) -> str:
     """Give the name in `PROFILES` of a profile's number in a request.
 
     Raises
@@ -64,7 +99,7 @@ def profile_name(number: int) -> str:
     return name.lower()
 
 
-def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
+def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     """Read what a PlanJoint request wants as keywords of `through_points`.
 
     Parameters
@@ -79,7 +114,7 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     BadValueError, NonFiniteError
         An unknown profile, via points it does not take, a value out of range.
     """
-    options: dict[str, Any] = {"profile": profile_name(request.profile)}
+    options: dict[str, Any] = {"profile": _profile_name(request.profile)}
     if request.via and options["profile"] not in VIA_PROFILES:
         able = ", ".join(name.upper() for name in VIA_PROFILES)
         expected = f"none for {_NAMES[request.profile]}; {able} take some"
@@ -94,7 +129,7 @@ def plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     return options | {name: getattr(request, name) or 1.0 for name in _SCALES}
 
 
-def via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
+def _via_points(request: Any, limits: Limits, most: int) -> NDArray[np.float64]:
     """Read the points to pass on the way, shape (m, n).
 
     Parameters
@@ -185,7 +220,7 @@ def _instants(request: Any, profile: str, duration: float | None) -> list[float]
     return [instant / duration for instant in seconds]
 
 
-def wanted_period(request: Any) -> float:
+def _wanted_period(request: Any) -> float:
     """Read the largest time between two points (s) that a PlanJoint request wants; 0 = any.
 
     Raises

@@ -127,9 +127,9 @@ class ProgramRunner:
 
     def _plan(self, step: Step, start: FloatArray) -> Delivery:
         # Compiled code, 100 MB and seconds, that a publisher without programs does without.
-        from robomech_ros.nodes.common.plan_sampling import plan_that_fits
+        from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 
-        plan = plan_that_fits(
+        plan = fitting_plan(
             self._chain,
             np.stack([start, step.positions]),
             wanted_period=0.0,

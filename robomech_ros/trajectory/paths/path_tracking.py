@@ -1,9 +1,7 @@
 """Joint paths that follow pose paths, by the differential geometry of the path."""
 
 import math
-from dataclasses import dataclass
-from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,12 +13,14 @@ from robomech_ros._kernels.tolerances import (
     SHORTEST_STEP,
     TRACK_JUMP,
 )
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.paths.arms import Arm, as_arm, as_near, checked_array
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.path_cuts import limit_cut
 from robomech_ros.trajectory.paths.pose_path import PosePath, PoseSample
 from robomech_ros.trajectory.paths.posture import (
     Posture,
@@ -29,9 +29,10 @@ from robomech_ros.trajectory.paths.posture import (
     pose_deviation,
     posture,
 )
+from robomech_ros.trajectory.paths.tracking_result import PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["PathTracking", "PathTrackingStatus", "track_path"]
+__all__ = ["track_path"]
 
 # First step, as part of the path between two breaks, and bounds of the change from step to step.
 _FIRST = 0.125
@@ -45,42 +46,12 @@ _BEYOND = 1e-3
 _DERIVATIVES = ("q", "first", "second")
 
 
-class PathTrackingStatus(Enum):
-    """How far a joint path follows a pose path, and why not farther."""
-
-    COMPLETE = "complete"
-    NO_START = "no posture at the start"
-    LOST = "no posture"
-    JUMP = "only by a jump"
-    SINGULAR = "singular"
-
-
-@dataclass(frozen=True, eq=False)
-class PathTracking:
-    """A joint path along a pose path.
-
-    Attributes
-    ----------
-    path : JointPath or None
-        As far as it goes; None if it does not even begin.
-    reached : float
-        Last path coordinate that is followed (m).
-    status : PathTrackingStatus
-    reason : str
-        In words; empty if the path is complete.
-    """
-
-    path: JointPath | None
-    reached: float
-    status: PathTrackingStatus
-    reason: str
-
-
 def track_path(
     path: PosePath,
     arm: Arm,
     near: npt.ArrayLike,
     *,
+    limits: JointLimits | Any = None,
     tolerance: float = 1e-7,
     condition_limit: float = 1e6,
 ) -> PathTracking:
@@ -99,6 +70,9 @@ def track_path(
         Of any number of joints; a redundant one moves with the least joint rates.
     near : array_like, shape (n,)
         Joint values (rad or m) that choose the branch at the start of the path.
+    limits : JointLimits, optional
+        A chain model, `Limits`, or anything with the same attributes: the path ends where a joint
+        would leave its position limits, and the arm's `inverse` is asked near postures within.
     tolerance : float, optional
         Largest deviation of a pose from the path (rad, and m).
     condition_limit : float, optional
@@ -125,18 +99,42 @@ def track_path(
     if allowed < LEAST_TOLERANCE:
         raise BadValueError("tolerance", allowed, f"at least {LEAST_TOLERANCE:g}")
     limit = as_positive("condition_limit", condition_limit, math.inf)
-    begin = _start(path, arm, q)
+    within = None if limits is None else _limits_of(limits, len(q))
+    begin = _start(path, arm, q, within)
     if begin is None:
         reason = "the arm has no posture for the pose at the start of the path"
-        return PathTracking(None, 0.0, PathTrackingStatus.NO_START, reason)
+        return PathTracking(None, 0.0, PathTrackingStatus.NO_START, reason, path.length)
+    tracking = _tracked(path, arm, begin, (allowed, limit), within)
+    if tracking.path is None or within is None:
+        return tracking
+    cut = limit_cut(tracking.path, within)
+    return tracking if cut is None or cut.s >= tracking.reached else tracking.cut(cut)
+
+
+def _limits_of(limits: JointLimits | Any, joints: int) -> Limits:
+    known = Limits.of(limits)
+    if len(known.joint_names) != joints:
+        raise WrongSizeError("joints of limits", len(known.joint_names), joints)
+    return known
+
+
+def _tracked(
+    path: PosePath,
+    arm: Arm,
+    begin: FloatArray,
+    bounds: tuple[float, float],
+    limits: Limits | None,
+) -> PathTracking:
+    """Follow a path from joint values at its start, within a tolerance and a condition number."""
     parts: list[_Nodes] = []
     for low, high in zip(path.breaks[:-1], path.breaks[1:], strict=True):
-        part = _followed(path, arm, begin, (float(low), float(high)), allowed, limit)
+        part = _followed(path, arm, begin, (float(low), float(high)), *bounds)
         parts.append(part)
         begin = part.postures[-1].q
         if part.at[-1] < high:
-            return _cut_short(path, arm, parts, limit)
-    return PathTracking(_assembled(path, parts), path.length, PathTrackingStatus.COMPLETE, "")
+            return _cut_short(path, arm, parts, bounds[1], limits)
+    complete = PathTrackingStatus.COMPLETE
+    return PathTracking(_assembled(path, parts), path.length, complete, "", path.length)
 
 
 class _Nodes(NamedTuple):
@@ -240,37 +238,46 @@ def _assembled(path: PosePath, parts: list[_Nodes]) -> JointPath | None:
     return JointPath(PiecewisePolynomial(breaks, coefficients), stops)
 
 
-def _cut_short(path: PosePath, arm: Arm, parts: list[_Nodes], limit: float) -> PathTracking:
-    """Tell why a path is not followed to its end."""
+def _cut_short(
+    path: PosePath, arm: Arm, parts: list[_Nodes], limit: float, limits: Limits | None
+) -> PathTracking:
+    """Say why a path is not followed to its end."""
     reached, here = parts[-1].at[-1], parts[-1].postures[-1]
-    status = PathTrackingStatus.SINGULAR
+    status, joint = PathTrackingStatus.SINGULAR, None
     if parts[-1].beyond > limit:
         reason = f"the condition number rises to {parts[-1].beyond:.3g}, over {limit:.3g}"
     else:
         beyond = min(reached + _BEYOND * path.length, path.length)
-        found = arm.inverse(path.sample(beyond).pose, here.q)
+        found = _nearest(arm, path.sample(beyond).pose, here.q, limits)
         if found is None:
             status = PathTrackingStatus.LOST
             reason = f"the arm has no posture for the pose at s = {beyond:.6g} m"
         else:
-            move = np.abs(checked_array("joint values of inverse", found, here.q.shape) - here.q)
+            move = np.abs(found - here.q)
             reason = f"joint values change too fast, condition number {here.condition:.3g}"
             if move.max() > TRACK_JUMP:
-                status = PathTrackingStatus.JUMP
-                k = int(np.argmax(move))
-                reason = f"joint {k} would have to jump by {move[k]:.3g} (rad or m)"
+                status, joint = PathTrackingStatus.JUMP, int(np.argmax(move))
+                name = joint if limits is None else f"'{limits.joint_names[joint]}'"
+                reason = f"joint {name} would have to jump by {move[joint]:.3g} (rad or m)"
     reason = f"at s = {reached:.6g} of {path.length:.6g} m: {reason}"
-    return PathTracking(_assembled(path, parts), reached, status, reason)
+    return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint)
 
 
-def _start(path: PosePath, arm: Arm, near: FloatArray) -> FloatArray | None:
+def _start(path: PosePath, arm: Arm, near: FloatArray, limits: Limits | None) -> FloatArray | None:
     """Joint values at the start of the path: near themselves if they are there."""
     pose = path.sample(0.0).pose
     if np.abs(pose_deviation(arm, near, pose)).max() < AT_START:
         q = corrected(arm, near, pose)
         if q is not None:
             return q
-    found = arm.inverse(pose, near)
-    if found is None:
-        return None
-    return corrected(arm, checked_array("joint values of inverse", found, near.shape), pose)
+    found = _nearest(arm, pose, near, limits)
+    return None if found is None else corrected(arm, found, pose)
+
+
+def _nearest(
+    arm: Arm, pose: FloatArray, near: FloatArray, limits: Limits | None
+) -> FloatArray | None:
+    """Ask the arm for joint values at a pose, near others that are put within the limits."""
+    seed = near if limits is None else np.clip(near, limits.lower, limits.upper)
+    found = arm.inverse(pose, seed)
+    return None if found is None else checked_array("joint values of inverse", found, near.shape)

@@ -18,8 +18,9 @@ from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.paths.arms import Arm
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath, check_follows
-from robomech_ros.trajectory.paths.path_tracking import PathTracking, track_path
+from robomech_ros.trajectory.paths.path_tracking import track_path
 from robomech_ros.trajectory.paths.pose_path import PosePath
+from robomech_ros.trajectory.paths.tracking_result import PathTracking
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.timing.path_sections import jump
@@ -63,6 +64,16 @@ class PathMotion(MotionToRest):
 
     tracking: PathTracking
 
+    @property
+    def fraction(self) -> float:
+        """Part of the path that is followed, 0 to 1."""
+        return self.tracking.fraction
+
+    @property
+    def reason(self) -> str:
+        """Why the path is not followed to its end, in words; empty if it is."""
+        return self.tracking.reason
+
 
 def along_path(
     path: PosePath,
@@ -96,7 +107,8 @@ def along_path(
     profile : str
         One of `PATH_PROFILES`.
     duration : float, optional
-        Wanted duration in s; None for the shortest.
+        Wanted duration of the motion in s, whatever part of the path it follows; None for the
+        shortest.
     speeds : TipSpeeds, optional
         Largest speeds of the tool.
     condition_limit : float
@@ -105,7 +117,9 @@ def along_path(
     Returns
     -------
     PathMotion or PathTracking
-        The motion as far as the path can be followed; the latter where it cannot even begin.
+        The motion as far as the path can be followed; the latter where it cannot even begin.  Both
+        say by `fraction` how far that is, and by `reason` why not farther: no posture, a jump, a
+        singularity, or a joint that would leave its position limits.
 
     Raises
     ------
@@ -113,13 +127,12 @@ def along_path(
         If the path, the arm, the start, or an option is none.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.
-    LimitExceededError
-        If the path leaves the position limits.
     DurationTooShortError
         If the limits do not allow the wanted duration.
 
     See Also
     --------
+    robomech_ros.cartesian.plan_along : The same for a chain, with more that may end the path.
     track_path : the joint path alone.
     along_joint_path : the motion along one that is there.
     tracking_error : how far the joints are off the path.
@@ -150,7 +163,7 @@ def along_path(
     >>> np.allclose(arm.forward(motion.sample(motion.duration).position), goal, atol=1e-6)
     True
     """
-    tracking = track_path(path, ik, start, condition_limit=condition_limit)
+    tracking = track_path(path, ik, start, limits=limits, condition_limit=condition_limit)
     if tracking.path is None:
         return tracking
     return along_joint_path(
@@ -186,7 +199,7 @@ def along_joint_path(
     Raises
     ------
     RobomechError
-        As `along_path` does.
+        As `along_path` does, and LimitExceededError if the joint path leaves the position limits.
     """
     joints = _found(path, tracking)
     timing = SECTION_TIMINGS[as_choice("profile", profile, PATH_PROFILES)]

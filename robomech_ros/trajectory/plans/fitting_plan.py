@@ -1,4 +1,4 @@
-"""Plans that fit into a message: sampled finely where that is possible, coarser where not."""
+"""Plans of no more samples and seconds than there may be: sampled coarser where they must."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,20 +6,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.trajectory import (
-    JointLimits,
-    SampledPlan,
-    sampled_through_points,
-    through_points,
-)
+from robomech_ros.errors import BadValueError
+from robomech_ros.trajectory.limits import JointLimits
+from robomech_ros.trajectory.paths.curve_arguments import as_positive
+from robomech_ros.trajectory.plans.sampled_plan import SampledPlan
+from robomech_ros.trajectory.plans.via_motions import sampled_through_points, through_points
 
-__all__ = ["check_duration", "check_waypoints", "fitting_plan", "plan_that_fits"]
+__all__ = ["check_duration", "fitting_plan", "sampled_to_fit"]
 
 _SHORTEST = "shortest duration within the scaled limits"
 
 
-def plan_that_fits(
+def fitting_plan(
     limits: JointLimits,
     points: NDArray[np.float64],
     *,
@@ -29,7 +27,7 @@ def plan_that_fits(
     max_duration: float,
     **options: Any,
 ) -> SampledPlan:
-    """Plan through points, in no more samples and seconds than a trajectory may have.
+    """Plan through points, in no more samples and seconds than there may be.
 
     Parameters
     ----------
@@ -54,7 +52,7 @@ def plan_that_fits(
     RobomechError
         As `sampled_through_points` does, and BadValueError for a motion that takes too long.
     """
-    return fitting_plan(
+    return sampled_to_fit(
         lambda period: sampled_through_points(
             points, limits=limits, period=period, max_points=max_points, **options
         ),
@@ -66,7 +64,7 @@ def plan_that_fits(
     )
 
 
-def fitting_plan(
+def sampled_to_fit(
     sampled: Callable[[float], SampledPlan],
     duration: Callable[[], float],
     *,
@@ -75,7 +73,7 @@ def fitting_plan(
     max_points: int,
     max_duration: float,
 ) -> SampledPlan:
-    """Sample a motion as finely as a trajectory may be.
+    """Sample a motion as finely as it may be.
 
     Parameters
     ----------
@@ -84,7 +82,7 @@ def fitting_plan(
     duration : callable
         Gives the duration (s) of the motion.
     wanted_period, usual_period, max_points, max_duration
-        As for `plan_that_fits`.
+        As for `fitting_plan`.
 
     Raises
     ------
@@ -92,8 +90,9 @@ def fitting_plan(
         As `sampled` does, and BadValueError for a motion that takes too long, or whose course
         changes more often than it may have points.
     """
+    usual = as_positive("sample_period", usual_period)
     try:
-        plan = sampled(wanted_period or usual_period)
+        plan = sampled(wanted_period or usual)
     except BadValueError as error:
         if wanted_period or error.what != "sample_period":
             raise
@@ -122,15 +121,3 @@ def check_duration(seconds: float, longest: float, what: str = "duration") -> No
     if seconds > longest:
         expected = f"at most {longest:g} s, the parameter max_duration"
         raise BadValueError(what, float(f"{seconds:.9g}"), expected)
-
-
-def check_waypoints(what: str, count: int, most: int) -> None:
-    """Refuse more points to go through than can be planned in some seconds.
-
-    Raises
-    ------
-    WrongSizeError
-        There are more than ``most``.
-    """
-    if count > most:
-        raise WrongSizeError(what, count, f"at most {most}, the parameter max_waypoints")

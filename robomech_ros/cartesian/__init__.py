@@ -1,0 +1,65 @@
+"""Motions of a robot along paths of its tip: how far the joints can follow, and why not farther.
+
+A pose path is followed until the arm has no posture, a joint would jump or leave its limits, or a
+posture is too near to a singularity; what can be followed is timed within the limits of all joints.
+
+Each part is loaded when first asked for.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.cartesian.arms import serial_arm
+    from robomech_ros.cartesian.following import (
+        FollowedPath,
+        StopReason,
+        follow_path,
+        waypoint_fraction,
+    )
+    from robomech_ros.cartesian.link_speeds import link_speed_limit
+    from robomech_ros.cartesian.path_checks import (
+        PathBounds,
+        PathCheck,
+        broken_condition,
+        relative_jump,
+    )
+    from robomech_ros.cartesian.planning import CartesianPlan, plan_along, plan_followed
+    from robomech_ros.cartesian.waypoint_paths import path_through
+
+__all__ = [
+    "CartesianPlan",
+    "FollowedPath",
+    "PathBounds",
+    "PathCheck",
+    "StopReason",
+    "broken_condition",
+    "follow_path",
+    "link_speed_limit",
+    "path_through",
+    "plan_along",
+    "plan_followed",
+    "relative_jump",
+    "serial_arm",
+    "waypoint_fraction",
+]
+
+_MODULES = {
+    "CartesianPlan": "planning",
+    "FollowedPath": "following",
+    "PathBounds": "path_checks",
+    "PathCheck": "path_checks",
+    "StopReason": "following",
+    "broken_condition": "path_checks",
+    "follow_path": "following",
+    "link_speed_limit": "link_speeds",
+    "path_through": "waypoint_paths",
+    "plan_along": "planning",
+    "plan_followed": "planning",
+    "relative_jump": "path_checks",
+    "serial_arm": "arms",
+    "waypoint_fraction": "following",
+}
+
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

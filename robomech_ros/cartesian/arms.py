@@ -1,0 +1,59 @@
+"""Chains as the tracking of paths knows them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import SerialArm
+
+__all__ = ["load_inverse_kinematics", "serial_arm"]
+
+Array = NDArray[np.float64]
+
+
+def serial_arm(chain: SerialChain) -> SerialArm:
+    """Make the arm that `track_path` and `along_path` take from a chain.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+
+    Returns
+    -------
+    SerialArm
+        Its `inverse` gives the posture within the limits that is nearest to other joint values,
+        which may be outside.
+
+    Raises
+    ------
+    BadValueError
+        No chain.
+
+    Examples
+    --------
+    >>> from robomech_ros.cartesian import serial_arm
+    >>> from robomech_ros.robots import load_robot
+    >>> arm = serial_arm(load_robot("puma560"))
+    >>> q = [0.1, -0.5, 0.4, 0.3, 0.8, 0.2]
+    >>> arm.inverse(arm.forward(q), near=q).round(6).tolist()
+    [0.1, -0.5, 0.4, 0.3, 0.8, 0.2]
+    """
+    check_chain(chain)
+    # Loaded here, since a planner begins to serve before all of it is there.
+    from robomech_ros.kinematics import inverse_kinematics
+
+    def inverse(T: Array, near: Array) -> Array | None:
+        seed = np.clip(near, chain.lower, chain.upper)
+        found = inverse_kinematics(chain, T, seed=seed, max_solutions=1).q
+        return found[0] if len(found) else None
+
+    return SerialArm(lambda q: forward_kinematics(chain, q), inverse, lambda q: jacobian(chain, q))
+
+
+def load_inverse_kinematics() -> None:
+    """Load what the first path of a process waits for otherwise: compiled code, some seconds."""
+    import robomech_ros.kinematics.inverse.inverse_kinematics  # noqa: F401

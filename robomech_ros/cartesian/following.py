@@ -1,0 +1,254 @@
+"""Pose paths followed by the joints of a chain, as far as they can."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.cartesian.arms import serial_arm
+from robomech_ros.cartesian.path_checks import PathBounds, PathCheck, jump_cut, singular_cut
+from robomech_ros.errors import NonFiniteError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinematics.joint_values import as_joint_values
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.poses import as_pose, pose_error
+from robomech_ros.trajectory import (
+    JointLimits,
+    JointPath,
+    Limits,
+    PathTracking,
+    PathTrackingStatus,
+    PosePath,
+    track_path,
+)
+
+__all__ = ["FollowedPath", "StopReason", "follow_path", "waypoint_fraction"]
+
+Array = NDArray[np.float64]
+# Places among which the nearest one to a waypoint is looked for.
+_PLACES = 5000
+# A waypoint is reached from this part of the path before it on.
+_REACHED = 1e-6
+
+
+@dataclass(frozen=True)
+class StopReason:
+    """Where and why a path ends before its end.
+
+    Attributes
+    ----------
+    index : int
+        Number of the waypoint, from 0, on the way to which it ends; of a path without waypoints
+        the number of its part between two `breaks`.
+    joint : str or None
+        The joint that ends it, where it is one.
+    kind : PathTrackingStatus
+        ``NO_START``, ``LOST``, ``JUMP``, ``SINGULAR``, ``LIMIT``, or ``REJECTED`` by a check of
+        the caller; its `code` is the one of the planner's answer.
+    text : str
+        The place and the reason in words.
+    """
+
+    index: int
+    joint: str | None
+    kind: PathTrackingStatus
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedPath:
+    """A pose path as far as the joints of a chain can follow it.
+
+    Attributes
+    ----------
+    chain : SerialChain
+        Of n joints.
+    path : PosePath
+    start : ndarray, shape (n,)
+        Joint values (rad or m) that chose the branch.
+    tracking : PathTracking
+        With the joint path, which is None where it does not even begin.
+    stop : StopReason or None
+        None where the whole path is followed.
+    """
+
+    chain: SerialChain
+    path: PosePath
+    start: Array
+    tracking: PathTracking
+    stop: StopReason | None
+
+    @property
+    def joints(self) -> JointPath | None:
+        """The joint path, as far as it goes; None where it does not even begin."""
+        return self.tracking.path
+
+    @property
+    def fraction(self) -> float:
+        """Part of the path that is followed, 0 to 1."""
+        return self.tracking.fraction
+
+
+def follow_path(
+    chain: SerialChain,
+    path: PosePath,
+    start: ArrayLike,
+    *,
+    bounds: PathBounds | None = None,
+    waypoints: ArrayLike | None = None,
+    checks: Sequence[PathCheck] = (),
+    limits: JointLimits | Any = None,
+) -> FollowedPath:
+    """Follow a pose path with the joints of a chain as far as they can.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    path : PosePath
+        Of its tip in its base.
+    start : array_like, shape (n,)
+        Joint values (rad or m) that choose the branch: those at the start of the path, or near.
+    bounds : PathBounds, optional
+        Condition number and jumps that end the path.
+    waypoints : array_like, shape (m, 4, 4), optional
+        Poses (m) by which `StopReason.index` counts; without them the path's own parts.
+    checks : sequence of PathCheck
+        Each finds where else a joint path must end, such as `broken_condition`.
+    limits : JointLimits, optional
+        Whose position limits end the path; default those of the chain.
+
+    Returns
+    -------
+    FollowedPath
+
+    Raises
+    ------
+    SeedOutsideLimitsError
+        The start is outside the limits.
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a chain, a path, joint values or poses.
+
+    See Also
+    --------
+    plan_along : Follows a path and times the motion.
+    robomech_ros.trajectory.track_path : The same for any arm, without jumps and checks.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+
+    Examples
+    --------
+    A line of the wrist of a PUMA 560 that leaves its reach:
+
+    >>> from robomech_ros.cartesian import follow_path, path_through
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.robots import load_robot
+    >>> chain, q = load_robot("puma560"), [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
+    >>> here = forward_kinematics(chain, q)
+    >>> there = here.copy()
+    >>> there[0, 3] += 2.0
+    >>> followed = follow_path(chain, path_through(here, [there]), q)
+    >>> round(followed.fraction, 2), followed.stop.kind.name, followed.stop.index
+    (0.15, 'SINGULAR', 0)
+    """
+    values = as_joint_values(chain, start, "start")
+    if values.ndim != 1:
+        raise WrongSizeError("start", values.shape, (chain.n,))
+    if not np.isfinite(values).all():
+        raise NonFiniteError("start", values)
+    allowed, most = Limits.of(chain if limits is None else limits), bounds or PathBounds()
+    poses = None if waypoints is None else _as_poses(waypoints)
+    allowed.check_start(values)
+    tracking = track_path(path, serial_arm(chain), values, limits=allowed)
+    tracking = _cut(tracking, chain, most, checks)
+    if tracking.status is PathTrackingStatus.COMPLETE:
+        return FollowedPath(chain, path, values, tracking, None)
+    joint = None if tracking.joint is None else chain.joint_names[tracking.joint]
+    index = 0
+    if tracking.path is not None:
+        index = _on_the_way_to(path, poses, tracking.reached)
+    stop = StopReason(index, joint, tracking.status, tracking.reason)
+    return FollowedPath(chain, path, values, tracking, stop)
+
+
+def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
+    """Say which part of the waypoints a straight path reaches; the way to each counts the same.
+
+    This is the fraction of MoveIt.
+
+    Parameters
+    ----------
+    followed : FollowedPath
+        Of a path from the posture at its start along straight lines.
+    waypoints : array_like, shape (m, 4, 4)
+        The poses (m) that it goes through.
+
+    Returns
+    -------
+    float
+        0 to 1.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses.
+    """
+    poses = _as_poses(waypoints)
+    if followed.stop is None:
+        return 1.0
+    start = forward_kinematics(followed.chain, followed.start)
+    errors = pose_error(poses, np.concatenate([start[None], poses[:-1]]))
+    turns, ways = (np.linalg.norm(part, axis=1) for part in (errors[:, :3], errors[:, 3:]))
+    ends = np.concatenate([[0.0], np.cumsum(np.hypot(ways, followed.path.radius * turns))])
+    reached = followed.tracking.reached
+    passed = int(np.searchsorted(ends[1:-1], reached, side="right"))
+    part = (reached - ends[passed]) / (ends[passed + 1] - ends[passed])
+    return float((passed + np.clip(part, 0.0, 1.0)) / len(poses))
+
+
+def _as_poses(waypoints: ArrayLike) -> Array:
+    """Check waypoints, and give them with their rounding."""
+    shape = as_pose(waypoints, what="waypoints").shape
+    if len(shape) != 3 or not shape[0]:
+        raise WrongSizeError("waypoints", shape, "(m, 4, 4) with m at least 1")
+    return np.asarray(waypoints, dtype=np.float64)
+
+
+def _cut(
+    tracking: PathTracking, chain: SerialChain, bounds: PathBounds, checks: Sequence[PathCheck]
+) -> PathTracking:
+    """End a tracking where it is singular, jumps, or breaks a check first."""
+    own: tuple[tuple[PathCheck, float], ...] = (
+        (lambda joints: singular_cut(chain, joints, bounds), 0.0),
+        (lambda joints: jump_cut(chain, joints, bounds), bounds.step),
+    )
+    for check, reach in (*own, *((one, 0.0) for one in checks)):
+        if tracking.path is None:
+            return tracking
+        cut = check(tracking.path)
+        # Joints that move far in the last step do so for the reason that is found already.
+        before = 0.0 if tracking.status is PathTrackingStatus.COMPLETE else reach
+        if cut is not None and cut.s + before < tracking.reached:
+            tracking = tracking.cut(cut)
+    return tracking
+
+
+def _on_the_way_to(path: PosePath, waypoints: Array | None, reached: float) -> int:
+    """Find the waypoint on the way to which a coordinate is: each is where the path is nearest."""
+    slack = _REACHED * path.length
+    if waypoints is None:
+        ends = path.breaks[1:]
+        return min(int(np.searchsorted(ends, reached + slack, side="right")), len(ends) - 1)
+    places = np.linspace(0.0, path.length, _PLACES + 1)
+    poses = path.sample(places).pose
+    k = 0
+    for index, waypoint in enumerate(waypoints):
+        apart = np.linalg.norm(pose_error(waypoint, poses[k:]), axis=1)
+        k += int(np.argmin(apart))
+        if reached < places[k] - slack:
+            return index
+    return len(waypoints) - 1

@@ -1,0 +1,196 @@
+"""What ends a joint path before its arm does: singularities, jumps, conditions of the caller."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import real_number
+from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
+from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
+
+__all__ = [
+    "PathBounds",
+    "PathCheck",
+    "broken_condition",
+    "jump_cut",
+    "relative_jump",
+    "singular_cut",
+]
+
+Array = NDArray[np.float64]
+# Finds where a joint path must end, and why; None where nowhere.
+PathCheck = Callable[[JointPath], PathCut | None]
+# Points between which a relative jump is looked for, at least: of fewer the mean says nothing.
+_FEWEST = 10
+
+
+@dataclass(frozen=True)
+class PathBounds:
+    """Bounds that end a path.
+
+    Attributes
+    ----------
+    condition : float
+        Largest condition number of the Jacobian, lengths over the size of the arm; infinite to pass
+        singular postures as slowly as the joints need.
+    step : float
+        Distance of neighbouring poses (m) between which a joint may move by no more than
+    revolute_jump, prismatic_jump : float
+        rad, m; infinite for any move.
+
+    Raises
+    ------
+    BadValueError
+        One of them is not a number above 0, or the step is infinite.
+    """
+
+    condition: float = 200.0
+    step: float = 0.01
+    revolute_jump: float = 0.5
+    prismatic_jump: float = 0.1
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = _above_zero(field.name, getattr(self, field.name))
+            object.__setattr__(self, field.name, value)
+        if math.isinf(self.step):
+            raise BadValueError("step", self.step, "a finite distance (m)")
+
+
+def _above_zero(what: str, value: object) -> float:
+    number = real_number(what, value, "a number above 0")
+    if not number > 0.0:
+        raise BadValueError(what, number, "a number above 0")
+    return number
+
+
+def singular_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+    """Find where the condition number rises over its bound."""
+    if not math.isfinite(bounds.condition):
+        return None
+    scale = np.repeat([1.0, 1.0 / arm_size(chain)], 3)[:, None]
+
+    def over(q: Array) -> NDArray[np.bool_]:
+        singular = np.linalg.svd(scale * jacobian(chain, q), compute_uv=False)
+        above: NDArray[np.bool_] = singular[:, 0] > bounds.condition * singular[:, -1]
+        return above
+
+    s = last_good_place(joints, over)
+    if s is None:
+        return None
+    text = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
+    return PathCut(s, PathTrackingStatus.SINGULAR, text)
+
+
+def jump_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+    """Find where a joint moves too far between neighbouring poses."""
+    largest = np.where(chain.types == PRISMATIC, bounds.prismatic_jump, bounds.revolute_jump)
+    places, moves = _moves(joints, max(math.ceil(joints.length / bounds.step), 1))
+    far = np.flatnonzero((moves > largest).any(axis=1))
+    if not len(far):
+        return None
+    k = int(far[0])
+    joint = int(np.argmax(moves[k] / largest))
+    text = (
+        f"joint '{chain.joint_names[joint]}' would move by {moves[k, joint]:.3g} in "
+        f"{places[k + 1] - places[k]:.3g} m, over the threshold of a jump, {largest[joint]:.3g}"
+    )
+    return PathCut(float(places[k]), PathTrackingStatus.JUMP, text, joint)
+
+
+def _moves(joints: JointPath, count: int) -> tuple[Array, Array]:
+    """Give count + 1 places of a joint path (m) and how far each joint moves between them."""
+    places = np.linspace(0.0, joints.length, count + 1)
+    return places, np.abs(np.diff(joints.derivatives(places)[0], axis=0))
+
+
+def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
+    """End a path where the joints together move by much more than on average.
+
+    This is what MoveIt calls the jump threshold.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    step : float
+        Distance of neighbouring poses (m); at least ten steps are looked at.
+    factor : float
+        How many times the mean move a step may be; infinite for any.
+
+    Returns
+    -------
+    PathCheck
+        For `follow_path` and `plan_along`.
+
+    Raises
+    ------
+    BadValueError
+        Not numbers above 0.
+    """
+    length, most_factor = _above_zero("step", step), _above_zero("factor", factor)
+
+    def check(joints: JointPath) -> PathCut | None:
+        if math.isinf(most_factor):
+            return None
+        places, moves = _moves(joints, max(math.ceil(joints.length / length), _FEWEST))
+        total = moves.sum(axis=1)
+        far = np.flatnonzero(total > most_factor * float(total.mean()))
+        if not len(far):
+            return None
+        k = int(far[0])
+        joint = int(np.argmax(moves[k]))
+        text = (
+            f"all joints together would move by {total[k]:.3g}, most of it joint "
+            f"'{chain.joint_names[joint]}', over jump_threshold {most_factor:g} times the mean "
+            f"{total.mean():.3g}"
+        )
+        return PathCut(float(places[k]), PathTrackingStatus.JUMP, text, joint)
+
+    return check
+
+
+def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
+    """End a path where a condition on the joint values breaks.
+
+    Parameters
+    ----------
+    broken : callable
+        Says for joint values (n,), rad or m, what is broken; an empty text where nothing is.
+    step : float
+        Largest distance (m) of the places looked at; there are 500 at least.
+
+    Returns
+    -------
+    PathCheck
+        For `follow_path` and `plan_along`; the path is REJECTED from there on.
+
+    Raises
+    ------
+    BadValueError
+        Not a callable, or a step that is not above 0.
+    """
+    if not callable(broken):
+        raise BadValueError("broken", broken, "a callable")
+    length = _above_zero("step", step)
+
+    def check(joints: JointPath) -> PathCut | None:
+        count = max(math.ceil(joints.length / length), PLACES)
+        s = last_good_place(
+            joints, lambda rows: np.array([bool(broken(q)) for q in rows]), count=count
+        )
+        if s is None:
+            return None
+        beyond = min(s + joints.length / count, joints.length)
+        text = broken(joints.derivatives(s)[0]) or broken(joints.derivatives(beyond)[0])
+        return PathCut(s, PathTrackingStatus.REJECTED, text)
+
+    return check

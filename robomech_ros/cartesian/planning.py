@@ -1,0 +1,251 @@
+"""Motions along pose paths within the limits of every joint, in as many samples as there may be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
+from robomech_ros.cartesian.path_checks import PathBounds, PathCheck
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import tip_poses
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import (
+    JointLimits,
+    Limits,
+    PathMotion,
+    PosePath,
+    SampledPlan,
+    SpeedLimit,
+    TipSpeeds,
+    Waypoints,
+    along_joint_path,
+    discretise,
+    sampled_motion,
+    verify,
+)
+from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit
+from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
+
+__all__ = ["CartesianPlan", "plan_along", "plan_followed"]
+
+# A little finer than wanted: the fastest part may lie between two points.
+_FINER = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class CartesianPlan:
+    """A motion along a pose path, as far as the joints can follow it.
+
+    Attributes
+    ----------
+    followed : FollowedPath
+        The joint path, and where it ends.
+    sampled : SampledPlan or None
+        The motion, its samples and their verification; None where the path does not even begin.
+    """
+
+    followed: FollowedPath
+    sampled: SampledPlan | None
+
+    @property
+    def trajectory(self) -> PiecewiseTrajectory | None:
+        """The motion, with ``.duration`` (s) and ``.sample(t)``; None where there is none."""
+        return None if self.sampled is None else self.sampled.trajectory
+
+    @property
+    def samples(self) -> Waypoints | None:
+        """States of the joints as a trajectory message takes them; None where there are none."""
+        return None if self.sampled is None else self.sampled.waypoints
+
+    @property
+    def fraction(self) -> float:
+        """Part of the path that the motion follows, 0 to 1."""
+        return self.followed.fraction
+
+    @property
+    def stop(self) -> StopReason | None:
+        """Where and why the motion ends before the path does; None where it does not."""
+        return self.followed.stop
+
+
+def plan_along(
+    chain: SerialChain,
+    path: PosePath,
+    start: ArrayLike,
+    *,
+    bounds: PathBounds | None = None,
+    waypoints: ArrayLike | None = None,
+    checks: Sequence[PathCheck] = (),
+    limits: JointLimits | Any = None,
+    profile: str = "poly345",
+    speeds: TipSpeeds | None = None,
+    period: float = 0.01,
+    max_points: int = 10_000,
+    max_duration: float = 3600.0,
+) -> CartesianPlan:
+    """Plan a motion along a pose path, as far as the joints can follow it.
+
+    From rest to rest, at rest at every corner of the path, as fast as the limits allow.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    path : PosePath
+        Of its tip in its base, such as `path_through` makes it.
+    start : array_like, shape (n,)
+        Joint values (rad or m) at the start of the path, or near: they choose the branch.
+    bounds, waypoints, checks
+        As for `follow_path`.
+    limits : JointLimits, optional
+        Within which to move; default those of the chain.
+    profile : str
+        One of `robomech_ros.trajectory.PATH_PROFILES`.
+    speeds : TipSpeeds, optional
+        Largest speeds of the tip.
+    period : float
+        Largest time between two samples (s); longer where they would be too many.
+    max_points : int
+        The most samples there may be.
+    max_duration : float
+        Longest motion (s).
+
+    Returns
+    -------
+    CartesianPlan
+        With ``.trajectory``, ``.samples``, ``.fraction`` and ``.stop``.
+
+    Raises
+    ------
+    SeedOutsideLimitsError
+        The start is outside the limits.
+    MissingLimitsError
+        A joint lacks a limit that the profile needs.
+    BadValueError, WrongSizeError, NonFiniteError
+        An argument that is none, or a motion that takes too long or too many samples.
+
+    See Also
+    --------
+    robomech_ros.trajectory.along_path : The same for any arm, and not sampled.
+
+    Examples
+    --------
+    >>> from robomech_ros.cartesian import path_through, plan_along
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.robots import load_robot
+    >>> chain, q = load_robot("puma560"), [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
+    >>> here = forward_kinematics(chain, q)
+    >>> there = here.copy()
+    >>> there[0, 3] += 0.1
+    >>> plan = plan_along(chain, path_through(here, [there]), q, profile="time_optimal")
+    >>> plan.fraction, plan.stop
+    (1.0, None)
+    >>> plan.trajectory.sample(plan.trajectory.duration).velocity.tolist()
+    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    """
+    followed = follow_path(
+        chain, path, start, bounds=bounds, waypoints=waypoints, checks=checks, limits=limits
+    )
+    sampled = plan_followed(
+        followed,
+        limits=limits,
+        profile=profile,
+        speeds=speeds,
+        period=period,
+        max_points=max_points,
+        max_duration=max_duration,
+    )
+    return CartesianPlan(followed, sampled)
+
+
+def plan_followed(
+    followed: FollowedPath,
+    *,
+    limits: JointLimits | Any = None,
+    profile: str = "poly345",
+    speeds: TipSpeeds | None = None,
+    speed_limits: Sequence[SpeedLimit] = (),
+    period: float = 0.01,
+    max_points: int = 10_000,
+    max_duration: float = 3600.0,
+    max_step: float = np.inf,
+) -> SampledPlan | None:
+    """Plan a motion along what can be followed of a path.
+
+    Parameters
+    ----------
+    followed : FollowedPath
+    limits, profile, speeds, period, max_points, max_duration
+        As for `plan_along`.
+    speed_limits : sequence of SpeedLimit
+        Further speeds over the path coordinate, such as `link_speed_limit`.
+    max_step : float
+        Largest distance of the tip (m) between two samples.
+
+    Returns
+    -------
+    SampledPlan or None
+        None where the path does not even begin.
+
+    Raises
+    ------
+    RobomechError
+        As `plan_along` does.
+    """
+    if not isinstance(followed, FollowedPath):
+        raise BadValueError("followed", followed, "a FollowedPath")
+    joints, latest = followed.joints, list[PathMotion]()
+    if joints is None:
+        return None
+    start, allowed = (
+        joints.derivatives(0.0)[0],
+        Limits.of(followed.chain if limits is None else limits),
+    )
+
+    def planner(tightened: Limits) -> PathMotion:
+        motion = along_joint_path(
+            followed.path,
+            followed.tracking,
+            limits=tightened,
+            profile=profile,
+            speeds=speeds,
+            speed_limits=speed_limits,
+        )
+        latest[:] = [motion]
+        return motion
+
+    plan = sampled_to_fit(
+        lambda period: sampled_motion(
+            planner, start, allowed, period=period, max_points=max_points
+        ),
+        lambda: latest[0].duration,
+        usual_period=period,
+        max_points=max_points,
+        max_duration=max_duration,
+    )
+    return _in_steps(followed.chain, plan, max_step, allowed, max_points)
+
+
+def _in_steps(
+    chain: SerialChain, plan: SampledPlan, step: float, limits: Limits, max_points: int
+) -> SampledPlan:
+    """Sample a plan finer where its points are farther apart (m) than wanted."""
+    if np.isinf(step):
+        return plan
+    points = plan.waypoints
+    places = tip_poses(chain, points.positions)[:, :3, 3]
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    if apart.max(initial=0.0) <= step:
+        return plan
+    longest = float((apart / np.diff(points.times)).max(initial=0.0))
+    try:
+        finer = discretise(plan.trajectory, _FINER * step / longest, max_points)
+    except BadValueError:
+        expected = f"one for which {max_points} points, the parameter max_points, are enough"
+        raise BadValueError("max_step", step, expected) from None
+    report = verify(finer, limits, start=points.positions[0])
+    report.require_ok()
+    return replace(plan, waypoints=finer, verification=report)

@@ -1,0 +1,131 @@
+"""Pose paths from where the tip is through waypoints."""
+
+import re
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.poses import as_pose, pose_error
+from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
+
+__all__ = ["PathKind", "path_through"]
+
+Array = NDArray[np.float64]
+PathKind = Literal["straight", "spline", "arc"]
+# Poses nearer to the one before than this (rad, m) are the same waypoint.
+_SAME = 1e-9
+
+
+def path_through(
+    start: ArrayLike, waypoints: ArrayLike, kind: PathKind = "straight"
+) -> PosePath | None:
+    """Lay a path from a pose through others.
+
+    Waypoints that are where the one before is count once.
+
+    Parameters
+    ----------
+    start : array_like, shape (4, 4)
+        ``T_base_tip`` (m).
+    waypoints : array_like, shape (m, 4, 4)
+        Poses in the same base.
+    kind : str
+        ``"straight"``: lines; ``"spline"``: smooth through all; ``"arc"``: arcs, whose waypoints
+        come in pairs (through, to).
+
+    Returns
+    -------
+    PosePath or None
+        None where all waypoints are the start.
+
+    Raises
+    ------
+    WrongSizeError
+        No waypoints, or arcs with half a pair.
+    BadValueError
+        An unknown kind, or poses that are none or between which there is no such path; the message
+        names the waypoints.
+
+    See Also
+    --------
+    robomech_ros.trajectory.straight_path, robomech_ros.trajectory.spline_path, \
+robomech_ros.trajectory.arc_path
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.cartesian import path_through
+    >>> there = np.eye(4)
+    >>> there[:3, 3] = 0.3, 0.0, 0.4
+    >>> path_through(np.eye(4), [there]).length
+    0.5
+    """
+    as_choice("kind", kind, get_args(PathKind))
+    if not np.size(waypoints):
+        raise WrongSizeError("waypoints", 0, "at least one pose")
+    here, others = _checked("start", start, 2), _checked("waypoints", waypoints, 3)
+    if kind == "arc":
+        return _arcs(here, others)
+    poses = np.concatenate([here[None], others])
+    apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
+    kept = np.flatnonzero(np.append(True, apart > _SAME))
+    distinct = poses[kept]
+    if len(distinct) == 1:
+        return None
+    lay = straight_path if kind == "straight" else spline_path
+    try:
+        return lay(distinct)
+    except BadValueError as error:
+        raise _in_waypoints(error, kept, kind) from None
+
+
+def _checked(what: str, poses: ArrayLike, dimensions: int) -> Array:
+    """Check poses, and give them with their rounding, which the paths remove."""
+    if as_pose(poses, what=what).ndim != dimensions:
+        expected = "(4, 4)" if dimensions == 2 else "(m, 4, 4)"
+        raise WrongSizeError(what, np.shape(poses), expected)
+    return np.asarray(poses, dtype=np.float64)
+
+
+def _arcs(start: Array, waypoints: Array) -> PosePath:
+    if len(waypoints) % 2:
+        raise WrongSizeError("waypoints", len(waypoints), "pairs of poses (through, to)")
+    try:
+        return arc_path(start, waypoints.reshape(-1, 2, 4, 4))
+    except BadValueError as error:
+        raise _of_arc(error) from None
+
+
+def _waypoint(k: int) -> str:
+    """Name a pose by its number; the first one is the start."""
+    return f"waypoints[{k - 1}]" if k else "the start"
+
+
+def _in_waypoints(error: BadValueError, kept: NDArray[np.int64], kind: str) -> BadValueError:
+    """Name waypoints instead of poses of a path."""
+    what = re.sub(r"poses\[(\d+)\]", lambda k: _waypoint(int(kept[int(k[1])])), error.what)
+    expected = error.expected
+    if kind == "spline" and re.fullmatch(r"poses\[\d+\]", error.what):
+        expected = f"{expected}; a straight path rests there instead"
+    return BadValueError(what, error.value, expected)
+
+
+def _of_arc(error: BadValueError) -> BadValueError:
+    """Name waypoints instead of an arc and its three points or orientations."""
+    arc = re.match(r"arc (\d+): ", error.what)
+    if arc is None:
+        return error
+    names = [_waypoint(2 * int(arc[1]) + k) for k in range(3)]
+    numbers = [int(k) for k in re.findall(r"\[(\d)\]", error.what)]
+    if "rotations" in error.what:
+        what = f"angle (rad) from {names[numbers[0]]} to {names[numbers[1]]}"
+        return BadValueError(what, error.value, error.expected)
+    if not numbers:
+        return BadValueError(f"positions of {', '.join(names)}", error.value, error.expected)
+    # The point after the last one of three is the first again.
+    before, there = names[numbers[0] - 1], names[min(numbers[0], 2)]
+    other = names[0] if numbers[0] > 2 else before
+    return BadValueError(f"position of {there}", error.value, f"apart from that of {other}")

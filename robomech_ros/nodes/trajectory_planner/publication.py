@@ -1,0 +1,46 @@
+"""What the planner publishes of its latest plan, once the answer to who asked has left."""
+
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.trajectory_planner.planned_path import PlannedPath
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import SampledPlan
+
+__all__ = ["PlanPublication"]
+
+
+class PlanPublication:
+    """Publishes trajectories, and the paths that they let the tip take.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the topics ``planned_trajectory`` and ``planned_path`` under its own name.
+    chain : SerialChain
+        Whose motions they are.
+    """
+
+    def __init__(self, node: Node, chain: SerialChain) -> None:
+        self._node = node
+        self._trajectories = node.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
+        self._path = PlannedPath(node, chain)
+        self._waiting: tuple[JointTrajectory, SampledPlan] | None = None
+
+    def publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
+        """Publish a plan after the answer has left, before the next one is encoded."""
+        self._waiting = (trajectory, plan)
+        if self._node.executor is None:
+            self.publish_waiting()
+        else:
+            self._node.executor.create_task(self.publish_waiting)
+
+    def publish_waiting(self) -> None:
+        """Publish the plan that is not published yet, if there is one."""
+        if self._waiting is None:
+            return
+        trajectory, plan = self._waiting
+        self._waiting = None
+        self._trajectories.publish(trajectory)
+        self._path.show(plan.waypoints.positions)

@@ -1,0 +1,103 @@
+"""The parameters of the trajectory planner."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from robomech_ros.nodes.common.joint_positions import StateSettings
+from robomech_ros.nodes.common.parameters import parameter
+
+__all__ = ["SHORTEST_PERIOD", "PlannerSettings"]
+
+# Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
+SHORTEST_PERIOD = 1e-4
+
+
+@dataclass(frozen=True)
+class PlannerSettings(StateSettings):
+    """Parameters of the node."""
+
+    joint_limits: str = parameter(
+        "",
+        "Path of a YAML file with limits that the robot's description lacks: MoveIt's "
+        "joint_limits.yaml, or the form of a file beside a URDF. Empty = none",
+    )
+    sample_period: float = parameter(
+        0.01,
+        "Largest time between two points of a planned trajectory, where a request names none; "
+        "longer where a trajectory would otherwise have too many",
+        SHORTEST_PERIOD,
+        10.0,
+        "s",
+        read_only=False,
+    )
+    max_points: int = parameter(
+        10_000,
+        "Most points of a planned trajectory; a request that needs more is refused",
+        10,
+        1_000_000,
+        "points",
+        read_only=False,
+    )
+    max_duration: float = parameter(
+        3600.0,
+        "Longest trajectory; a request that needs more is refused",
+        0.001,
+        1e6,
+        "s",
+        read_only=False,
+    )
+    max_waypoints: int = parameter(
+        200,
+        "Most via points, or waypoints of a Cartesian path; planning takes up to some 60 ms for "
+        "each of them, in which other such requests wait",
+        1,
+        100_000,
+        "points",
+        read_only=False,
+    )
+    max_step: float = parameter(
+        0.01,
+        "Along a Cartesian path, where a request names none: distance of neighbouring poses "
+        "between which no joint may jump",
+        1e-4,
+        1.0,
+        "m",
+        read_only=False,
+    )
+    revolute_jump_threshold: float = parameter(
+        0.5,
+        "Largest move of a revolute joint between neighbouring poses, where a request names none",
+        1e-3,
+        10.0,
+        "rad",
+        read_only=False,
+    )
+    prismatic_jump_threshold: float = parameter(
+        0.1,
+        "Largest move of a prismatic joint between neighbouring poses, where a request names none",
+        1e-4,
+        10.0,
+        "m",
+        read_only=False,
+    )
+    condition_limit: float = parameter(
+        200.0,
+        "Condition number of the Jacobian, lengths over the size of the arm, at which a posture "
+        "counts as singular, where a request names none",
+        1.0,
+        1e6,
+        read_only=False,
+    )
+    stopped_velocity_tolerance: float = parameter(
+        0.01,
+        "How fast a joint may be, rad/s or m/s, where a motion is to start from the present "
+        "state; every plan starts at rest",
+        0.0,
+        10.0,
+        read_only=False,
+    )
+
+    @property
+    def most(self) -> dict[str, Any]:
+        """How large a plan may be, as keywords of what plans."""
+        return {"max_points": self.max_points, "max_duration": self.max_duration}

@@ -1,0 +1,121 @@
+"""Where joint paths must end: the last place before something is wrong with the joint values."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.tolerances import POSITION_SLACK
+from robomech_ros.trajectory.curves.bounds import first_above, hull
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.paths.joint_path import JointPath
+from robomech_ros.trajectory.paths.tracking_result import PathCut, PathTrackingStatus
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["PLACES", "last_good_place", "limit_cut"]
+
+# Places looked at along a path at least, and halvings between two of them.
+PLACES, _HALVINGS = 500, 40
+# How far outside its limits a joint may be at these places, and between them (rad or m).
+_SLACK, _SLACK_BETWEEN = 1e-9, 0.5 * POSITION_SLACK
+# How far beyond its last good place a path is looked at for the joint to blame, as its part.
+_BEYOND = 1e-6
+
+
+def last_good_place(
+    joints: JointPath,
+    wrong: Callable[[FloatArray], npt.NDArray[np.bool_]],
+    *,
+    count: int = PLACES,
+    part: tuple[float, float] | None = None,
+) -> float | None:
+    """Find the last place before something is wrong for the first time.
+
+    Parameters
+    ----------
+    joints : JointPath
+        Of n joints.
+    wrong : callable
+        Says for joint values (m, n) which rows are wrong, shape (m,).
+    count : int
+        Number of intervals between the places looked at; from the first wrong one the search
+        goes on by halving.
+    part : tuple of float, optional
+        Coordinates (m) between which to look; default the whole path.
+
+    Returns
+    -------
+    float or None
+        Coordinate (m); None where nothing is wrong at any of the places.
+    """
+    places = np.linspace(*(part or (0.0, joints.length)), count + 1)
+    bad = np.flatnonzero(wrong(joints.derivatives(places)[0]))
+    if not len(bad):
+        return None
+    high = float(places[bad[0]])
+    low = float(places[max(int(bad[0]) - 1, 0)])
+    for _ in range(_HALVINGS if bad[0] else 0):
+        middle = 0.5 * (low + high)
+        if wrong(joints.derivatives(np.array([middle]))[0])[0]:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def limit_cut(joints: JointPath, limits: Limits) -> PathCut | None:
+    """Find where a joint leaves its position limits, also for less than a step of the search.
+
+    A start that is outside by no more than the slack of a start may stay where it is.
+
+    Parameters
+    ----------
+    joints : JointPath
+        Of n joints.
+    limits : Limits
+        Of the same joints.
+
+    Returns
+    -------
+    PathCut or None
+        None where all joints stay within.
+    """
+    first = joints.derivatives(0.0)[0]
+    lower, upper = (
+        np.where(np.abs(first - limit) <= POSITION_SLACK, outer(limit, first), limit)
+        for limit, outer in ((limits.lower, np.minimum), (limits.upper, np.maximum))
+    )
+
+    def excess(q: FloatArray) -> FloatArray:
+        return np.maximum(lower - q, q - upper)
+
+    def outside(q: FloatArray) -> npt.NDArray[np.bool_]:
+        return np.asarray((excess(q) > _SLACK).any(axis=1))
+
+    s = last_good_place(joints, outside)
+    between = _part_outside(joints.until(s) if s else joints, lower, upper) if s != 0.0 else None
+    if between is not None:
+        inside = last_good_place(joints, outside, part=between)
+        s = s if inside is None else inside
+    if s is None:
+        return None
+    beyond = min(s + _BEYOND * joints.length, joints.length)
+    joint = int(np.argmax(excess(joints.derivatives(beyond)[0])))
+    text = f"joint '{limits.joint_names[joint]}' would leave its limits"
+    return PathCut(s, PathTrackingStatus.LIMIT, text, joint)
+
+
+def _part_outside(
+    joints: JointPath, lower: FloatArray, upper: FloatArray
+) -> tuple[float, float] | None:
+    """Find the first piece (m, m) of a joint path that is outside limits (n,) for sure."""
+    coefficients, breaks = hull(joints.pieces, 0), joints.pieces.breaks
+    found = [
+        pair[0]
+        for pair in (
+            first_above(coefficients, upper + _SLACK_BETWEEN),
+            first_above(-coefficients, -lower + _SLACK_BETWEEN),
+        )
+        if pair is not None
+    ]
+    return (float(breaks[min(found)]), float(breaks[min(found) + 1])) if found else None

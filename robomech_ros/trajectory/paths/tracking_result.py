@@ -1,0 +1,107 @@
+"""How far a joint path follows a pose path, and why not farther."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+from robomech_ros.outcomes import Code
+from robomech_ros.trajectory.paths.joint_path import JointPath
+
+__all__ = ["PathCut", "PathTracking", "PathTrackingStatus"]
+
+# What ends sooner than at this part of the path is no motion at all.
+_SHORTEST = 1e-6
+
+
+class PathTrackingStatus(Enum):
+    """How far a joint path follows a pose path, and why not farther."""
+
+    COMPLETE = "complete"
+    NO_START = "no posture at the start"
+    LOST = "no posture"
+    JUMP = "only by a jump"
+    SINGULAR = "singular"
+    LIMIT = "beyond a joint limit"
+    REJECTED = "against a condition of the caller"
+
+    @property
+    def code(self) -> Code:
+        """Its number in the table of outcomes."""
+        return _CODES[self]
+
+
+_CODES = {
+    PathTrackingStatus.COMPLETE: Code.NONE,
+    PathTrackingStatus.NO_START: Code.IK_LOST,
+    PathTrackingStatus.LOST: Code.IK_LOST,
+    PathTrackingStatus.JUMP: Code.JUMP,
+    PathTrackingStatus.SINGULAR: Code.SINGULAR,
+    PathTrackingStatus.LIMIT: Code.LIMIT,
+    PathTrackingStatus.REJECTED: Code.REJECTED,
+}
+
+
+class PathCut(NamedTuple):
+    """A place where a joint path must end, and why.
+
+    Attributes
+    ----------
+    s : float
+        Last path coordinate (m) that may be reached.
+    status : PathTrackingStatus
+    text : str
+        The reason in words.
+    joint : int or None
+        Number of the joint to blame, where it is one.
+    """
+
+    s: float
+    status: PathTrackingStatus
+    text: str
+    joint: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PathTracking:
+    """A joint path along a pose path.
+
+    Attributes
+    ----------
+    path : JointPath or None
+        As far as it goes; None if it does not even begin.
+    reached : float
+        Last path coordinate that is followed (m).
+    status : PathTrackingStatus
+    reason : str
+        In words; empty if the path is complete.
+    length : float
+        Length of the whole pose path (m).
+    joint : int or None
+        Number of the joint that ends the path, where it is one.
+    """
+
+    path: JointPath | None
+    reached: float
+    status: PathTrackingStatus
+    reason: str
+    length: float
+    joint: int | None = None
+
+    @property
+    def fraction(self) -> float:
+        """Part of the pose path that is followed, 0 to 1."""
+        complete = self.status is PathTrackingStatus.COMPLETE
+        return 1.0 if complete else min(self.reached / self.length, 1.0)
+
+    def cut(self, cut: PathCut) -> "PathTracking":
+        """Give the part up to a place; no joint path where that is too near to the start."""
+        assert self.path is not None
+        begins = cut.s > _SHORTEST * self.length
+        return PathTracking(
+            self.path.until(cut.s) if begins else None,
+            cut.s if begins else 0.0,
+            cut.status,
+            f"at s = {cut.s:.6g} of {self.length:.6g} m: {cut.text}",
+            self.length,
+            cut.joint,
+        )
