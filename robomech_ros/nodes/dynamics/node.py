@@ -1,8 +1,6 @@
 """The node that answers questions of dynamics: efforts, accelerations, inertia, payload."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,8 +17,6 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.dynamics import (
     forward_dynamics,
-    gravity_torque,
-    inverse_dynamics,
     mass_matrix,
     torque_summary,
     with_payload,
@@ -28,10 +24,10 @@ from robomech_ros.dynamics import (
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
+from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError, parameter
+from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.dynamics.messages import (
@@ -43,50 +39,13 @@ from robomech_ros.nodes.dynamics.messages import (
     rates,
     tip_wrench,
 )
+from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
+from robomech_ros.nodes.dynamics.torques import instants, torque_shares
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 
 Array = NDArray[np.float64]
-
-_NO_GRAVITY = (0.0, 0.0, 0.0)
-# At which a torque summary looks besides the points; each takes some 200 bytes for a joint.
-_MOST_INSTANTS = 100_000
-
-
-@dataclass(frozen=True)
-class DynamicsSettings(StateSettings):
-    """Parameters of the node."""
-
-    gravity: tuple[float, ...] = parameter(
-        (0.0, 0.0, -9.81),
-        "Acceleration of gravity in the base link of the chain, pointing where things fall; for "
-        "requests that give none",
-        -1000.0,
-        1000.0,
-        "m/s^2",
-        read_only=False,
-    )
-    largest_batch: int = parameter(
-        10_000,
-        "Largest number of points in one InverseDynamics or SummarizeTorques request",
-        1,
-        1_000_000,
-        "points",
-        read_only=False,
-    )
-    summary_period: float = parameter(
-        0.002,
-        "Largest time between two instants at which SummarizeTorques looks at a trajectory; longer "
-        "where it would look at more than 100,000",
-        1e-4,
-        1.0,
-        "s",
-        read_only=False,
-    )
-    max_duration: float = parameter(
-        3600.0, "Longest trajectory that SummarizeTorques takes", 0.001, 1e6, "s", read_only=False
-    )
 
 
 class DynamicsNode(Node):
@@ -96,8 +55,8 @@ class DynamicsNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("dynamics", **options)
-        self._table = NodeParameters(self, DynamicsSettings, check=_check_gravity)
-        _check_gravity(self._table.settings)
+        self._table = NodeParameters(self, DynamicsSettings, check=check_settings)
+        check_settings(self._table.settings)
         self._monitor = JointStateMonitor(self)
         when_robot_known(self, self._table.settings, self._serve)
 
@@ -136,24 +95,15 @@ class DynamicsNode(Node):
         chain = self._loaded
         self._check_size("points", len(request.points))
         states = motions(request.points, request.joint_names, chain)
-        gravity = self._gravity(request)
         wrench = tip_wrench(request.tip_wrench, self._model, states.q)
-        q, qd, qdd, none = states.q, states.qd, states.qdd, np.zeros_like(states.q)
-        shares = {
-            "effort": inverse_dynamics(chain, q, qd, qdd, gravity=gravity, tip_wrench=wrench),
-            "gravity": gravity_torque(chain, q, gravity=gravity),
-            "coriolis": inverse_dynamics(chain, q, qd, none, gravity=_NO_GRAVITY),
-            "inertial": inverse_dynamics(chain, q, none, qdd, gravity=_NO_GRAVITY),
-        }
+        shares = torque_shares(chain, states, self._gravity(request), wrench)
         for field, rows in shares.items():
             setattr(response, field, floats(states.as_asked(rows)))
         return answer(response)
 
     @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
-        chain, patience = self._loaded, self._table.settings.state_timeout
-        state = positions_of(request.state)
-        q = await self._joints.given_or_present(self._model.chain, state, "state", patience)
+        chain, q = self._loaded, await self._positions(request)
         velocity = rates(request.state, "velocity", self._model)
         effort = rates(request.state, "effort", self._model)
         wrench = tip_wrench(request.tip_wrench, self._model, q[None])[0]
@@ -166,9 +116,7 @@ class DynamicsNode(Node):
 
     @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
-        chain, patience = self._loaded, self._table.settings.state_timeout
-        state = positions_of(request.state)
-        q = await self._joints.given_or_present(self._model.chain, state, "state", patience)
+        chain, q = self._loaded, await self._positions(request)
         response.mass_matrix = floats(mass_matrix(chain, q))
         response.joint_names = list(chain.joint_names)
         return answer(response)
@@ -185,25 +133,21 @@ class DynamicsNode(Node):
     @guarded
     def _summarize_torques(self, request: Any, response: Any) -> Any:
         chain, settings = self._loaded, self._table.settings
-        waypoints = read_waypoints(
-            received_trajectory(request.trajectory),
-            chain.joint_names,
-            settings.largest_batch,
-            settings.max_duration,
-            to_rest=False,
-        )
-        times = _instants(waypoints.times, settings.summary_period)
-        sample = sample_many(waypoints.curve, times)
+        message = received_trajectory(request.trajectory)
+        limits = settings.largest_batch, settings.max_duration
+        waypoints = read_waypoints(message, chain.joint_names, *limits, to_rest=False)
+        times = instants(waypoints.times, settings.summary_period)
+        motion = sample_many(waypoints.curve, times)
+        wrench = tip_wrench(request.tip_wrench, self._model, motion.position)
         summary = torque_summary(
-            chain,
-            times,
-            sample.position,
-            sample.velocity,
-            sample.acceleration,
-            gravity=self._gravity(request),
-            tip_wrench=tip_wrench(request.tip_wrench, self._model, sample.position),
+            chain, times, *motion[:3], gravity=self._gravity(request), tip_wrench=wrench
         )
         return answer(encode_summary(summary, chain, response))
+
+    async def _positions(self, request: Any) -> Array:
+        """Read the positions (n,) of a request's state, or else the present ones."""
+        state, patience = positions_of(request.state), self._table.settings.state_timeout
+        return await self._joints.given_or_present(self._model.chain, state, "state", patience)
 
     def _gravity(self, request: Any) -> Array:
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))
@@ -213,21 +157,6 @@ class DynamicsNode(Node):
         if count > largest:
             expected = f"at most {largest}, the parameter largest_batch"
             raise WrongSizeError(what, count, expected)
-
-
-def _check_gravity(settings: DynamicsSettings) -> None:
-    if len(settings.gravity) != 3:
-        raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")
-
-
-def _instants(times: Array, period: float) -> Array:
-    """Divide the spans between instants; none is above a period (s), but there are not too many."""
-    period = max(period, float(times[-1] - times[0]) / _MOST_INSTANTS)
-    parts = [
-        np.linspace(begin, end, max(int(np.ceil((end - begin) / period)), 1), endpoint=False)
-        for begin, end in pairwise(times)
-    ]
-    return np.concatenate([*parts, times[-1:]])
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -25,7 +25,7 @@ from robomech_ros.dynamics.formulations.plain_recursions import (
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import chain_from_dh
 
-PAGE = Path(__file__).resolve().parents[2] / "doc" / "dynamics_formulations.md"
+PAGE = Path(__file__).resolve().parents[3] / "doc" / "dynamics_formulations.md"
 
 
 def test_the_counted_algorithms_give_torques_and_mass_matrix():

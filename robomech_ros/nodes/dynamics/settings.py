@@ -1,0 +1,54 @@
+"""Parameters of the node dynamics."""
+
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.joint_positions import StateSettings
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+
+__all__ = ["DynamicsSettings", "check_settings"]
+
+
+@dataclass(frozen=True)
+class DynamicsSettings(StateSettings):
+    """Parameters of the node."""
+
+    gravity: tuple[float, ...] = parameter(
+        (0.0, 0.0, -9.81),
+        "Acceleration of gravity in the base link of the chain, pointing where things fall; for "
+        "requests that give none",
+        -1000.0,
+        1000.0,
+        "m/s^2",
+        read_only=False,
+    )
+    largest_batch: int = parameter(
+        10_000,
+        "Largest number of points in one InverseDynamics or SummarizeTorques request",
+        1,
+        1_000_000,
+        "points",
+        read_only=False,
+    )
+    summary_period: float = parameter(
+        0.002,
+        "Largest time between two instants at which SummarizeTorques looks at a trajectory; longer "
+        "where it would look at more than 100,000",
+        1e-4,
+        1.0,
+        "s",
+        read_only=False,
+    )
+    max_duration: float = parameter(
+        3600.0, "Longest trajectory that SummarizeTorques takes", 0.001, 1e6, "s", read_only=False
+    )
+
+
+def check_settings(settings: DynamicsSettings) -> None:
+    """Refuse a gravity that is no vector.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if len(settings.gravity) != 3:
+        raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")

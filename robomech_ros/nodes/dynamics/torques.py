@@ -1,0 +1,58 @@
+"""The torques of states and of whole trajectories, as requests ask for them."""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics import gravity_torque, inverse_dynamics
+from robomech_ros.nodes.dynamics.messages import Motions
+from robomech_ros.robots import SerialChain
+
+__all__ = ["instants", "torque_shares"]
+
+Array = NDArray[np.float64]
+
+_NO_GRAVITY = (0.0, 0.0, 0.0)
+# At which a torque summary looks besides the points; each takes some 200 bytes for a joint.
+_MOST_INSTANTS = 100_000
+
+
+def torque_shares(
+    chain: SerialChain, states: Motions, gravity: Array, wrench: Array
+) -> dict[str, Array]:
+    """Compute the torques of states, and what of them gravity, rates and accelerations take.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with all that it carries.
+    states : Motions
+        m of them.
+    gravity : ndarray, shape (3,)
+        In the base (m/s^2).
+    wrench : ndarray, shape (m, 6)
+        What the surroundings exert on the tip, moment first, in the base (N m and N).
+
+    Returns
+    -------
+    dict of str to ndarray, shape (m, n)
+        By the name of the field of the response (N m or N).
+    """
+    q, qd, qdd, none = states.q, states.qd, states.qdd, np.zeros_like(states.q)
+    return {
+        "effort": inverse_dynamics(chain, q, qd, qdd, gravity=gravity, tip_wrench=wrench),
+        "gravity": gravity_torque(chain, q, gravity=gravity),
+        "coriolis": inverse_dynamics(chain, q, qd, none, gravity=_NO_GRAVITY),
+        "inertial": inverse_dynamics(chain, q, none, qdd, gravity=_NO_GRAVITY),
+    }
+
+
+def instants(times: Array, period: float) -> Array:
+    """Divide the spans between instants; none is above a period (s), but there are not too many."""
+    period = max(period, float(times[-1] - times[0]) / _MOST_INSTANTS)
+    parts = [
+        np.linspace(begin, end, max(int(np.ceil((end - begin) / period)), 1), endpoint=False)
+        for begin, end in pairwise(times)
+    ]
+    return np.concatenate([*parts, times[-1:]])
