@@ -1,4 +1,4 @@
-"""Forward kinematics without compiled kernels, for who has many poses to compute, but seldom."""
+"""Forward kinematics without compiled kernels, for many poses now and then."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError, MissingLimitsError
-from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import NORMS, PARTS, as_length, evaluate
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, as_flag
 
 __all__ = ["GlobalIndex", "global_conditioning_index"]
 

@@ -8,13 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.tolerances import ARM_RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import listed
+from robomech_ros.spatial.arrays import as_flag, listed
 
 __all__ = ["planar_jacobian", "planar_rows", "task_jacobian"]
 

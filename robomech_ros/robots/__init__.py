@@ -1,4 +1,4 @@
-"""Robots: the chain model and how to come by one."""
+"""Robots: the chain model, and where chains come from."""
 
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain

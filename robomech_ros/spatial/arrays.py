@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 
-__all__ = ["all_finite", "as_choice", "as_finite", "listed", "real_array", "real_number"]
+__all__ = ["all_finite", "as_choice", "as_finite", "as_flag", "listed", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
 
@@ -81,3 +81,25 @@ def as_choice(what: str, value: object, known: Sequence[str]) -> str:
         if isinstance(value, str) and value == name:
             return name
     raise BadValueError(what, value, "one of " + ", ".join(known))
+
+
+def as_flag(what: str, value: object) -> bool:
+    """Check a truth value; 0 and 1 count as such.
+
+    Parameters
+    ----------
+    what : str
+        Name of the value in messages.
+    value : object
+        From a caller.
+
+    Raises
+    ------
+    BadValueError
+        It is none.
+    """
+    if value is True or value is False:
+        return value
+    if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):
+        return bool(value)
+    raise BadValueError(what, value, "True or False")

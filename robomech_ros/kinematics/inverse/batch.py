@@ -10,10 +10,11 @@ from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import out_of_reach
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import as_cap, as_flag, as_metric, as_seed
+from robomech_ros.kinematics.inverse.request import as_cap, as_metric, as_seed
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import as_flag
 
 __all__ = ["family_within", "inverse_kinematics_batch", "solve_many"]
 

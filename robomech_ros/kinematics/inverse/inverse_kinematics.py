@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
-from robomech_ros.kinematics.inverse.least_squares import add_nearest
+from robomech_ros.kinematics.inverse.nearest_posture import add_nearest
 from robomech_ros.kinematics.inverse.redundant_solutions import (
     solve_by_sampling,
 )

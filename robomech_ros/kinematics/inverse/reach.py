@@ -1,4 +1,4 @@
-"""Why a pose cannot be had: how far its position is out of reach, or its orientation."""
+"""Why a pose cannot be reached: how far its position is out of reach, or its orientation."""
 
 import math
 import time
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class ReachGap(NamedTuple):
-    """How much of a pose cannot be had, position limits of the joints ignored.
+    """By how much a pose is missed, position limits of the joints ignored.
 
     Parameters
     ----------

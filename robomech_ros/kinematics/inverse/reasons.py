@@ -108,8 +108,8 @@ def describe_gap(
         )
     if part:
         return Status.ORIENTATION_UNREACHABLE, (
-            f"the orientation of '{chain.tip}' in '{chain.base}' at ({position}) m cannot be had: "
-            f"the nearest attainable one is {gap.orientation_error:.6g} rad away{part}"
+            f"the orientation of '{chain.tip}' in '{chain.base}' at ({position}) m is out of "
+            f"reach: the nearest attainable one is {gap.orientation_error:.6g} rad away{part}"
         )
     return Status.ORIENTATION_UNREACHABLE, (
         f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is in reach, but not in "

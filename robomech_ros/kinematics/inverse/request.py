@@ -25,13 +25,12 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import listed, real_number
+from robomech_ros.spatial.arrays import as_flag, listed, real_number
 
 __all__ = [
     "METRICS",
     "Request",
     "as_cap",
-    "as_flag",
     "as_metric",
     "as_request",
     "as_seed",
@@ -170,15 +169,6 @@ def _seeds(chain: SerialChain) -> tuple[Array, Array]:
     """Give the least and the greatest seed that every request allows."""
     low = np.maximum(chain.lower - POSITION_SLACK, -chain.largest)
     return low, np.minimum(chain.upper + POSITION_SLACK, chain.largest)
-
-
-def as_flag(what: str, value: object) -> bool:
-    """Check a truth value; 0 and 1 are taken as such."""
-    if value is True or value is False:
-        return value
-    if isinstance(value, bool | np.bool_ | int | np.integer) and value in (0, 1):
-        return bool(value)
-    raise BadValueError(what, value, "True or False")
 
 
 def as_metric(metric: str) -> int:

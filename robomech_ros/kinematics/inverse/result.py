@@ -11,8 +11,8 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.branches import branch_name
-from robomech_ros.kinematics.inverse.naming import distinct, named_branches
+from robomech_ros.kinematics.inverse.branch_names import branch_name, distinct_names
+from robomech_ros.kinematics.inverse.nearly_named import named_branches
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
@@ -211,7 +211,7 @@ class InverseKinematicsResult:
         if self.family in _MAY_BE_NAMED and (bits & _NUMBERED).any():
             bits = named_branches(self.chain, self.q, bits)
         names = tuple(branch_name(branch) for branch in bits.tolist())
-        return names if self.family == "redundant" else distinct(self.chain, self.q, names)
+        return names if self.family == "redundant" else distinct_names(self.chain, self.q, names)
 
     @cached_property
     def _measured(self) -> Array:

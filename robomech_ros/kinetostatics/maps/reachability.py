@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, MapFileError
-from robomech_ros.kinematics.inverse.request import as_flag
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.indices import PARTS
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid, as_grid
@@ -29,7 +28,7 @@ from robomech_ros.kinetostatics.rotation_sets import as_orientations
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, as_flag
 
 __all__ = ["ReachMap", "load_reach_map", "reach_map"]
 

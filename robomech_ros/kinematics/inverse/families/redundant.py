@@ -47,7 +47,7 @@ _ELIMINATIONS = 8
 
 
 def match(chain: SerialChain) -> Array | None:
-    """Recognise a redundant arm of which all postures can be had for each value of a parameter.
+    """Recognise a redundant arm with all postures known for each value of a parameter.
 
     Parameters
     ----------

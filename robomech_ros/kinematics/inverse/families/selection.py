@@ -79,7 +79,7 @@ class Family:
 
     @cached_property
     def exact(self) -> bool:
-        """Whether that is certain: also no wrist whose axes meet but for some micrometres."""
+        """Whether that is certain: not so for a wrist whose axes miss each other by micrometres."""
         if not self.certain:
             return False
         if self.number == SHORT:
@@ -115,7 +115,7 @@ _FAMILIES = (
 def family_of(chain: SerialChain) -> Family:
     """Find the first family whose geometry a chain has; the iterative one takes what is left.
 
-    An arm whose wrist axes meet but for some micrometres is a general one, where it can be.
+    An arm whose wrist axes miss each other by micrometres is a general one, where it can be.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ def match(chain: SerialChain) -> Array | None:
 
 
 def _with_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Completed] | None:
-    """Complete an arm to one with a closed form, as regular as can be had."""
+    """Complete an arm to one with a closed form, as regular as possible."""
     best: tuple[float, SixJointArm, Completed] | None = None
     for completed in _completions(chain, size):
         arm = match_six(np.array(completed[0]), completed[1])

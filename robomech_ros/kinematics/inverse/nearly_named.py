@@ -7,7 +7,6 @@ have in the arm that was meant.
 """
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -23,16 +22,17 @@ from robomech_ros._kernels.inverse.six_joints import (
     THREE_PARALLEL,
     six_joint_postures,
 )
-from robomech_ros._kernels.tolerances import NEARLY_NAMED, SAME_NAMED, SAME_POSTURE
+from robomech_ros._kernels.tolerances import NEARLY_NAMED, SAME_NAMED
 from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.forward import forward_kinematics
+from robomech_ros.kinematics.inverse.branch_names import largest_difference
 from robomech_ros.kinematics.inverse.families import decoupled, three_parallel
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["distinct", "named_branches"]
+__all__ = ["named_branches"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -72,7 +72,7 @@ def named_branches(chain: SerialChain, q: Array, branch: Integers) -> Integers:
     named = branch.copy()
     for k, T in enumerate(forward_kinematics(arm.chain, q)):
         count = six_joint_postures(arm.family, False, arm.data, T, q[k], others, bits)
-        away = _apart(chain, others[:count], q[k])
+        away = largest_difference(chain, others[:count], q[k])
         if count and away.min() < SAME_NAMED:
             named[k] = branch[k] & ~(_NUMBER | _NAME) | bits[np.argmin(away)] & _NAME
     return named
@@ -130,34 +130,3 @@ def _across(link: Array) -> Array:
     normal /= np.linalg.norm(normal)
     vector: Array = (link[:3, 3] @ normal) * normal
     return vector
-
-
-def _apart(chain: SerialChain, postures: Array, q: Array) -> Array:
-    """Largest difference of each posture (k, n) from q (n,), angles modulo a turn."""
-    difference = postures - q
-    turn = np.remainder(difference + math.pi, 2.0 * math.pi) - math.pi
-    largest: Array = np.abs(np.where(chain.types == REVOLUTE, turn, difference)).max(axis=1)
-    return largest
-
-
-def distinct(chain: SerialChain, q: Array, names: Sequence[str]) -> tuple[str, ...]:
-    """Tell different postures q (k, n) of one name apart by numbers that are theirs, seed or not.
-
-    Windings of one posture keep one name.  Beside a singular posture of an arm that is only nearly
-    a special one, two may be on the same side of it.
-    """
-    unique, several = list(names), set(names) - {""}
-    if len(several) == len(names):
-        return tuple(names)
-    for name in several:
-        rows = [k for k, other in enumerate(names) if other == name]
-        rows.sort(key=lambda k: np.remainder(q[k], 2.0 * math.pi).tolist())
-        found: list[int] = []
-        for k in rows:
-            away = _apart(chain, q[found], q[k])
-            if not (away < SAME_POSTURE).any():
-                found.append(k)
-        for k in rows if len(found) > 1 else ():
-            which = int(np.argmin(_apart(chain, q[found], q[k])))
-            unique[k] = f"{name} number-{which + 1}"
-    return tuple(unique)

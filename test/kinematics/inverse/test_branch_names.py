@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics.inverse.branch_names import distinct_names
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.naming import distinct
 from robomech_ros.robots import load_robot
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
@@ -107,8 +107,8 @@ def test_windings_of_one_posture_keep_one_name_and_others_are_numbered():
     other = q + [0.0, 0.0, 0.0, 0.0, 0.0, 0.01]
     wound = q + [2 * np.pi, 0.0, 0.0, 0.0, 0.0, 0.0]
     names = ("elbow-up",) * 3
-    assert distinct(arm, np.array([q, wound, wound]), names) == names
-    numbered = distinct(arm, np.array([other, q, wound]), names)
+    assert distinct_names(arm, np.array([q, wound, wound]), names) == names
+    numbered = distinct_names(arm, np.array([other, q, wound]), names)
     assert numbered == ("elbow-up number-2", "elbow-up number-1", "elbow-up number-1")
-    assert distinct(arm, np.array([wound, other, q]), names)[1] == "elbow-up number-2"
-    assert distinct(arm, np.array([q, other]), ("", "")) == ("", "")
+    assert distinct_names(arm, np.array([wound, other, q]), names)[1] == "elbow-up number-2"
+    assert distinct_names(arm, np.array([q, other]), ("", "")) == ("", "")

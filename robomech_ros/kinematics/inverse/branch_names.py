@@ -1,0 +1,88 @@
+"""Names of postures, from the bits that the solvers give them."""
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros._kernels.tolerances import SAME_POSTURE
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import REVOLUTE
+
+__all__ = ["branch_name", "distinct_names", "largest_difference"]
+
+Array = NDArray[np.float64]
+
+_SINGULAR = (
+    (bit.SHOULDER_SINGULAR, "shoulder-singular"),
+    (bit.ELBOW_SINGULAR, "elbow-singular"),
+    (bit.WRIST_SINGULAR, "wrist-singular"),
+    (bit.SELF_MOTION, "self-motion"),
+    (bit.BOUNDARY, "at-boundary"),
+)
+
+
+@lru_cache(maxsize=1024)
+def branch_name(branch: int) -> str:
+    """Name a posture, such as ``"shoulder-left elbow-up wrist-flip"``.
+
+    Parameters
+    ----------
+    branch : int
+        Bits of ``_kernels.branch_bits``.
+
+    Returns
+    -------
+    str
+        Empty for a posture that has no name.
+    """
+    if branch & bit.UNNAMED:
+        return ""
+    number = ((branch & bit.ARM_MASK) >> bit.ARM_SHIFT) + 1
+    if branch & bit.POSTURE_NUMBERED:
+        words = [f"posture-{number}"]
+    elif branch & bit.ARM_NUMBERED:
+        words = [f"arm-{number}"]
+    else:
+        words = [
+            "shoulder-right" if branch & bit.SHOULDER_RIGHT else "shoulder-left",
+            "elbow-down" if branch & bit.ELBOW_DOWN else "elbow-up",
+        ]
+    if not branch & bit.POSTURE_NUMBERED:
+        words.append("wrist-flip" if branch & bit.WRIST_FLIP else "wrist-noflip")
+    words += [word for mark, word in _SINGULAR if branch & mark]
+    return " ".join(words)
+
+
+def largest_difference(chain: SerialChain, postures: Array, q: Array) -> Array:
+    """Largest difference of each posture (k, n) from q (n,), angles modulo a turn."""
+    difference = postures - q
+    turn = np.remainder(difference + math.pi, 2.0 * math.pi) - math.pi
+    largest: Array = np.abs(np.where(chain.types == REVOLUTE, turn, difference)).max(axis=1)
+    return largest
+
+
+def distinct_names(chain: SerialChain, q: Array, names: Sequence[str]) -> tuple[str, ...]:
+    """Tell different postures q (k, n) of one name apart by numbers that are theirs, seed or not.
+
+    Windings of one posture keep one name.  Beside a singular posture of an arm that is only nearly
+    a special one, two may be on the same side of it.
+    """
+    unique, several = list(names), set(names) - {""}
+    if len(several) == len(names):
+        return tuple(names)
+    for name in several:
+        rows = [k for k, other in enumerate(names) if other == name]
+        rows.sort(key=lambda k: np.remainder(q[k], 2.0 * math.pi).tolist())
+        found: list[int] = []
+        for k in rows:
+            away = largest_difference(chain, q[found], q[k])
+            if not (away < SAME_POSTURE).any():
+                found.append(k)
+        for k in rows if len(found) > 1 else ():
+            which = int(np.argmin(largest_difference(chain, q[found], q[k])))
+            unique[k] = f"{name} number-{which + 1}"
+    return tuple(unique)
