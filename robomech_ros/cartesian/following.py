@@ -153,7 +153,7 @@ def follow_path(
     >>> there[0, 3] += 2.0
     >>> followed = follow_path(chain, path_through(here, [there]), q)
     >>> round(followed.fraction, 2), followed.stop.kind.name, followed.stop.index
-    (0.15, 'SINGULAR', 0)
+    (0.16, 'SINGULAR', 0)
     """
     values = as_joint_values(chain, start, "start")
     if values.ndim != 1:
