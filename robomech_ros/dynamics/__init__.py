@@ -26,6 +26,11 @@ if TYPE_CHECKING:
         Operations,
         operation_counts,
     )
+    from robomech_ros.dynamics.formulations.dynamics_by_complement import (
+        forward_dynamics_by_cholesky,
+        forward_dynamics_by_reflections,
+        inverse_dynamics_by_orthogonal_complement,
+    )
     from robomech_ros.dynamics.formulations.kane import (
         PartialVelocities,
         forward_dynamics_by_kane,
@@ -40,9 +45,6 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.formulations.orthogonal_complement import (
         OrthogonalComplement,
-        forward_dynamics_by_cholesky,
-        forward_dynamics_by_reflections,
-        inverse_dynamics_by_orthogonal_complement,
         natural_orthogonal_complement,
     )
     from robomech_ros.dynamics.formulations.planar import (
@@ -57,10 +59,12 @@ if TYPE_CHECKING:
         dissipation,
         friction_torque,
     )
-    from robomech_ros.dynamics.identification.fit import (
+    from robomech_ros.dynamics.identification.consistent_fit import (
         ConsistentFit,
-        Identification,
         consistent_fit,
+    )
+    from robomech_ros.dynamics.identification.fit import (
+        Identification,
         excitation,
         identify,
     )
@@ -155,7 +159,7 @@ __all__ = [
 
 _MODULES = {
     "BaseParameters": "identification.regressor",
-    "ConsistentFit": "identification.fit",
+    "ConsistentFit": "identification.consistent_fit",
     "ForwardDerivatives": "derivatives",
     "Identification": "identification.fit",
     "InverseDerivatives": "derivatives",
@@ -174,16 +178,16 @@ _MODULES = {
     "body_parameters": "model",
     "center_of_mass": "energy",
     "christoffel_symbols": "formulations.lagrange",
-    "consistent_fit": "identification.fit",
+    "consistent_fit": "identification.consistent_fit",
     "coriolis_matrix": "matrices",
     "dissipated_power": "friction",
     "dissipation": "friction",
     "excitation": "identification.fit",
     "forward_dynamics": "forward",
-    "forward_dynamics_by_cholesky": "formulations.orthogonal_complement",
+    "forward_dynamics_by_cholesky": "formulations.dynamics_by_complement",
     "forward_dynamics_by_kane": "formulations.kane",
     "forward_dynamics_by_lagrange": "formulations.lagrange",
-    "forward_dynamics_by_reflections": "formulations.orthogonal_complement",
+    "forward_dynamics_by_reflections": "formulations.dynamics_by_complement",
     "forward_dynamics_derivatives": "derivatives",
     "friction_torque": "friction",
     "gravity_torque": "inverse",
@@ -191,7 +195,7 @@ _MODULES = {
     "inverse_dynamics": "inverse",
     "inverse_dynamics_by_kane": "formulations.kane",
     "inverse_dynamics_by_lagrange": "formulations.lagrange",
-    "inverse_dynamics_by_orthogonal_complement": "formulations.orthogonal_complement",
+    "inverse_dynamics_by_orthogonal_complement": "formulations.dynamics_by_complement",
     "inverse_dynamics_derivatives": "derivatives",
     "is_consistent": "pseudo_inertias",
     "kinetic_energy": "energy",

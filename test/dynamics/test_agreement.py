@@ -9,6 +9,11 @@ from arms_with_bodies import ROBOTS, golden_arm, pinocchio_of
 from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
 from robomech_ros.dynamics import forward_dynamics, friction_torque, inverse_dynamics
+from robomech_ros.dynamics.formulations.dynamics_by_complement import (
+    forward_dynamics_by_cholesky,
+    forward_dynamics_by_reflections,
+    inverse_dynamics_by_orthogonal_complement,
+)
 from robomech_ros.dynamics.formulations.kane import (
     forward_dynamics_by_kane,
     inverse_dynamics_by_kane,
@@ -16,11 +21,6 @@ from robomech_ros.dynamics.formulations.kane import (
 from robomech_ros.dynamics.formulations.lagrange import (
     forward_dynamics_by_lagrange,
     inverse_dynamics_by_lagrange,
-)
-from robomech_ros.dynamics.formulations.orthogonal_complement import (
-    forward_dynamics_by_cholesky,
-    forward_dynamics_by_reflections,
-    inverse_dynamics_by_orthogonal_complement,
 )
 from robomech_ros.errors import (
     BadValueError,

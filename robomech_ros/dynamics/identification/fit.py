@@ -12,14 +12,13 @@ Swevers et al., Optimal robot excitation and identification, IEEE Trans. Robotic
 1997.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_states
-from robomech_ros.dynamics.identification.consistent_parameters import consistent_least_squares
 from robomech_ros.dynamics.identification.regressor import (
     BaseParameters,
     base_parameters,
@@ -27,16 +26,12 @@ from robomech_ros.dynamics.identification.regressor import (
 )
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import reflected_inertias
-from robomech_ros.dynamics.pseudo_inertias import (
-    bodies_from_parameters,
-    is_consistent,
-)
+from robomech_ros.dynamics.pseudo_inertias import is_consistent
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.numerics import least_squares, minimum_norm
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.drives import Drive
 
-__all__ = ["ConsistentFit", "Identification", "consistent_fit", "excitation", "identify"]
+__all__ = ["Identification", "excitation", "identify", "known_parameters"]
 
 Array = NDArray[np.float64]
 
@@ -44,12 +39,6 @@ Array = NDArray[np.float64]
 _RANK = 1e-9
 # Least deviation of torques (N m or N) that weights are made of.
 _LEAST_DEVIATION = 1e-12
-# How much a consistent body is drawn to the one known before, where 1 is a standard error or so.
-_PULL = 1e-6
-# Least standard error of a base parameter that is counted on, of the largest base parameter.
-_LEAST_ERROR = 1e-6
-# A body to start from where nothing is known: 1 kg, a ball of 0.1 m about the joint.
-_START = np.array([1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +95,7 @@ class Identification:
         Of all of them those nearest to the bodies known before, or to none; whether there can be
         such bodies is another question: :func:`is_consistent`.
         """
-        known = _known(self.chain, np.zeros(10)).ravel()
+        known = known_parameters(self.chain, np.zeros(10)).ravel()
         missing = self.base_values - self.base.combination @ known
         found = known + minimum_norm(self.base.combination, missing)
         return found.reshape(-1, 10)
@@ -115,30 +104,6 @@ class Identification:
     def consistent(self) -> NDArray[np.bool_]:
         """Which of the bodies of :attr:`parameters` there can be, shape (n,)."""
         return is_consistent(self.parameters)
-
-
-@dataclass(frozen=True, eq=False)
-class ConsistentFit:
-    """Bodies that there can be, chosen by what the motions tell.
-
-    Parameters
-    ----------
-    parameters : ndarray, shape (n, 10)
-        Parameters of the bodies.
-    chain : SerialChain
-        With these bodies, and the friction found, none of it negative.
-    deviation : float
-        Of the base parameters from those found, in their standard errors: about 1 where the data
-        allow these bodies.
-    converged : bool
-        The deviation is the least that bodies can have, but for a part of 1e-4 or of an error;
-        otherwise they are consistent, but not the best.
-    """
-
-    parameters: Array
-    chain: SerialChain
-    deviation: float
-    converged: bool
 
 
 def identify(
@@ -252,63 +217,7 @@ def excitation(
     return float(singular[0] / singular[-1])
 
 
-def consistent_fit(found: Identification) -> ConsistentFit:
-    """Choose bodies that there can be, as near as possible to what was found.
-
-    The base parameters, weighted by their covariance, are brought as near to those found as bodies
-    with positive definite pseudo-inertias can: a convex program, whose minimum is the only one.
-    Where the data leave a choice, the bodies stay near those known before.
-
-    Parameters
-    ----------
-    found : Identification
-
-    Returns
-    -------
-    ConsistentFit
-
-    Raises
-    ------
-    BadValueError
-        Not an identification.
-
-    References
-    ----------
-    Lee, Wensing, Park, "Geometric robot dynamic identification: a convex programming approach",
-    IEEE Trans. Robotics 36(2), 2020.
-    """
-    if not isinstance(found, Identification):
-        raise BadValueError("found", found, "an Identification, such as identify gives")
-    chain, base = found.chain, found.base
-    # Torques without noise leave nothing but rounding, which no solution has to meet.
-    least = _LEAST_ERROR * np.abs(found.base_values).max()
-    covariance = found.covariance[: base.rank, : base.rank] + least**2 * np.eye(base.rank)
-    scale = np.sqrt(np.diag(covariance))
-    inner = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    C: Array = np.linalg.solve(inner, base.combination / scale[:, None]).astype(np.float64)
-    target: Array = np.linalg.solve(inner, found.base_values / scale).astype(np.float64)
-    outcome = consistent_least_squares(C, target, _known(chain, _START), _PULL)
-    parameters = outcome.parameters
-    left = C @ parameters.ravel() - target
-    drives = tuple(
-        Drive(
-            viscous=max(float(viscous), 0.0),
-            coulomb=max(float(coulomb), 0.0),
-            rotor_inertia=drive.rotor_inertia,
-            gear_ratio=drive.gear_ratio,
-        )
-        for drive, viscous, coulomb in zip(chain.drives, found.viscous, found.coulomb, strict=True)
-    )
-    bodies = bodies_from_parameters(parameters)
-    return ConsistentFit(
-        parameters=parameters,
-        chain=replace(chain, bodies=bodies, drives=drives),
-        deviation=float(np.sqrt(np.mean(left**2))),
-        converged=outcome.converged,
-    )
-
-
-def _known(chain: SerialChain, otherwise: Array) -> Array:
+def known_parameters(chain: SerialChain, otherwise: Array) -> Array:
     """Parameters of the bodies known before, shape (n, 10), or of others where there are none."""
     if any(body is None or body.fault() or body.mass == 0.0 for body in chain.bodies):
         return np.tile(otherwise, (chain.n, 1))

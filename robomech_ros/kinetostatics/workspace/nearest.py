@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinetostatics.workspace.contours import on_contour
 from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece
+from robomech_ros.kinetostatics.workspace.refinement import on_contour
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
 __all__ = ["NearestOnCurves"]

@@ -6,13 +6,13 @@ import pytest
 from arms_with_bodies import golden_arm, pinocchio_of
 from formulation_arms import GRAVITY, furnished, relative, states
 
-from robomech_ros.dynamics.formulations.lagrange import mass_matrix_gradient
-from robomech_ros.dynamics.formulations.orthogonal_complement import (
+from robomech_ros.dynamics.formulations.dynamics_by_complement import (
     forward_dynamics_by_cholesky,
     forward_dynamics_by_reflections,
     inverse_dynamics_by_orthogonal_complement,
-    natural_orthogonal_complement,
 )
+from robomech_ros.dynamics.formulations.lagrange import mass_matrix_gradient
+from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
 from robomech_ros.errors import WrongSizeError
 
 KINDS = ("RRRRRR", "RPRPRR", "PPPRRR", "PRP")

@@ -7,7 +7,8 @@ import pytest
 from formulation_arms import furnished, relative, states
 
 from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
-from robomech_ros.dynamics.identification.fit import consistent_fit, excitation, identify
+from robomech_ros.dynamics.identification.consistent_fit import consistent_fit
+from robomech_ros.dynamics.identification.fit import excitation, identify
 from robomech_ros.dynamics.model import body_parameters
 from robomech_ros.dynamics.pseudo_inertias import (
     bodies_from_parameters,

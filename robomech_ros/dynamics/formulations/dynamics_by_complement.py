@@ -1,0 +1,216 @@
+"""Inverse and forward dynamics by the natural orthogonal complement.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 7.6.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.checked_states import finite_result, finite_states
+from robomech_ros.dynamics.formulations.orthogonal_complement import (
+    AT_REST,
+    OrthogonalComplement,
+    natural_orthogonal_complement,
+)
+from robomech_ros.dynamics.formulations.stacked_matrices import (
+    mass_roots,
+    solved,
+    times,
+    transposed,
+)
+from robomech_ros.dynamics.friction import friction_torque
+from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = [
+    "forward_dynamics_by_cholesky",
+    "forward_dynamics_by_reflections",
+    "inverse_dynamics_by_orthogonal_complement",
+]
+
+Array = NDArray[np.float64]
+
+
+@finite_result
+def inverse_dynamics_by_orthogonal_complement(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = AT_REST,
+    base_twist: ArrayLike = AT_REST,
+    base_twist_rate: ArrayLike = AT_REST,
+) -> Array:
+    """Compute the torques of a motion from ``I qdd + C qd`` and what acts on the bodies.
+
+    Parameters
+    ----------
+    chain, q, qd, base_twist, base_twist_rate
+        As for :func:`natural_orthogonal_complement`.
+    qdd : array_like, shape (..., n)
+        Joint accelerations (rad/s^2 or m/s^2).
+    gravity : array_like, shape (3,), optional
+        In the axes of the base (m/s^2).
+    tip_wrench : array_like, shape (6,)
+        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
+        :func:`friction_torque`.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics_by_lagrange : from the energies.
+    inverse_dynamics_by_kane : by partial velocities.
+    natural_orthogonal_complement : the matrices and the formulas.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import inverse_dynamics_by_orthogonal_complement
+    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
+    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> np.allclose(inverse_dynamics_by_orthogonal_complement(puma, q, qd, qdd), expected)
+    True
+    """
+    q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    bias = _bias(chain, model, gravity, tip_wrench)
+    return times(model.generalised_inertia, qdd) + bias
+
+
+@finite_result
+def forward_dynamics_by_cholesky(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = AT_REST,
+    base_twist: ArrayLike = AT_REST,
+    base_twist_rate: ArrayLike = AT_REST,
+) -> Array:
+    r"""Compute joint accelerations by the Cholesky factors of the generalised inertia.
+
+    .. math:: I = L L^T, \qquad L x = \tau - \bar\tau, \qquad L^T \ddot q = x
+
+    Parameters
+    ----------
+    chain, q, qd, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics_by_orthogonal_complement`.
+    tau : array_like, shape (..., n)
+        Torques and forces of the drives (N m or N).
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    forward_dynamics_by_reflections : better conditioned.
+    natural_orthogonal_complement : the matrices.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.
+    """
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
+    return solved(transposed(L), solved(L, moving))
+
+
+@finite_result
+def forward_dynamics_by_reflections(
+    chain: SerialChain,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    gravity: ArrayLike = GRAVITY,
+    tip_wrench: ArrayLike = AT_REST,
+    base_twist: ArrayLike = AT_REST,
+    base_twist_rate: ArrayLike = AT_REST,
+) -> Array:
+    r"""Compute joint accelerations without the generalised inertia, whose condition is squared.
+
+    .. math:: M = H^T H, \qquad P = H T, \qquad I = P^T P = U^T U
+
+    with the upper triangle U that Householder's reflections make of P.  A rotor is one more row.
+
+    Parameters
+    ----------
+    chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`forward_dynamics_by_cholesky`.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        rad/s^2 or m/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
+        As for :func:`natural_orthogonal_complement`.
+
+    See Also
+    --------
+    forward_dynamics : the compiled one.
+    forward_dynamics_by_cholesky : from the generalised inertia itself.
+    natural_orthogonal_complement : the matrices.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.
+    """
+    q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
+    motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
+    model = natural_orthogonal_complement(chain, q, qd, **motion)
+    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
+    P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
+    U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
+    return solved(U, solved(transposed(U), moving))
+
+
+def _bias(
+    chain: SerialChain, model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike
+) -> Array:
+    """Torques at rest of the joints' rates: coupling, base, friction, weights, tip."""
+    applied = model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)
+    return (
+        times(model.coupling, model.qd)
+        + model.base_torque
+        + friction_torque(chain, model.qd)
+        - model.generalised(applied)
+    )

@@ -1,0 +1,71 @@
+"""Vertices of curves in the joint plane: back onto the curve, and enough for a smooth image."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
+
+__all__ = ["on_contour", "refined"]
+
+Array = NDArray[np.float64]
+
+_PROJECTIONS = 12
+# Images: longest chord, and farthest that a chord may be from the curve, over the arm's size.
+_CHORD = 1.0 / 400.0
+_SAGITTA = 1e-6
+_HALVINGS = 14
+_MOST_VERTICES = 60_000
+
+
+def on_contour(section: WorkspaceSection, rows: Array, steps: int = _PROJECTIONS) -> Array:
+    """Move points (k, 2) of the joint plane onto det J21 = 0 along its gradient, in some steps."""
+    rows = rows.copy()
+    for _ in range(steps):
+        f, fu, fv = section.determinant_gradient(rows[:, 0], rows[:, 1])
+        square = fu * fu + fv * fv
+        share = np.divide(f, square, out=np.zeros_like(f), where=square > 0.0)
+        rows[:, 0] -= share * fu
+        rows[:, 1] -= share * fv
+    return rows
+
+
+def refined(
+    section: WorkspaceSection, curve: Array, onto: Callable[[Array], Array] | None
+) -> Array:
+    """Add vertices until the chords of the image are short and near it.
+
+    Parameters
+    ----------
+    section : WorkspaceSection
+    curve : ndarray, shape (k, 2)
+        Joint values (rad or m).
+    onto : callable, optional
+        Puts points between vertices back on the curve; default where straight lines are.
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+    """
+    chord, sagitta = _CHORD * section.size, _SAGITTA * section.size
+    settled = np.zeros(len(curve) - 1, dtype=bool)
+    for _ in range(_HALVINGS):
+        if settled.all() or len(curve) > _MOST_VERTICES:
+            break
+        open_ = np.flatnonzero(~settled)
+        a, b = curve[open_], curve[open_ + 1]
+        middle = 0.5 * (a + b)
+        if onto is not None:
+            middle = onto(middle)
+        lengths = np.linalg.norm(b - a, axis=1)
+        astray = np.linalg.norm(middle - 0.5 * (a + b), axis=1) > 0.6 * lengths
+        x, y, m = (section.image(rows[:, 0], rows[:, 1]) for rows in (a, b, middle))
+        long = np.linalg.norm(y - x, axis=1) > chord
+        bent = np.linalg.norm(m - 0.5 * (x + y), axis=1) > sagitta
+        split = (long | bent) & ~astray
+        settled[open_[~split]] = True
+        where = open_[split] + 1
+        curve = np.insert(curve, where, middle[split], axis=0)
+        settled = np.insert(settled, where - 1, False)
+    return curve
