@@ -32,7 +32,14 @@ Array = NDArray[np.float64]
 
 
 def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
-    """Compute the kinetic energy of bodies and rotors, the base at rest.
+    r"""Compute the kinetic energy of bodies and rotors, the base at rest.
+
+    .. math::
+
+       T = \tfrac12 \sum_i (m_i\, \dot c_i \cdot \dot c_i + \omega_i \cdot I_i \omega_i)
+       + \tfrac12 \sum_i J_i \dot q_i^2
+
+    with the rotors' inertias :math:`J_i` reflected to the joints.
 
     Parameters
     ----------
@@ -52,12 +59,36 @@ def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    potential_energy
+    mass_matrix : the same as a matrix.
+    power_balance : their rates.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import kinetic_energy, mass_matrix
+    >>> from robomech_ros.robots import load_robot
+    >>> arm, q, qd = load_robot("planar3r"), [0.3, -0.7, 1.1], np.array([0.5, -1.2, 2.0])
+    >>> bool(np.isclose(kinetic_energy(arm, q, qd), qd @ mass_matrix(arm, q) @ qd / 2.0))
+    True
     """
     return _totals(chain, q, qd)[..., 10]
 
 
 def momentum(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
-    """Compute the momentum of the bodies, the base at rest.
+    r"""Compute the momentum of the bodies, the base at rest.
+
+    .. math::
+
+       \mu = \sum_i \begin{bmatrix} I_i \omega_i + c_i \times m_i \dot c_i \\
+       m_i \dot c_i \end{bmatrix}
 
     Parameters
     ----------
@@ -74,6 +105,15 @@ def momentum(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    kinetic_energy
+    center_of_mass
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
     """
     return _totals(chain, q, qd)[..., 4:10]
 
@@ -102,7 +142,9 @@ def center_of_mass(chain: SerialChain, q: ArrayLike) -> Array:
 
 
 def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
-    """Compute the potential energy of the bodies; it is 0 with their mass centre at the base.
+    r"""Compute the potential energy of the bodies; it is 0 with their mass centre at the base.
+
+    .. math:: V = -\sum_i m_i\, g \cdot c_i
 
     Parameters
     ----------
@@ -120,6 +162,15 @@ def potential_energy(chain: SerialChain, q: ArrayLike, *, gravity: ArrayLike = G
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`inverse_dynamics`.
+
+    See Also
+    --------
+    kinetic_energy
+    gravity_torque : its derivative.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.7.
     """
     q = as_joint_values(chain, q)
     upwards = surroundings(q.shape[-1:], gravity)[0, 6:9]
@@ -196,6 +247,12 @@ def power_balance(
     ------
     MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`forward_dynamics`.
+
+    See Also
+    --------
+    simulate : where it is the check.
+    kinetic_energy
+    potential_energy
     """
     q, qd, tau = as_states(chain, ("q", "qd", "tau"), q, qd, tau)
     heat = friction_torque(chain, qd)

@@ -82,9 +82,12 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
 
 
 def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
-    """Compute the dissipation function, whose derivative by the rates is the friction torque.
+    r"""Compute the dissipation function, whose derivative by the rates is the friction torque.
 
-    The sum over the joints of ``beta v^2 / 2 + c |v| + (s - c) v_s sqrt(pi) / 2 erf(|v| / v_s)``.
+    .. math::
+
+       \Delta = \sum \left( \tfrac12 \beta v^2 + c\, |v|
+       + (s - c)\, v_s \frac{\sqrt\pi}{2}\, \mathrm{erf} \frac{|v|}{v_s} \right)
 
     Parameters
     ----------
@@ -100,6 +103,10 @@ def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`friction_torque`.
+
+    See Also
+    --------
+    friction_torque : its derivative, with the names.
 
     References
     ----------

@@ -99,9 +99,11 @@ def _raise_not_finite(chain: SerialChain, q: Array, qd: Array) -> NoReturn:
 def bias_acceleration(
     chain: SerialChain, q: ArrayLike, qd: ArrayLike, *, point: ArrayLike = TIP
 ) -> Array:
-    """Compute the part of the tip's twist rate that does not come from joint accelerations.
+    r"""Compute the part of the tip's twist rate that does not come from joint accelerations.
 
-    The twist rate is ``J qdd`` plus this: the rate of J times qd.
+    .. math:: \dot t = J \ddot q + \dot J \dot q
+
+    This is the second part.
 
     Parameters
     ----------
@@ -120,6 +122,11 @@ def bias_acceleration(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`jacobian_rate`, or the point is not three finite numbers, or the rates are too
         large for a number.
+
+    See Also
+    --------
+    jacobian_rate : the matrix.
+    joint_accelerations : the inverse problem.
     """
     rate, arm = jacobian_rate(chain, q, qd), as_point(point)
     qd = np.asarray(qd, dtype=np.float64)

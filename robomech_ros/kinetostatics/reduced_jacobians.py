@@ -55,6 +55,10 @@ def task_jacobian(
     ------
     BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
         As for :func:`point_jacobian`, or a mask that is none or leaves nothing.
+
+    See Also
+    --------
+    jacobian : all rows.
     """
     given = listed("mask", mask, _MASK)
     if len(given) != 6:
@@ -68,10 +72,15 @@ def task_jacobian(
 
 
 def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP) -> Array:
-    """Compute the matrix that maps the joint rates of a planar arm to its twist in the plane.
+    r"""Compute the matrix that maps the joint rates of a planar arm to its twist in the plane.
 
-    ``[omega; v_x; v_y] = J qd`` with column ``[1; E s_i]`` for a revolute joint, E a quarter turn
-    and s_i from the joint to the point, as far as it lies in the plane.  It is
+    .. math::
+
+       \begin{bmatrix} \omega \\ v_x \\ v_y \end{bmatrix} = J \dot q, \qquad
+       j_i = \begin{bmatrix} 1 \\ E s_i \end{bmatrix}, \qquad
+       E = \begin{bmatrix} 0 & -1 \\ 1 & 0 \end{bmatrix}
+
+    for a revolute joint, with :math:`s_i` in the plane from the joint to the point.  It is
     ``planar_rows(chain) @ point_jacobian(chain, q, point)``.
 
     Parameters
@@ -93,9 +102,25 @@ def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP)
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`point_jacobian`, or a chain that is not planar.
 
+    See Also
+    --------
+    jacobian : of any arm.
+    planar_rows : what is multiplied.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.7.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.7.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinetostatics import planar_jacobian
+    >>> from robomech_ros.robots import chain_from_dh
+    >>> arm = chain_from_dh(a=[0.5, 0.4, 0.1], b=[0.0] * 3, alpha=[0.0] * 3)
+    >>> np.round(planar_jacobian(arm, [0.0, np.pi / 2.0, 0.0]), 6) + 0.0
+    array([[ 1. ,  1. ,  1. ],
+           [-0.5, -0.5, -0.1],
+           [ 0.5,  0. ,  0. ]])
     """
     rows = planar_rows(chain)
     J: Array = rows @ point_jacobian(chain, q, point)

@@ -2,7 +2,7 @@
 
 References
 ----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 """
 
 import numpy as np

@@ -6,7 +6,7 @@ link i.  A negative ``a`` is accepted although the book defines a distance.
 
 References
 ----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 4.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 """
 
 from dataclasses import dataclass

@@ -192,6 +192,16 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError
         An axis of zero length, or not finite real numbers.
+
+    See Also
+    --------
+    axis_angle_from_quaternion : the inverse.
+    quaternion_from_matrix
+    quaternion_from_roll_pitch_yaw
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.6.
     """
     axis = as_finite("axis", axis, (3,))
     half = 0.5 * as_finite("angle", angle, ())
@@ -223,6 +233,11 @@ def compose_quaternions(second: ArrayLike, first: ArrayLike) -> Array:
     ------
     BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
         As for :func:`unit_quaternion`.
+
+    See Also
+    --------
+    compose_poses : of poses.
+    inverse_quaternion : the opposite rotation.
 
     References
     ----------

@@ -68,10 +68,14 @@ def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
 
 @finite_result
 def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
-    """Compute the Christoffel symbols of the first kind of the mass matrix.
+    r"""Compute the Christoffel symbols of the first kind of the mass matrix.
 
-    ``c_ijk = (dI_ij/dq_k + dI_ik/dq_j - dI_jk/dq_i) / 2``; entry (i, j) of the Coriolis matrix is
-    the sum of ``c_ijk qd_k`` over k.
+    .. math::
+
+       c_{ijk} = \frac12 \left( \frac{\partial M_{ij}}{\partial q_k}
+       + \frac{\partial M_{ik}}{\partial q_j} - \frac{\partial M_{jk}}{\partial q_i} \right)
+
+    Entry (i, j) of the Coriolis matrix is the sum of :math:`c_{ijk}\, \dot q_k` over k.
 
     Parameters
     ----------
@@ -86,6 +90,15 @@ def christoffel_symbols(chain: SerialChain, q: ArrayLike) -> Array:
     ------
     BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
         As for :func:`mass_matrix_gradient`.
+
+    See Also
+    --------
+    coriolis_matrix : the compiled one.
+    mass_matrix_gradient : what it is made of.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.2.
     """
     return _symbols(mass_matrix_gradient(chain, q))
 

@@ -149,7 +149,9 @@ class ByArcLength:
 
 
 def arc_length(curve: Curve) -> ByArcLength:
-    """Give a curve its arc length as parameter.
+    r"""Give a curve its arc length as parameter.
+
+    .. math:: s(u) = \int_{u_0}^u |p'(v)|\, dv
 
     Parameters
     ----------
@@ -165,6 +167,14 @@ def arc_length(curve: Curve) -> ByArcLength:
     ------
     BadValueError
         No curve, or one with a cusp; the message names the parameter.
+
+    See Also
+    --------
+    frenet_serret : the derivatives by the arc length.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.2.
     """
     curve = as_curve("curve", curve)
 

@@ -137,9 +137,11 @@ def helix(
     start: float = 0.0,
     pose: npt.ArrayLike | None = None,
 ) -> FunctionCurve:
-    """Build the helix (a cos u, a sin u, b u) about the z axis of its frame.
+    r"""Build the helix (a cos u, a sin u, b u) about the z axis of its frame.
 
-    Its curvature is a / (a^2 + b^2) and its torsion b / (a^2 + b^2) everywhere.
+    .. math::
+
+       \kappa = \frac{a}{a^2 + b^2}, \qquad \tau = \frac{b}{a^2 + b^2}
 
     Parameters
     ----------
@@ -164,9 +166,15 @@ def helix(
     BadValueError, WrongSizeError, NonFiniteError
         A radius or angle that is not above 0, or a pose that is none.
 
+    See Also
+    --------
+    frenet_serret : the frame along it.
+    viviani
+    cylinder_intersection
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 11.2 and 11.3.
     """
     a, b = as_positive("radius", radius), as_number("rise", rise)
     first, turn = as_number("start", start), as_positive("angle", angle)
@@ -186,9 +194,14 @@ def viviani(
     end: float = 4.0 * math.pi,
     pose: npt.ArrayLike | None = None,
 ) -> FunctionCurve:
-    """Build Viviani's curve (a (1 + cos u), a sin u, 2 a sin(u / 2)).
+    r"""Build Viviani's curve (a (1 + cos u), a sin u, 2 a sin(u / 2)).
 
     It is where a cylinder of radius a meets a sphere of radius 2 a about a point of the cylinder.
+
+    .. math::
+
+       \kappa = \frac{\sqrt{13 + 3 \cos u}}{a (3 + \cos u)^{3/2}}, \qquad
+       \tau = \frac{6 \cos(u / 2)}{a (13 + 3 \cos u)}
 
     Parameters
     ----------
@@ -209,9 +222,22 @@ def viviani(
     BadValueError, WrongSizeError, NonFiniteError
         A radius that is not above 0, angles that do not increase, or a pose that is none.
 
+    See Also
+    --------
+    frenet_serret : the frame along it.
+    helix
+    cylinder_intersection
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 11.2 and 11.3.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import frenet_serret, viviani
+    >>> found = frenet_serret(viviani(2.0), 0.0)
+    >>> round(float(found.curvature), 6), round(float(found.torsion), 6)
+    (0.25, 0.1875)
     """
     a = as_positive("radius", radius)
     ends = np.array([as_number("start", start), as_number("end", end)])
@@ -261,9 +287,21 @@ def cylinder_intersection(
         Radii that are not above 0, a smaller pipe that does not end on the larger one all
         round (r + abs(d) must be below R), or a pose that is none.
 
+    See Also
+    --------
+    frenet_serret : the frame along it.
+    helix
+    viviani
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 11.2 and 11.3.
+
+    Examples
+    --------
+    >>> from robomech_ros.trajectory import arc_length, cylinder_intersection
+    >>> round(arc_length(cylinder_intersection(2.0, 1.0)).length, 6)
+    6.394489
     """
     R, r, d = as_positive("large", large), as_positive("small", small), as_number("offset", offset)
     if r + abs(d) >= R:

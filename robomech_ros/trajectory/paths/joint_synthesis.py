@@ -56,9 +56,14 @@ def joint_spline(
         Not a path, an arm, a joint path that follows it or a number, or periodic ends of a path
         that does not close in the joints.
 
+    See Also
+    --------
+    track_path : a joint path as exact as is wanted.
+    tracking_error : how far this one is off.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.4.
     """
     kind = as_ends(ends)
     check_follows(path, joints)

@@ -165,7 +165,11 @@ def constant_orientation(rotation: npt.ArrayLike) -> ConstantOrientation:
 
 
 def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> PiecewiseRotation:
-    """Turn from orientation to orientation about fixed axes (SLERP), in step with the parameter.
+    r"""Turn from orientation to orientation about fixed axes (SLERP), in step with the parameter.
+
+    .. math:: R(u) = R_k \exp \left( \sigma\, \mathrm{CPM}(v) \right), \qquad 0 \le \sigma \le 1
+
+    with the rotation vector v of :math:`R_k^T R_{k+1}`.
 
     Parameters
     ----------
@@ -183,6 +187,11 @@ def geodesic_orientation(rotations: npt.ArrayLike, knots: npt.ArrayLike) -> Piec
     BadValueError, WrongSizeError, NonFiniteError
         Not rotations or not knots, or neighbours opposite to each other: 180 degrees apart no
         axis is shorter than another.
+
+    See Also
+    --------
+    orientation_spline : smoothly.
+    frenet_orientation : with the Frenet frame of a curve.
     """
     given, parameters = as_rotations("rotations", rotations, knots)
     turns = turns_between("rotations", given)

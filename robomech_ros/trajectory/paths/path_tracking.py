@@ -55,13 +55,20 @@ def track_path(
     tolerance: float = 1e-7,
     condition_limit: float = 1e6,
 ) -> PathTracking:
-    """Follow a pose path with the joints, on one branch.
+    r"""Follow a pose path with the joints, on one branch.
 
     From a posture on the path the next one is predicted by the derivatives of the joint values
     and corrected by Newton steps; between both every joint follows the quintic through values and
     two derivatives, all exact.  The step is chosen so that the pose in its middle, where the
     quintic is farthest off, is on the path within the tolerance: the error falls with its sixth
     power.
+
+    With the twist t of the path per unit of s
+
+    .. math::
+
+       q' = J^{-1} t, \qquad q'' = J^{-1} (t' - J' q'), \qquad
+       \Delta q = J^{-1} \begin{bmatrix} \mathrm{vect}(\Delta Q) \\ \Delta p \end{bmatrix}
 
     Parameters
     ----------
@@ -88,9 +95,14 @@ def track_path(
         Not a path, an arm, joint values or positive numbers, or what the arm returns is no finite
         array of its shape.
 
+    See Also
+    --------
+    joint_spline : the classic way, splines through postures.
+    along_path : the motion along it.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
     if not isinstance(path, PosePath):
         raise BadValueError("path", path, "a PosePath")

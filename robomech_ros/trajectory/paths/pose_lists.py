@@ -95,6 +95,12 @@ def spline_path(poses: npt.ArrayLike, *, radius: float = TURN_RADIUS) -> PosePat
     ------
     BadValueError, WrongSizeError, NonFiniteError
         As for `straight_path`.
+
+    See Also
+    --------
+    straight_path
+    arc_path
+    spline_curve : points alone.
     """
     given, knots, weight = _checked(poses, radius)
     curve = PolynomialCurve(cubic_spline(knots, given[:, :3, 3], "natural"))

@@ -59,7 +59,7 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
 
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
     J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
@@ -98,7 +98,7 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
 
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
     last = 0.0
     for _ in range(CORRECTIONS):

@@ -67,9 +67,13 @@ def spline_curve(
         Points, knots or rates that are none or too few, neighbours that coincide, a curve that
         should close and does not, or an unknown degree or kind of ends.
 
+    See Also
+    --------
+    spline_path : poses in place of points.
+
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 6.6 and 11.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 6.6 and 11.4.
     """
     kind = as_ends(ends)
     order = real_number("degree", degree, "3 or 5")
