@@ -1,69 +1,86 @@
-"""Takes away compiled kernels of earlier states of this installation."""
+"""Says which compiled kernels there are, and takes away those of earlier states of the sources."""
 
+import contextlib
 import hashlib
 import re
-import shutil
-import sys
+from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["prune"]
+__all__ = ["compiled", "prune"]
 
-# As robomech_ros._kernels names the folder of one state of the sources.
-_DIGEST = re.compile(r"[0-9a-f]{16}")
+# As robomech_ros._kernels names the files of a kernel: with the digest of what it is made from.
+_KERNEL = re.compile(r".+-([0-9a-f]{16})\.py\d+\w*(?:\.\d+)?\.nb[ic]")
 _USERS = "used_by"
 # Earlier states that are kept, for who goes back and forth between some.
 KEPT = 3
 
 
-def prune(state: Path, installation: Path) -> list[Path]:
-    """Take away what earlier states of the same sources left in the cache, but for the latest.
-
-    Every state of the sources has its kernels in a folder, shared by the installations of it; a
-    note there for each of them says that it used them, with which versions of Python, NumPy and
-    numba. Kernels that another installation used are left alone, and so are those that the same
-    one made with other versions. A process that runs an earlier state has its kernels in memory,
-    and would compile them again.
+def compiled(cache: Path) -> set[str]:
+    """Give the digests of the modules whose kernels were all compiled once, and are still kept.
 
     Parameters
     ----------
-    state : Path
-        ``<root>/<digest>``, where the kernels in use are kept.
+    cache : Path
+        Where kernels are kept.
+    """
+    with contextlib.suppress(OSError):
+        return {digest for note in (cache / _USERS).iterdir() for digest in _listed(_states(note))}
+    return set()
+
+
+def prune(cache: Path, installation: Path, digests: Iterable[str]) -> list[Path]:
+    """Take away the kernels of earlier states of the same sources, but for the latest.
+
+    All installations share a cache, whatever state their sources are in. Each has a note there
+    with the digests of its modules, a line for every state, and what a note names stays. So does
+    what none ever named, of an installation whose nodes compile their kernels themselves. A
+    process that runs an earlier state has its kernels in memory.
+
+    Parameters
+    ----------
+    cache : Path
+        Where kernels are kept.
     installation : Path
         Where the sources are installed.
+    digests : iterable of str
+        Those of the modules as they are, whose kernels are in the cache.
 
     Returns
     -------
     list of Path
         What was taken away.
     """
-    if not _DIGEST.fullmatch(state.name) or not state.is_dir():
-        return []
-    name = hashlib.sha256(str(installation).encode()).hexdigest()[:16]
-    versions = _versions()
-    note = state / _USERS / name
+    note = cache / _USERS / hashlib.sha256(str(installation).encode()).hexdigest()[:16]
+    state = " ".join(sorted(digests))
     try:
         note.parent.mkdir(exist_ok=True)
-        note.write_text(versions, encoding="utf-8")
-        others = [
-            other / _USERS / name
-            for other in state.parent.iterdir()
-            if _DIGEST.fullmatch(other.name) and other != state and not other.is_symlink()
-        ]
-        stale = [one for one in others if one.is_file() and one.read_text("utf-8") == versions]
-        stale.sort(key=lambda one: one.stat().st_mtime, reverse=True)
-        for one in stale[KEPT:]:
-            one.unlink(missing_ok=True)
-        taken = [one.parents[1] for one in stale[KEPT:] if not any(one.parent.iterdir())]
+        earlier = [one for one in _states(note) if one != state] if note.exists() else []
+        used = [state, *earlier[:KEPT]]
+        others = [one for other in note.parent.iterdir() if other != note for one in _states(other)]
+        unused = _listed(earlier[KEPT:]) - _listed(used) - _listed(others)
+        taken = [file for file in cache.iterdir() if _digest(file) in unused] if unused else []
+        for file in taken:
+            file.unlink(missing_ok=True)
+        # In one move, since others may be reading it.
+        written = note.with_suffix(".new")
+        written.write_text("".join(f"{one}\n" for one in used), encoding="utf-8")
+        written.replace(note)
     except OSError:
         # A cache that cannot be read, or that somebody else is clearing: nothing to be done.
         return []
-    for one in taken:
-        shutil.rmtree(one, ignore_errors=True)
     return taken
 
 
-def _versions() -> str:
-    import numba
-    import numpy
+def _states(note: Path) -> list[str]:
+    """Read the states of an installation, the latest first."""
+    return note.read_text(encoding="utf-8").splitlines()
 
-    return f"Python {sys.version}\nNumPy {numpy.__version__}\nnumba {numba.__version__}\n"
+
+def _listed(states: Iterable[str]) -> set[str]:
+    return {digest for state in states for digest in state.split()}
+
+
+def _digest(file: Path) -> str:
+    """Read the digest in the name of a file with a kernel; empty for any other file."""
+    match = _KERNEL.fullmatch(file.name)
+    return match[1] if match else ""

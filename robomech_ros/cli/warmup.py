@@ -1,12 +1,12 @@
 """``robomech warmup``: compile all kernels, or load them from the cache."""
 
 import argparse
-import ast
+import gc
 import logging
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
@@ -16,12 +16,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from robomech_ros.cli.kernel_cache import prune
+from robomech_ros._kernels.compiling.sources import PACKAGE, sources
+from robomech_ros.cli.kernel_cache import compiled, prune
 
 __all__ = ["add_arguments", "kernel_modules", "run", "warm"]
 
-PACKAGE = "robomech_ros._kernels"
-_FOLDER = Path(__file__).resolve().parents[1] / "_kernels"
+_INSTALLATION = Path(__file__).resolve().parents[1]
 
 # Seconds.
 _NOTICEABLE = 1.5
@@ -35,13 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kernel_modules() -> tuple[str, ...]:
     """List the modules with kernels; importing one compiles it or loads it from the cache."""
-    return tuple(
-        sorted(
-            ".".join(file.relative_to(_FOLDER).with_suffix("").parts)
-            for file in _FOLDER.rglob("*.py")
-            if file.name != "__init__.py"
-        )
-    )
+    return sources().modules()
 
 
 def run(args: argparse.Namespace) -> int:
@@ -64,53 +58,87 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
     from robomech_ros._kernels.compiling.cache import cache_directory
 
     start = time.perf_counter()
-    modules, place = kernel_modules(), cache_directory()
-    cold = place is not None and not any(place.glob("*.nbi"))
-    compiled = _compiled_in_parallel(modules) if cold else _imported(modules)
+    digests = {name: sources().digest(name) for name in kernel_modules()}
+    place = cache_directory()
+    known = compiled(place) if place else set(digests.values())
+    stale = [name for name, digest in digests.items() if digest not in known]
     progress = _bar if sys.stdout.isatty() and not silent else _plain
-    progress(compiled, len(modules), silent)
+    if stale:
+        progress(_compiled_in_parallel(stale), len(stale), silent)
+    else:
+        progress(_imported(list(digests)), len(digests), silent)
     if place is not None and any(place.glob("*.nbi")):
-        prune(place, _FOLDER)
+        prune(place, _INSTALLATION, digests.values())
     seconds = time.perf_counter() - start
     if not silent and not (silent_if_quick and seconds < _QUICK):
         kept = place or "nowhere: no place to keep them is writable"
-        print(f"{len(modules)} kernel modules in {seconds:.1f} s, kept in {kept}")
+        print(f"{len(digests)} kernel modules in {seconds:.1f} s, kept in {kept}")
 
 
-def _imported(modules: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+def _imported(modules: Sequence[str]) -> Iterator[tuple[str, float]]:
     """Import the modules here; gives each with the seconds that it took."""
     for name in modules:
         yield name, _import(name)
 
 
-def _compiled_in_parallel(modules: tuple[str, ...]) -> Iterator[tuple[str, float]]:
-    """Fill the cache from as many processes as there are cores, each module after what it needs."""
-    order = TopologicalSorter({name: _needs(name, modules) for name in modules})
+def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Fill the cache from as many processes as there are cores, each module after what it needs.
+
+    Of those that can be compiled, the one is next that most remains to be done after.
+    """
+    cores = min(os.cpu_count() or 1, len(modules))
+    needs = {name: sources().imported(name).intersection(modules) for name in modules}
+    remaining = _remaining(needs)
+    order = TopologicalSorter(needs)
     order.prepare()
+    ready: list[str] = []
     running: dict[Future[float], str] = {}
-    with ProcessPoolExecutor(
-        os.cpu_count(),
-        get_context("spawn"),
-        # What a process says of a cache that it finds empty was said here.
-        initializer=logging.disable,
-        initargs=(logging.WARNING,),
-    ) as pool:
+    with ProcessPoolExecutor(cores, get_context("spawn"), initializer=_start_worker) as pool:
         while order.is_active():
-            running.update((pool.submit(_import, name), name) for name in order.get_ready())
+            ready = sorted([*ready, *order.get_ready()], key=remaining.__getitem__)
+            while ready and len(running) < cores:
+                name = ready.pop()
+                running[pool.submit(_import, name)] = name
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 name = running.pop(future)
                 order.done(name)
                 yield name, future.result()
 
 
-def _needs(name: str, modules: tuple[str, ...]) -> set[str]:
-    """List the kernel modules that a kernel module imports."""
-    tree = ast.parse((_FOLDER / f"{name.replace('.', '/')}.py").read_text(encoding="utf-8"))
-    needed = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            needed.update([node.module, *(f"{node.module}.{entry.name}" for entry in node.names)])
-    return {other for other in modules if f"{PACKAGE}.{other}" in needed}
+def _remaining(needs: dict[str, frozenset[str]]) -> dict[str, int]:
+    """Give the length of all that has to wait for each module, one after the other, with its own.
+
+    The length of its source says well enough how long a module takes.
+    """
+    remaining: dict[str, int] = {}
+    for name in reversed(tuple(TopologicalSorter(needs).static_order())):
+        waiting = (remaining[other] for other in remaining if name in needs[other])
+        remaining[name] = sources().path(name).stat().st_size + max(waiting, default=0)
+    return remaining
+
+
+def _start_worker() -> None:
+    """Prepare a process that compiles and does nothing else."""
+    # What it says of kernels that have to be compiled was said here.
+    logging.disable(logging.WARNING)
+    # Numba keeps what it makes: to look for garbage takes time and finds none.
+    gc.disable()
+    _hash_options_faster()
+
+
+def _hash_options_faster() -> None:
+    """Let numba look up the options of a compilation directly, instead of through properties.
+
+    It hashes all of them for every call whose types it infers, a sixth of the whole time.
+    """
+    from numba.core.targetconfig import TargetConfig
+
+    def values(self: TargetConfig) -> dict[str, object]:
+        chosen = self._values
+        return {name: chosen.get(name, option.default) for name, option in self.options.items()}
+
+    if all(hasattr(TargetConfig(), name) for name in ("values", "options", "_values")):
+        TargetConfig.values = values
 
 
 def _import(name: str) -> float:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import ARM_RANK
+from robomech_ros.kinematics.tolerances import ARM_RANK
 
 __all__ = ["common_point", "nearest_points"]
 

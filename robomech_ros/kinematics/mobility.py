@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.chain.serial import jacobian
-from robomech_ros._kernels.tolerances import ARM_MOBILITY
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["arm_size", "mobility", "moves_in_all_directions"]
+
+# Least ratio of singular values, at the best of some postures, of an arm with six of freedom.
+ARM_MOBILITY = 1e-7
 
 Array = NDArray[np.float64]
 

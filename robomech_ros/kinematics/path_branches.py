@@ -5,13 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import (
-    TRACK_HALVINGS,
-    TRACK_JUMP,
-    TRACK_JUMP_SLIDE,
-    TRACK_PARAMETERS,
-    TRACK_SWEEPS,
-)
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.fewest_jumps import fewest_jumps
 from robomech_ros.kinematics.inverse.batch import inverse_kinematics_batch
@@ -26,6 +19,15 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["BranchPath", "branch_path"]
+
+# Largest move of a joint (rad, m) between two poses that is no jump: paths are sampled finer.
+TRACK_JUMP = 0.5
+TRACK_JUMP_SLIDE = 0.1
+# Values of the redundancy parameter at which a path is looked for, how often the distance to the
+# end of a branch is halved, and how often the path is smoothed.
+TRACK_PARAMETERS = 64
+TRACK_HALVINGS = 6
+TRACK_SWEEPS = 8
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import INERTIA_ROUNDING, LARGEST_INERTIA, LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
     MissingInertiaError,
@@ -17,6 +17,12 @@ from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_
 from robomech_ros.spatial.arrays import real_array
 
 __all__ = ["Body", "bodies_carried", "combined", "pack_bodies"]
+
+# Largest mass (kg) and moment of inertia (kg m^2) of a body.
+LARGEST_INERTIA = 1e12
+# Part of the greatest principal moment by which published moments, rounded to three digits, may
+# miss what a body can have.
+INERTIA_ROUNDING = 2e-3
 
 Array = NDArray[np.float64]
 

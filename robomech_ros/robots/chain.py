@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
     MissingLimitsError,
@@ -21,7 +21,7 @@ from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import check_name, check_names, checked_entries
-from robomech_ros.robots.limit_arrays import KEYS, check_limits, position_limits
+from robomech_ros.robots.limit_arrays import KEYS, LARGEST_ANGLE, check_limits, position_limits
 
 __all__ = ["LimitKind", "LinkFrame", "SerialChain"]
 

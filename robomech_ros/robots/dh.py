@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import LARGEST_ANGLE, LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import LinkFrame, SerialChain
@@ -14,7 +14,7 @@ from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable, link_transforms
 from robomech_ros.robots.drives import Drive
 from robomech_ros.robots.entry_checks import check_name, checked_entries
-from robomech_ros.robots.limit_arrays import limit_arrays
+from robomech_ros.robots.limit_arrays import LARGEST_ANGLE, limit_arrays
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import listed, real_array
 

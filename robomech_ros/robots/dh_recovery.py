@@ -8,12 +8,17 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.2.
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import INTERSECTING, PARALLEL_SINE
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["recover_dh"]
+
+# Below this sine two axes count as parallel: the foot of their common normal would lie so far
+# away (distance / sine) that rounding spoils more digits than the neglected angle does.
+PARALLEL_SINE = 1e-8
+# Axes that pass each other by less than this (m) meet: it is rounding for an arm of metre size.
+INTERSECTING = 1e-12
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import AXIS_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.drives import Drive
@@ -25,6 +24,9 @@ from robomech_ros.robots.urdf_inertial import link_bodies
 from robomech_ros.robots.urdf_reader import ElementReader
 
 __all__ = ["description_from_urdf"]
+
+# A joint axis must be given with at least this length before it is normalised.
+AXIS_LENGTH = 1e-9
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ return the one with r0 >= 0, and at phi = pi the one whose first non-zero number
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import QUATERNION_NORM
 from robomech_ros.errors import BadQuaternionError, BadValueError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.matrices import as_rotation
@@ -23,6 +22,10 @@ __all__ = [
     "quaternion_from_matrix",
     "unit_quaternion",
 ]
+
+# Deviation of a quaternion's norm from 1 that is taken for rounding: messages written by hand
+# carry four digits or more.
+QUATERNION_NORM = 1e-3
 
 Array = NDArray[np.float64]
 

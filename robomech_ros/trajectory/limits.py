@@ -8,7 +8,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import (
     BadValueError,
     LimitExceededError,
@@ -18,6 +18,7 @@ from robomech_ros.errors import (
 )
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
 __all__ = [
     "JERK_MARGIN",
@@ -208,7 +209,7 @@ class Limits:
     @cached_property
     def ranges(self) -> FloatArray:
         """Lowest and highest positions, (2, n) in rad or m; finite where a joint has no limit."""
-        largest = tolerances.LARGEST_LENGTH
+        largest = LARGEST_LENGTH
         return np.stack([self.lower.clip(-largest, None), self.upper.clip(None, largest)])
 
     @cached_property
@@ -250,7 +251,7 @@ class Limits:
         """Index of the joint that is farthest outside the position limits, if any."""
         excess = np.maximum(self.lower - position, position - self.upper)
         k = int(np.argmax(excess)) if len(excess) else 0
-        return k if len(excess) and excess[k] > tolerances.POSITION_SLACK else None
+        return k if len(excess) and excess[k] > POSITION_SLACK else None
 
 
 def _names(names: object) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ Roots are given as cosine and sine, so that an angle of half a turn is no specia
 import math
 
 from robomech_ros._kernels.compiling.jit import OUT2, f8, i8, lean, lean_part
-from robomech_ros._kernels.tolerances import DOUBLE_ROOT, VANISHING
 
 __all__ = [
     "cubic_knots",
@@ -16,6 +15,12 @@ __all__ = [
     "square",
     "value",
 ]
+
+# A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
+# The two roots it merges lie within its square root of each other.
+DOUBLE_ROOT = 1e-14
+# Coefficients this small where the largest is of order one are rounding: the equation is void.
+VANISHING = 1e-12
 
 _HALF = math.sqrt(0.5)
 _EIGHTHS = (

@@ -3,9 +3,13 @@
 import math
 
 from robomech_ros._kernels.compiling.jit import inline
-from robomech_ros._kernels.tolerances import ROWS_ORTHOGONAL, SINGULAR
 
 __all__ = ["condition_of", "make_rows_orthogonal", "row_lengths"]
+
+# Least singular value of a Jacobian (of its largest) of a posture that is not called singular.
+SINGULAR = 1e-12
+# Cosine between two rows that counts as zero when singular values are computed.
+ROWS_ORTHOGONAL = 1e-15
 
 # Sweeps over all pairs of rows; six rows need about five.
 _SWEEPS = 30

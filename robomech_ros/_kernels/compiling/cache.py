@@ -1,9 +1,10 @@
 """Where compiled kernels are kept.
 
-Numba looks only at the file a kernel stands in when it decides whether cached code is still
-good; a change of a function that the kernel calls in another file goes unnoticed.  Therefore
-the cache directory is named after a digest of every kernel source together with the versions
-of Python, NumPy and numba.
+Numba looks only at the file a kernel stands in when it decides whether cached code is still good;
+a change of a function that the kernel calls in another file goes unnoticed.  Therefore the name of
+a cached kernel has a digest of its module and of all kernel modules which that one imports: a
+change recompiles what depends on it, and nothing else.  The directory is named after a digest of
+the versions of Python, NumPy, numba and llvmlite.
 """
 
 import functools
@@ -17,37 +18,47 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import llvmlite
 import numba
 import numpy
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 
 __all__ = ["KernelCache", "cache_directory"]
 
 
 class _Locator(_CacheLocator):
-    """Where numba keeps a kernel: in one directory for all installations of the same sources.
+    """Where numba keeps a kernel: in one directory for all installations.
 
     Numba itself would make one for each place that the sources are installed at.
     """
 
-    def __init__(self, module: str, line: int) -> None:
+    def __init__(self, module: str, digest: str, line: int) -> None:
         self._module = module
+        self._digest = digest
         self._line = line
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Locator":
-        return cls(py_func.__module__, py_func.__code__.co_firstlineno)
+        module = py_func.__module__
+        if module.startswith(f"{PACKAGE}."):
+            module = module[len(PACKAGE) + 1 :]
+            digest = sources().digest(module)
+        else:
+            digest = sources().digest(module, Path(py_file))
+        return cls(module, digest, py_func.__code__.co_firstlineno)
 
     def get_cache_path(self) -> str:
         return str(cache_directory())
 
     def get_source_stamp(self) -> str:
-        """Return the digest of all sources."""
-        return os.path.basename(self.get_cache_path())
+        """Return the digest of all sources that the kernel is made from."""
+        return self._digest
 
     def get_disambiguator(self) -> str:
-        """Tell kernels of the same name and line in equally named files of other folders apart."""
-        return f"{self._module}-{self._line}"
+        """Tell equally named kernels of other folders and of other states of the sources apart."""
+        return f"{self._module}-{self._line}-{self._digest}"
 
 
 class _Files(CompileResultCacheImpl):
@@ -59,6 +70,21 @@ class KernelCache(FunctionCache):
 
     _impl_class = _Files
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load a kernel; None where it has to be compiled, which is logged the first time."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            _log_compilation()
+        return found
+
+
+@functools.lru_cache(maxsize=1)
+def _log_compilation() -> None:
+    """Log that kernels are compiled: a minute of silence would look like a program that hangs."""
+    logging.getLogger(__name__).warning(
+        "compiling numeric kernels into %s, once; it may take a minute", cache_directory()
+    )
+
 
 @functools.lru_cache(maxsize=1)
 def cache_directory() -> Path | None:
@@ -67,21 +93,12 @@ def cache_directory() -> Path | None:
     Returns
     -------
     Path or None
-        ``<root>/<digest>`` with root the first usable one of ``$ROBOMECH_CACHE_DIR``,
-        ``$XDG_CACHE_HOME/robomech_ros``, ``~/.cache/robomech_ros`` and a directory of this user
-        under the temporary directory; None where none is writable.
+        ``<root>/<digest of versions>`` with root the first usable one of
+        ``$ROBOMECH_CACHE_DIR``, ``$XDG_CACHE_HOME/robomech_ros``, ``~/.cache/robomech_ros`` and a
+        directory of this user under the temporary directory; None where none is writable.
     """
-    digest = _source_digest()
-    for root in _cache_roots():
-        directory = root / digest
-        if _is_usable(directory):
-            if not any(directory.iterdir()):
-                # A minute without a word would look like a program that hangs.
-                logging.getLogger(__name__).warning(
-                    "compiling the numeric kernels into %s, once; it may take a minute", directory
-                )
-            return directory
-    return None
+    places = (root / _versions() for root in _cache_roots())
+    return next((place for place in places if _is_usable(place)), None)
 
 
 def _cache_roots() -> list[Path]:
@@ -121,12 +138,7 @@ def _is_usable(directory: Path) -> bool:
     return True
 
 
-def _source_digest() -> str:
-    digest = hashlib.sha256()
-    for version in (sys.version, numpy.__version__, numba.__version__):
-        digest.update(version.encode())
-    kernels = Path(__file__).parents[1]
-    for source in sorted(kernels.rglob("*.py")):
-        digest.update(source.relative_to(kernels).as_posix().encode())
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
+def _versions() -> str:
+    """Return a digest of the versions that compile."""
+    versions = (sys.version, numpy.__version__, numba.__version__, llvmlite.__version__)
+    return hashlib.sha256("\0".join(versions).encode()).hexdigest()[:16]

@@ -10,15 +10,15 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse import short_layout as at
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
-from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
-    CONTINUUM_STEP,
-    SAME_POSTURE,
-    SHORT_CONTINUUM,
-    SHORT_SLACK,
-)
+from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP, SAME_POSTURE
 
 __all__ = ["solve_short"]
+
+# Imagined joints this near to zero (rad, or of the size) may be at zero: a polish of the arm itself
+# decides.
+SHORT_SLACK = 1e-3
+# More solutions than this, sought where the completed arm is singular, are a continuum.
+SHORT_CONTINUUM = 8
 
 # Values of a joint that is free in the completed arm only.
 _FREE_VALUES = 16

@@ -29,9 +29,12 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.kinetostatics.indices import fill_weighted
 from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
-from robomech_ros._kernels.tolerances import FACTOR_ZERO, RANK
+from robomech_ros._kernels.tolerances import RANK
 
 __all__ = ["FACTORS", "MOVING", "posture_report"]
+
+# A named factor of the determinant below this is zero in a posture that is singular.
+FACTOR_ZERO = 1e-4
 
 # Places of the numbers: manipulability and condition number in SI units, the latter again with
 # lengths over the length, the factors, and how much each joint moves while the tip does not.

@@ -16,9 +16,11 @@ import numpy as np
 
 from robomech_ros._kernels.algebra.bernstein import to_bernstein
 from robomech_ros._kernels.compiling.jit import IN1, IN3, OUT2, f8, i8, inline, kernel
-from robomech_ros._kernels.tolerances import PEAK_ACCURACY
 
 __all__ = ["peak_above", "piece_extremes"]
+
+# Peaks between samples are located to this part of the largest Bernstein coefficient.
+PEAK_ACCURACY = 1e-11
 
 # Each halving narrows the hull four times; what is left after these is far below any tolerance.
 _HALVINGS = 24

@@ -10,9 +10,12 @@ optimum so far violates asks for work, a program in one variable on its line.
 import math
 
 from robomech_ros._kernels.compiling.jit import inline
-from robomech_ros._kernels.tolerances import ROW_SLACK
 
 __all__ = ["farthest"]
+
+# Excess over a bound, as a part of it, that is rounding in a cell of a time-optimal path: its rows
+# multiply the squared speeds by up to 1e6, one over the length of the shortest cells.
+ROW_SLACK = 1e-10
 
 
 # By how much a line may seem beyond another one, parallel to it, that it coincides with.

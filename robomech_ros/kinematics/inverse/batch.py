@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
-from robomech_ros._kernels.tolerances import MOST_SAMPLED
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
@@ -13,6 +12,7 @@ from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_moti
 from robomech_ros.kinematics.inverse.request import as_cap, as_metric, as_seed
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_flag
 

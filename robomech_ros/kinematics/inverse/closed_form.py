@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.one_pose import TOTAL, solve_one_pose
 from robomech_ros._kernels.inverse.ranking import rank, winding_count
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros._kernels.tolerances import MOST_WINDINGS
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reasons import (
@@ -29,6 +28,10 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["rank_windings", "solve_closed_form"]
+
+# Windings listed for one pose, at most: eight solutions of six joints with three windings each
+# are 5832; a file of limits in thousands of turns must not fill the memory.
+MOST_WINDINGS = 8192
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

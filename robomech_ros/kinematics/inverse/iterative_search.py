@@ -9,12 +9,6 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.inverse.iterative.solutions import search
-from robomech_ros._kernels.tolerances import (
-    REACH_ATTEMPT_ITERATIONS,
-    REACH_ATTEMPTS,
-    REACH_LAST_ITERATIONS,
-    REACH_POSITION_WEIGHT,
-)
 from robomech_ros.kinematics.inverse.families.iterative import MAX_SOLUTIONS
 
 __all__ = [
@@ -23,6 +17,13 @@ __all__ = [
     "iterative_search",
     "least_orientation_error",
 ]
+
+# Attempts and steps in the search for the least orientation error, and the weight of the position
+# there: so large that the position keeps its place to some 1e-6 of the arm's length.
+REACH_ATTEMPTS = 40
+REACH_ATTEMPT_ITERATIONS = 80
+REACH_LAST_ITERATIONS = 1000
+REACH_POSITION_WEIGHT = 1e6
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros._kernels.tolerances import (
-    LEAST_SQUARES_ITERATIONS,
-    LEAST_SQUARES_STALL,
-    LEAST_SQUARES_STARTS,
-)
 from robomech_ros.kinematics.inverse.families.iterative import task_data
 from robomech_ros.kinematics.inverse.iterative_search import iterative_search
 from robomech_ros.kinematics.inverse.request import Request
@@ -20,6 +15,12 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["add_nearest"]
+
+# The posture of least squares: starts, steps of each, and the part of the squared error that six
+# steps may leave; convergence is linear where the error does not vanish.
+LEAST_SQUARES_STARTS = 48
+LEAST_SQUARES_ITERATIONS = 300
+LEAST_SQUARES_STALL = 1.0 - 1e-9
 
 Array = NDArray[np.float64]
 

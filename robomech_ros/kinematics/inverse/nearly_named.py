@@ -22,17 +22,20 @@ from robomech_ros._kernels.inverse.six_joints import (
     THREE_PARALLEL,
     six_joint_postures,
 )
-from robomech_ros._kernels.tolerances import NEARLY_NAMED, SAME_NAMED
 from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.inverse.branch_names import largest_difference
 from robomech_ros.kinematics.inverse.families import decoupled, three_parallel
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
 from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinematics.tolerances import NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["named_branches"]
+
+# A posture is found again (rad) from its own pose to this, though it be a double root.
+SAME_NAMED = 1e-4
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

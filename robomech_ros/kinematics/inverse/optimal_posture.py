@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.kinetostatics.indices import COUNT, MANIPULABILITY, indices
-from robomech_ros._kernels.tolerances import BEST_SECTIONS, BEST_STARTS, SAME_POSTURE
+from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
@@ -20,6 +20,10 @@ from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["CRITERIA", "optimal_posture"]
+
+# Peaks of a criterion that are refined, and golden sections for each: 1e-7 of a step.
+BEST_STARTS = 4
+BEST_SECTIONS = 32
 
 Array = NDArray[np.float64]
 Criterion = Callable[[SerialChain, Array], Array]

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.chain.reach import least_distance
-from robomech_ros._kernels.tolerances import REACH_ITERATIONS, REACH_STARTS, REACHED
+from robomech_ros._kernels.chain.reach import REACHED, least_distance
 from robomech_ros.kinematics.inverse.families.iterative import packed_chain, task_data
 from robomech_ros.kinematics.inverse.iterative_search import least_orientation_error
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
@@ -16,6 +15,11 @@ from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["NO_TIME", "ReachGap", "out_of_reach", "reach_gap"]
+
+# Starts and Newton steps of each in the search for the least distance: every local minimum of
+# the arms in the tests has a basin found within a dozen starts.
+REACH_STARTS = 64
+REACH_ITERATIONS = 60
 
 Array = NDArray[np.float64]
 

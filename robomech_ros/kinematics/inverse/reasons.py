@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
-from robomech_ros._kernels.tolerances import MOVES_IN_CONTINUUM
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
 from robomech_ros.kinematics.inverse.result import (
@@ -28,6 +27,9 @@ __all__ = [
     "explain_unreachable",
     "no_solution",
 ]
+
+# Part in the motion of a continuum (a unit vector, rad or m) below which a joint stands still.
+MOVES_IN_CONTINUUM = 1e-6
 
 Array = NDArray[np.float64]
 

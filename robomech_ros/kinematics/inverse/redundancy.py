@@ -9,7 +9,6 @@ from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import arm_angle, arm_angle_postures
 from robomech_ros._kernels.inverse.redundant.solutions import locked_postures
 from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
-from robomech_ros._kernels.tolerances import SELF_MOTION_APART, SELF_MOTION_NEAR
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.redundant import locked_anyway
 from robomech_ros.kinematics.inverse.families.selection import family_of
@@ -17,6 +16,11 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["Redundancy", "limit_margins"]
+
+# Postures of neighbouring values belong together where no joint moves farther than this (rad or m)
+# and the next nearest pair is so many times farther apart.
+SELF_MOTION_NEAR = 0.3
+SELF_MOTION_APART = 2.0
 
 Array = NDArray[np.float64]
 

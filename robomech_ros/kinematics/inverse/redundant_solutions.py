@@ -4,13 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.solutions import solve_redundant
-from robomech_ros._kernels.tolerances import APPROACHED, MOST_SAMPLED
+from robomech_ros._kernels.inverse.redundant.solutions import APPROACHED, solve_redundant
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
 from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["parameter_name", "sample_self_motions", "solve_by_sampling"]

@@ -10,11 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.ranking import INSIDE, first_outside
-from robomech_ros._kernels.tolerances import (
-    ORIENTATION_TOLERANCE,
-    POSITION_SLACK,
-    POSITION_TOLERANCE,
-)
+from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
@@ -37,6 +33,10 @@ __all__ = [
     "as_tolerance",
     "with_task",
 ]
+
+# A seed this far (rad, m) outside the position limits still counts as on the limit: encoders and
+# text files carry about this resolution.
+SEED_SLACK = 1e-6
 
 Array = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
         q = q.copy()  # as the kernels want it
     if _first_outside(*_seeds(chain), q, 0.0) == INSIDE:
         return q
-    i = _first_outside(chain.lower, chain.upper, q, POSITION_SLACK)
+    i = _first_outside(chain.lower, chain.upper, q, SEED_SLACK)
     if i != INSIDE:
         if not np.isfinite(q).all():
             raise_not_finite(chain, q, "seed")
@@ -167,8 +167,8 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
 @lru_cache(maxsize=128)
 def _seeds(chain: SerialChain) -> tuple[Array, Array]:
     """Give the least and the greatest seed that every request allows."""
-    low = np.maximum(chain.lower - POSITION_SLACK, -chain.largest)
-    return low, np.minimum(chain.upper + POSITION_SLACK, chain.largest)
+    low = np.maximum(chain.lower - SEED_SLACK, -chain.largest)
+    return low, np.minimum(chain.upper + SEED_SLACK, chain.largest)
 
 
 def as_metric(metric: str) -> int:

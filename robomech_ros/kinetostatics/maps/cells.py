@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS, UNDECIDED
-from robomech_ros._kernels.tolerances import MOST_SAMPLED
 from robomech_ros.kinematics.inverse.batch import family_within, solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
 from robomech_ros.kinematics.inverse.request import METRICS
+from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest
 from robomech_ros.robots.chain import SerialChain

@@ -9,13 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.kinetostatics import posture_factors as kind
-from robomech_ros._kernels.tolerances import ARM_RANK, NAMED_MISFIT
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 
 __all__ = ["NamedParts", "named_parts"]
+
+# Axes that miss a common point by less than this (over the size) meet, for the name of a part.
+NAMED_MISFIT = 1e-6
 
 Array = NDArray[np.float64]
 _Joints = tuple[int, ...]

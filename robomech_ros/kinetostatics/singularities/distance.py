@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.tolerances import ON_SINGULARITY, RANK
+from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.kinetostatics.jacobians import jacobian
@@ -15,6 +15,9 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = ["NearestSingularity", "nearest_singular_posture", "singular_posture_from"]
+
+# Least singular value (lengths over the characteristic length) of a posture found to be singular.
+ON_SINGULARITY = 1e-8
 
 Array = NDArray[np.float64]
 

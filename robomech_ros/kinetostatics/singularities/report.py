@@ -9,8 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.kinetostatics.posture_report import FACTORS, MOVING, posture_report
-from robomech_ros._kernels.tolerances import FACTOR_ZERO
+from robomech_ros._kernels.kinetostatics.posture_report import (
+    FACTOR_ZERO,
+    FACTORS,
+    MOVING,
+    posture_report,
+)
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point

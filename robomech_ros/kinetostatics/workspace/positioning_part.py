@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import CONCURRENT
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinematics.tolerances import CONCURRENT
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain

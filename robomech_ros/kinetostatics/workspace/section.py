@@ -17,8 +17,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import ARM_RANK
 from robomech_ros.errors import BadValueError, MissingLimitsError
+from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.kinetostatics.workspace.positioning_part import PositioningPart, positioning_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain

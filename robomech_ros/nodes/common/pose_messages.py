@@ -12,9 +12,8 @@ import numpy as np
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
 from numpy.typing import NDArray
 
-from robomech_ros._kernels.tolerances import QUATERNION_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.quaternions import matrix_from_quaternion
+from robomech_ros.spatial.quaternions import QUATERNION_NORM, matrix_from_quaternion
 
 __all__ = [
     "fill_pose",

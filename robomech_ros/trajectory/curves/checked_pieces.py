@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros._kernels import tolerances
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import hull
@@ -50,7 +50,7 @@ def checked_pieces(
     curve = PiecewisePolynomial(breaks, coefficients)
     with np.errstate(over="ignore", invalid="ignore"):
         largest = float(np.abs(hull(curve, 0)).max())
-    if not largest <= tolerances.LARGEST_LENGTH:
-        expected = f"at most {tolerances.LARGEST_LENGTH:g}"
+    if not largest <= LARGEST_LENGTH:
+        expected = f"at most {LARGEST_LENGTH:g}"
         raise BadValueError(f"largest position on the {what}", largest, expected)
     return curve

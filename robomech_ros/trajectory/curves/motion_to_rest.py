@@ -6,13 +6,13 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits
 from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 
 __all__ = ["MotionThrough", "MotionToRest", "check_positions", "check_rates", "settled"]
 
@@ -98,7 +98,7 @@ def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limi
     ):
         excess = values - edge
         joint = int(np.argmax(excess)) if len(excess) else 0
-        if len(excess) and excess[joint] > tolerances.POSITION_SLACK:
+        if len(excess) and excess[joint] > POSITION_SLACK:
             value = float(low[joint] if bound is limits.lower else high[joint])
             raise LimitExceededError(
                 "position on the way", limits.joint_names[joint], value, float(bound[joint])
@@ -110,7 +110,7 @@ def check_rates(pieces: PiecewisePolynomial, limits: Limits) -> None:
     low, high = extremes(pieces)
     for rate, least, largest in zip(RATES, low[1:], high[1:], strict=True):
         bound = getattr(limits, rate)
-        over = np.flatnonzero(np.maximum(-least, largest) > bound * (1.0 + tolerances.LIMIT_SLACK))
+        over = np.flatnonzero(np.maximum(-least, largest) > bound * (1.0 + LIMIT_SLACK))
         if len(over):
             k = int(over[0])
             falling = -least[k] > largest[k]

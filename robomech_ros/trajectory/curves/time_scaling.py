@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, DurationTooShortError, NonFiniteError
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
 __all__ = ["checked_duration", "fitted", "stretch_needed"]
 
@@ -59,9 +59,9 @@ def fitted(
         If the wanted duration would break a limit.
     """
     factor, joint, rate = stretch_needed(curve, limits)
-    shortest = max(factor * curve.duration, tolerances.SHORTEST_TRAJECTORY)
+    shortest = max(factor * curve.duration, SHORTEST_TRAJECTORY)
     if duration is not None:
-        if duration < shortest - tolerances.DURATION_ROUNDING * (1.0 + shortest):
+        if duration < shortest - DURATION_ROUNDING * (1.0 + shortest):
             raise DurationTooShortError(duration, shortest, limits.joint_names[joint], rate)
         shortest = max(shortest, duration)
     if factor == 0.0:

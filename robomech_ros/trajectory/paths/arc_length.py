@@ -7,18 +7,22 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import (
-    ARC_LENGTH,
-    ARC_LENGTH_HALVINGS,
-    INVERSE_STEPS,
-    VANISHING_SPEED,
-)
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.curve import Curve, as_curve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ArcLength", "ByArcLength", "arc_length", "by_unit_speed", "dot", "measured"]
+
+# Speed, as part of the largest one, below which a curve has no direction: a cusp.
+VANISHING_SPEED = 1e-6
+# An interval is halved until the last coefficients of the speed in it, times the interval, are
+# below this part of the whole length: above the rounding of a sum of sixteen terms.
+ARC_LENGTH = 3e-14
+# Halvings of an interval at most: a billionth of a billionth of it is below rounding.
+ARC_LENGTH_HALVINGS = 50
+# Newton steps for the parameter at an arc length; they double the digits each time.
+INVERSE_STEPS = 12
 
 Speed = Callable[[FloatArray], FloatArray]
 

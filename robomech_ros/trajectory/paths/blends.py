@@ -7,12 +7,12 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import PolynomialCurve, evaluated
 from robomech_ros.trajectory.paths.curve_arguments import as_points, as_positive
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR, NEARLY_HALF_TURN
 
 __all__ = ["Blend", "BlendedPolyline", "blended_polyline"]
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, COLLINEAR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.paths.curve import FunctionCurve
@@ -16,6 +15,7 @@ from robomech_ros.trajectory.paths.curve_arguments import (
     as_vector,
 )
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT, COLLINEAR
 
 __all__ = [
     "arc_about",

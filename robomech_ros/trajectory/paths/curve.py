@@ -7,7 +7,6 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import listed, real_array
 from robomech_ros.spatial.poses import as_pose
@@ -15,6 +14,7 @@ from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT
 
 __all__ = [
     "Curve",

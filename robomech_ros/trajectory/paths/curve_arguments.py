@@ -5,10 +5,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH, PARAMETER_SLACK
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT, PARAMETER_SLACK
 
 __all__ = [
     "as_breaks",

@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import STRAIGHT
 from robomech_ros.trajectory.paths.arc_length import by_unit_speed, dot
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["FrenetSerret", "frenet_serret"]
+
+# Curvature times length below which a curve is straight there: nine digits of its second
+# derivative are gone, and no normal is left in the others.
+STRAIGHT = 1e-9
 
 # Where a curved neighbour of a straight place is looked for: so many places in each part between
 # breaks, and so many halvings to the last one that is curved.

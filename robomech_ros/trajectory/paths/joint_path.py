@@ -5,14 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import AT_REST, PARAMETER_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve_arguments import as_parameters
 from robomech_ros.trajectory.paths.pose_path import PosePath
 from robomech_ros.trajectory.sample import FloatArray, Sample, Trajectory, checked_times
+from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
 
 __all__ = ["JointMotion", "JointPath", "check_follows"]
+
+# Speed of a time law, over its mean, that is rest where the path has a corner.
+AT_REST = 1e-6
 
 # Halvings of the duration to find when a stop is reached: to rounding.
 _HALVINGS = 60

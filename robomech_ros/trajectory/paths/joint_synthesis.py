@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import CLOSED
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
 from robomech_ros.spatial.poses import pose_error
@@ -21,6 +20,10 @@ from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["joint_spline", "tracking_error"]
+
+# Joint values (rad, m) that differ by less where a path closes are the same: what correcting each
+# leaves open near a singularity.
+CLOSED = 1e-6
 
 _MOST_POSES = 100_000
 

@@ -6,7 +6,6 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import NEARLY_HALF_TURN, TURN_STEP
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
 from robomech_ros.spatial.matrices import as_rotation
@@ -16,6 +15,7 @@ from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_paramete
 from robomech_ros.trajectory.paths.frenet import frenet_serret
 from robomech_ros.trajectory.paths.rotation_vectors import angular_motion, applied
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
 
 __all__ = [
     "FrenetOrientation",
@@ -28,6 +28,9 @@ __all__ = [
     "geodesic_orientation",
     "turns_between",
 ]
+
+# Turn (rad) of a moving frame within the least interval looked at that is a jump.
+TURN_STEP = 1e-3
 
 # Where the Frenet frame is looked at, in each part between breaks.
 _PLACES = 64

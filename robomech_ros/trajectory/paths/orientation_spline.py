@@ -3,7 +3,6 @@
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, SPLINE_STEPS
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
@@ -21,8 +20,12 @@ from robomech_ros.trajectory.paths.rotation_vectors import (
 )
 from robomech_ros.trajectory.paths.spline_curves import as_ends
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT
 
 __all__ = ["orientation_spline"]
+
+# Newton steps for a rotation spline; convergence is quadratic.
+SPLINE_STEPS = 50
 
 # In how many parts the quadratic term is brought in: all at once serves nearly always.
 _PARTS = (1, 8, 64)

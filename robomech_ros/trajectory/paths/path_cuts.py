@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import POSITION_SLACK
 from robomech_ros.trajectory.curves.bounds import first_above, hull
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.tracking_result import PathCut, PathTrackingStatus
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
 __all__ = ["PLACES", "last_good_place", "limit_cut"]
 

@@ -6,13 +6,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import (
-    AT_START,
-    LEAST_TOLERANCE,
-    MOST_STEPS,
-    SHORTEST_STEP,
-    TRACK_JUMP,
-)
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -33,6 +26,20 @@ from robomech_ros.trajectory.paths.tracking_result import PathTracking, PathTrac
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["track_path"]
+
+# A joint that moves farther than this (rad, m) between two postures has jumped: they lie closer.
+JUMP = 0.5
+
+# Deviation (rad, m) of the given joint values from the start of a path that a correction may take
+# away; from farther off inverse kinematics is asked.
+AT_START = 1e-3
+# Least tolerance (rad, m) of a joint path between its postures: rounding, with room.
+LEAST_TOLERANCE = 1e-10
+# Least step along a path, as part of the distance of two breaks: a path that needs shorter ones is
+# singular there.
+SHORTEST_STEP = 1e-7
+# Steps between two breaks at most; with the least tolerance a loop of a metre takes a few hundred.
+MOST_STEPS = 10_000
 
 # First step, as part of the path between two breaks, and bounds of the change from step to step.
 _FIRST = 0.125
@@ -267,7 +274,7 @@ def _cut_short(
         else:
             move = np.abs(found - here.q)
             reason = f"joint values change too fast, condition number {here.condition:.3g}"
-            if move.max() > TRACK_JUMP:
+            if move.max() > JUMP:
                 status, joint = PathTrackingStatus.JUMP, int(np.argmax(move))
                 name = joint if limits is None else f"'{limits.joint_names[joint]}'"
                 reason = f"joint {name} would have to jump by {move[joint]:.3g} (rad or m)"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT, LARGEST_LENGTH
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import as_pose
@@ -24,6 +24,7 @@ from robomech_ros.trajectory.paths.orientation import (
 from robomech_ros.trajectory.paths.orientation_spline import orientation_spline
 from robomech_ros.trajectory.paths.pose_path import PosePath, pose_path
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT
 
 __all__ = ["TURN_RADIUS", "arc_path", "spline_path", "straight_path"]
 

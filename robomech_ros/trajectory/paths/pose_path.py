@@ -8,15 +8,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import PARAMETER_SLACK, RATE_STEP
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.paths.arc_length import ArcLength, dot, measured
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_number, as_parameters
 from robomech_ros.trajectory.paths.orientation import Orientation
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import PARAMETER_SLACK
 
 __all__ = ["PosePath", "PoseSample", "pose_path"]
+
+# Step of a twist, over a unit of the path and turned into lengths by the path's own, that is no
+# rounding: second derivatives of blends of a millimetre keep eight digits.
+RATE_STEP = 1e-7
 
 
 class PoseSample(NamedTuple):

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros._kernels.tolerances import CORRECTED, CORRECTIONS, ON_PATH
 from robomech_ros.spatial.cross_product import axial_vector
 from robomech_ros.trajectory.paths.arms import Arm, checked_array
 from robomech_ros.trajectory.paths.pose_path import PoseSample
@@ -17,6 +16,15 @@ __all__ = [
     "pose_deviation",
     "posture",
 ]
+
+# Change of joint values (rad, m, relative beyond 1) by a Newton step that ends the correction of a
+# posture: convergence is quadratic, the next one would be rounding.
+CORRECTED = 1e-11
+# Error (rad, and m, relative beyond 1) a corrected pose may have: rounding of the kinematics of an
+# arm, with room.
+ON_PATH = 1e-9
+# Newton steps for a posture from a predicted one; those that go well need two or three.
+CORRECTIONS = 10
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from typing import cast, get_args
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.tolerances import COINCIDENT
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array, real_number
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
@@ -13,6 +12,7 @@ from robomech_ros.trajectory.curves.quintic_spline import Ends, quintic_spline
 from robomech_ros.trajectory.paths.curve import PolynomialCurve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_points
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import COINCIDENT
 
 __all__ = ["as_ends", "spline_curve"]
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_positions
@@ -25,6 +24,7 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, checked_list
 from robomech_ros.trajectory.timing.path_sections import jump
 from robomech_ros.trajectory.timing.section_timing import SECTION_TIMINGS, PathSection
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING
 
 __all__ = ["PATH_PROFILES", "PathMotion", "TipSpeeds", "along_joint_path", "along_path"]
 
@@ -282,7 +282,7 @@ def _joined(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def _check_wanted(seconds: float, curve: PiecewisePolynomial, limits: Limits) -> None:
-    slack = tolerances.DURATION_ROUNDING * (1.0 + curve.duration)
+    slack = DURATION_ROUNDING * (1.0 + curve.duration)
     if seconds < curve.duration - slack:
         factor, joint, rate = stretch_needed(curve, limits)
         name = limits.joint_names[joint] if factor > 1.0 - _BINDING else "of the tool"

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.trajectory.curves.bounds import extremes_and_steps, first_above, hull, steps
@@ -15,6 +14,7 @@ from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits, Rate
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 
 __all__ = ["Verification", "Violation", "first_violation", "verify"]
@@ -101,7 +101,7 @@ def verify(
     limits: JointLimits | Any,
     *,
     start: npt.ArrayLike | None = None,
-    start_tolerance: float = tolerances.POSITION_SLACK,
+    start_tolerance: float = POSITION_SLACK,
     from_zero: bool = True,
     to_rest: bool = True,
     rates: Sequence[Rate] = RATES,
@@ -161,10 +161,10 @@ def verify(
     found = list(_ends(curve, known, start, start_tolerance, from_zero, to_rest))
     allowed = _allowed_steps(trajectory, curve, known, rates)
     good = (
-        (low[0] >= known.lower - tolerances.POSITION_SLACK).all()
-        and (high[0] <= known.upper + tolerances.POSITION_SLACK).all()
+        (low[0] >= known.lower - POSITION_SLACK).all()
+        and (high[0] <= known.upper + POSITION_SLACK).all()
         and (largest[:3] <= allowed).all()
-        and (ratios[checked] <= 1.0 + tolerances.LIMIT_SLACK).all()
+        and (ratios[checked] <= 1.0 + LIMIT_SLACK).all()
     )
     if not good:
         found += _violations(curve, known, doubts, allowed, rates)
@@ -177,7 +177,7 @@ def first_violation(
     limits: JointLimits | Any,
     *,
     start: npt.ArrayLike | None = None,
-    start_tolerance: float = tolerances.POSITION_SLACK,
+    start_tolerance: float = POSITION_SLACK,
     from_zero: bool = True,
     to_rest: bool = True,
     rates: Sequence[Rate] = RATES,
@@ -276,7 +276,7 @@ def _ends(
         )
     if to_rest:
         last = curve.sample(end)
-        slacks, rest = tolerances.LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
+        slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
         for what, values, slack in (
             ("final velocity", last.velocity, slacks[0]),
             ("final acceleration", last.acceleration, slacks[1]),
@@ -301,7 +301,7 @@ def _worst(
 def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
     coefficients = hull(curve, 0)
     for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
-        place = first_above(sign * coefficients, sign * bound + tolerances.POSITION_SLACK)
+        place = first_above(sign * coefficients, sign * bound + POSITION_SLACK)
         if place is not None:
             yield _described(curve, 0, limits.joint_names, place, sign, bound)
 
@@ -318,14 +318,14 @@ def _allowed_steps(
 ) -> FloatArray:
     """Find how far position, velocity and acceleration may step, shape (3, n)."""
     allowed = np.empty((3, curve.joints))
-    allowed[0], allowed[1:] = tolerances.POSITION_SLACK, np.inf
+    allowed[0], allowed[1:] = POSITION_SLACK, np.inf
     if "acceleration" not in rates:
         return allowed
     limited = np.isfinite(limits.acceleration)
     if curve.coefficients[2:].any():
-        np.multiply(tolerances.LIMIT_SLACK, limits.scales[0], out=allowed[1], where=limited)
+        np.multiply(LIMIT_SLACK, limits.scales[0], out=allowed[1], where=limited)
     if not getattr(trajectory, "ACCELERATION_STEPS", True):
-        np.multiply(tolerances.LIMIT_SLACK, limits.scales[1], out=allowed[2], where=limited)
+        np.multiply(LIMIT_SLACK, limits.scales[1], out=allowed[2], where=limited)
     return allowed
 
 
@@ -346,7 +346,7 @@ def _rate_violations(
     curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray
 ) -> Iterable[Violation]:
     bound = getattr(limits, rate)
-    allowed = bound * (1.0 + tolerances.LIMIT_SLACK) + doubt
+    allowed = bound * (1.0 + LIMIT_SLACK) + doubt
     coefficients = hull(curve, order)
     for sign in (1.0, -1.0):
         place = first_above(sign * coefficients, allowed)

@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError, LimitExceededError
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
@@ -22,6 +21,7 @@ from robomech_ros.trajectory.profiles.ruckig_phases import (
     rest_to_rest,
 )
 from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
 
 __all__ = ["JerkLimited", "binding_rates", "check_state", "curve_of"]
 
@@ -99,14 +99,14 @@ class JerkLimited:
             If Ruckig fails.
         """
         if start_velocity is None and start_acceleration is None and duration is None:
-            course = rest_to_rest(goal - start, limits, tolerances.SHORTEST_TRAJECTORY)
+            course = rest_to_rest(goal - start, limits, SHORTEST_TRAJECTORY)
             if course is not None:
                 return cls(start, goal, limits, course)
         rest = np.zeros(len(start))
         velocity = rest if start_velocity is None else start_velocity
         acceleration = rest if start_acceleration is None else start_acceleration
         check_state("start", limits, velocity, acceleration)
-        least = tolerances.SHORTEST_TRAJECTORY
+        least = SHORTEST_TRAJECTORY
         moving = bool(velocity.any() or acceleration.any())
         if moving and duration is not None:
             least = max(least, duration)
@@ -165,8 +165,8 @@ class JerkLimited:
 
     def _check_duration(self, wanted: float, alone: FloatArray, limits: Limits) -> None:
         """Refuse where Ruckig needed longer than wanted."""
-        slack = tolerances.DURATION_ROUNDING * (1.0 + wanted)
-        if self.duration <= max(wanted, tolerances.SHORTEST_TRAJECTORY) + slack:
+        slack = DURATION_ROUNDING * (1.0 + wanted)
+        if self.duration <= max(wanted, SHORTEST_TRAJECTORY) + slack:
             return
         joint = int(np.argmax(alone))
         names = binding_rates(self.pieces, limits, joint)
@@ -179,7 +179,7 @@ def binding_rates(pieces: PiecewisePolynomial, limits: Limits, joint: int) -> st
     binding = []
     for order, rate in enumerate(RATES, start=1):
         peak = max(-low[order, joint], high[order, joint])
-        if peak > (1.0 - tolerances.LIMIT_SLACK) * getattr(limits, rate)[joint]:
+        if peak > (1.0 - LIMIT_SLACK) * getattr(limits, rate)[joint]:
             binding.append(rate)
     return " and ".join(binding) or "jerk"
 
@@ -188,7 +188,7 @@ def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: Fl
     """Raise `LimitExceededError` where the rates (n,) at an end of a motion are over a limit."""
     for rate, values in (("velocity", velocity), ("acceleration", acceleration)):
         bound = getattr(limits, rate)
-        over = np.flatnonzero(np.abs(values) > bound * (1.0 + tolerances.LIMIT_SLACK))
+        over = np.flatnonzero(np.abs(values) > bound * (1.0 + LIMIT_SLACK))
         if len(over):
             k = int(over[0])
             raise LimitExceededError(

@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions, check_rates
@@ -17,6 +16,7 @@ from robomech_ros.trajectory.limits import RATES, JointLimits, Limits
 from robomech_ros.trajectory.profiles.jerk_limited import binding_rates, check_state, curve_of
 from robomech_ros.trajectory.profiles.ruckig_phases import jerk_phases
 from robomech_ros.trajectory.sample import FloatArray, Sample
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
 __all__ = ["StateToState", "state_to_state"]
 
@@ -150,10 +150,10 @@ def state_to_state(
     check_state("start", allowed, *begin)
     check_state("final", allowed, *end)
     wanted = checked_duration(duration)
-    least = max(wanted or 0.0, tolerances.SHORTEST_TRAJECTORY)
+    least = max(wanted or 0.0, SHORTEST_TRAJECTORY)
     phases = jerk_phases(goal - start, *begin, allowed, least, *end)
     pieces = curve_of(phases, start, goal, end[0])
-    if wanted is not None and pieces.duration > least + tolerances.DURATION_ROUNDING * (1 + least):
+    if wanted is not None and pieces.duration > least + DURATION_ROUNDING * (1 + least):
         joint = int(np.argmax(phases.alone))
         names = binding_rates(pieces, allowed, joint)
         raise DurationTooShortError(wanted, pieces.duration, allowed.joint_names[joint], names)

@@ -3,10 +3,10 @@
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, TypeVar
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import DurationTooShortError
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
 __all__ = ["StraightMotion"]
 
@@ -50,10 +50,10 @@ class StraightMotion(ABC):
             If the wanted duration would break a limit.
         """
         least, shape = cls._fastest(start, goal, limits)
-        shortest = tolerances.SHORTEST_TRAJECTORY
+        shortest = SHORTEST_TRAJECTORY
         lasting = least if least > shortest else shortest
         if duration is not None:
-            slack = tolerances.DURATION_ROUNDING * (1.0 + lasting)
+            slack = DURATION_ROUNDING * (1.0 + lasting)
             if duration < lasting - slack and least > duration:
                 rate, joint = cls._binding(start, goal, limits)
                 raise DurationTooShortError(duration, lasting, limits.joint_names[joint], rate)

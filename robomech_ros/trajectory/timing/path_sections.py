@@ -4,12 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import PATH_STANDSTILL, PATH_STEP
 
 __all__ = ["checked_path", "jump", "sections"]
 
@@ -72,7 +72,7 @@ def jump(curve: PiecewisePolynomial, order: int) -> np.ndarray:
     # What the rounding of positions does to a derivative over the shorter of both pieces.
     shorter = np.minimum(curve.spans[1:], curve.spans[:-1])[:, None]
     rounding = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
-    allowed = tolerances.PATH_STEP * size + 100.0 * rounding / shorter**order
+    allowed = PATH_STEP * size + 100.0 * rounding / shorter**order
     stepping: np.ndarray = (step > allowed).any(axis=1)
     return stepping
 
@@ -83,7 +83,7 @@ def _moves(curve: PiecewisePolynomial) -> np.ndarray:
         return np.zeros(1, bool)
     way = np.abs(hull(curve, 1)).max(axis=0) * curve.spans[:, None]
     rounding: FloatArray = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
-    moving: np.ndarray = (way > np.maximum(rounding, tolerances.PATH_STANDSTILL)).any(axis=1)
+    moving: np.ndarray = (way > np.maximum(rounding, PATH_STANDSTILL)).any(axis=1)
     return moving
 
 

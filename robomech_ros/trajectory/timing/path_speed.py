@@ -7,19 +7,24 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros._kernels.timing import bends as time_bends
 from robomech_ros._kernels.timing import bounds as time_bounds
 from robomech_ros._kernels.timing import optimal as time_optimal
 from robomech_ros._kernels.timing import peaks as time_peaks
 from robomech_ros._kernels.timing import pieces as time_pieces
 from robomech_ros._kernels.timing import rows as time_rows
+from robomech_ros._kernels.timing.planar_program import ROW_SLACK
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.trajectory.tolerances import LIMIT_SLACK, PATH_STEP
 
 __all__ = ["PathLimits", "SpeedProfile", "Timed", "fastest"]
+
+# Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
+# their pieces in time may miss, it is less than LIMIT_SLACK.
+TIMING_MARGIN = 2e-7
 
 # Cells of the first grid: in a piece of the path, and in a path of few pieces.
 _CELLS_IN_PIECE = 16
@@ -70,12 +75,12 @@ class PathLimits:
     @cached_property
     def velocity_scales(self) -> FloatArray:
         """One over the velocity limits, with a margin for rounding, shape (n,)."""
-        return (1.0 + tolerances.TIMING_MARGIN) / self.velocity
+        return (1.0 + TIMING_MARGIN) / self.velocity
 
     @cached_property
     def acceleration_scales(self) -> FloatArray:
         """One over the acceleration limits, with a margin for rounding, shape (n,)."""
-        return (1.0 + tolerances.TIMING_MARGIN) / self.acceleration
+        return (1.0 + TIMING_MARGIN) / self.acceleration
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,9 +162,9 @@ class Timed:
         """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
 
         All peaks are found between the samples as well; what is over by less than half of
-        `tolerances.LIMIT_SLACK` counts as rounding.
+        `LIMIT_SLACK` counts as rounding.
         """
-        slower, floor = 1.0, 1.0 + 0.5 * tolerances.LIMIT_SLACK
+        slower, floor = 1.0, 1.0 + 0.5 * LIMIT_SLACK
         for order, limit in enumerate(limits, 1):
             given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
             peak = float(time_peaks.peak_above(*given, order, floor))
@@ -281,7 +286,7 @@ def _last_rate(local: FloatArray, spans: FloatArray) -> FloatArray:
     powers = np.arange(1.0, local.shape[2])
     terms = local[-1, :, 1:] * powers * spans[-1] ** (powers - 1.0)
     rate: FloatArray = terms.sum(axis=1)
-    rate[np.abs(rate) <= tolerances.PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
+    rate[np.abs(rate) <= PATH_STEP * np.abs(terms).max(axis=1)] = 0.0
     return rate
 
 
@@ -295,7 +300,7 @@ def _passes(
     for wanted, node, coefficients in ((begin, 0, rows[0][0]), (end, -1, rows[1][-1])):
         # The range from which the end can be reached begins at the wanted square but for rounding.
         change = abs(squares[node] - wanted) * np.abs(coefficients).max(initial=0.0)
-        if wanted >= 0.0 and change <= tolerances.ROW_SLACK:
+        if wanted >= 0.0 and change <= ROW_SLACK:
             squares[node] = wanted
     return squares, None if status == time_optimal.DONE else int(where[0])
 
@@ -312,7 +317,7 @@ def _differences(
     ):
         possible = float(np.sqrt(square))
         free = _square(wanted, rate) < 0.0
-        near = free or abs(possible - wanted) <= tolerances.LIMIT_SLACK * wanted
+        near = free or abs(possible - wanted) <= LIMIT_SLACK * wanted
         found.append((which, wanted, possible, near))
     return found
 
@@ -343,7 +348,7 @@ def _bounds(
     time_bounds.joint_rates(local, spans, limits.velocity_scales, rates)
     time_bounds.speed_bounds(rates, bends, bounds)
     if limits.speeds:
-        margin = 1.0 + tolerances.TIMING_MARGIN
+        margin = 1.0 + TIMING_MARGIN
         others = np.stack([speed.powers(nodes) * margin for speed in limits.speeds], axis=1)
         time_bounds.speed_bounds(others, bends, bounds)
     if limits.square is not None:
@@ -370,7 +375,7 @@ def _rows(
         first[:, :start] *= less
         second[:, :start] *= less
     for torques in limits.torques:
-        margin = 1.0 + tolerances.TIMING_MARGIN
+        margin = 1.0 + TIMING_MARGIN
         a, b, c = (margin * powers for powers in torques.powers(nodes))
         time_rows.other_rows(a, b, c, spans, bends, start, first, second, rest)
         start += 7 * torques.count

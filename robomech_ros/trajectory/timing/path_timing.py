@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
@@ -36,8 +35,13 @@ from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.timing.path_sections import checked_path, sections
 from robomech_ros.trajectory.timing.path_speed import PathLimits, Timed, fastest
+from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 
 __all__ = ["TimeOptimal", "time_optimal"]
+
+# The pieces in time of a time-optimal motion give back the accelerations of the path up to this
+# part.
+TIMING_ACCURACY = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +52,7 @@ class TimeOptimal:
     ----------
     pieces : PiecewisePolynomial
         The motion: quintic polynomials of time, which follow the path with an error far below its
-        accelerations' share of `tolerances.TIMING_ACCURACY`, and meet it where they meet.
+        accelerations' share of `TIMING_ACCURACY`, and meet it where they meet.
     coordinates : ndarray, shape (p + 1,)
         Path coordinates where the p pieces begin and end.
     speeds : ndarray, shape (p + 1,)
@@ -180,7 +184,7 @@ def time_optimal(
 
 def _shortest(part: PiecewisePolynomial, allowed: PathLimits, begin: float, end: float) -> Timed:
     profile = fastest(part, allowed, begin, end)
-    timed = profile.timed(allowed.acceleration_scales, tolerances.TIMING_ACCURACY)
+    timed = profile.timed(allowed.acceleration_scales, TIMING_ACCURACY)
     return timed.within(allowed.velocity, allowed.acceleration)
 
 
@@ -197,7 +201,7 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
     """Put the motions through all sections one after the other; stand still where there is none."""
     if not motions:
         coefficients = curve.coefficients[:1, :1].copy()
-        times = np.array([0.0, tolerances.SHORTEST_TRAJECTORY])
+        times = np.array([0.0, SHORTEST_TRAJECTORY])
         pieces = PiecewisePolynomial(times, coefficients)
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
     starts: FloatArray = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
@@ -211,6 +215,6 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
     )
     speeds = np.concatenate([*(m.speeds[:-1] for m in motions), motions[-1].speeds[-1:]])
     joined = Timed(pieces, coordinates, speeds)
-    slower = max(tolerances.SHORTEST_TRAJECTORY / float(starts[-1]), 1.0)
+    slower = max(SHORTEST_TRAJECTORY / float(starts[-1]), 1.0)
     joined = joined.stretched(slower)
     return TimeOptimal(joined.pieces, joined.coordinates, joined.speeds)

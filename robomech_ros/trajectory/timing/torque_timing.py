@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels import tolerances
 from robomech_ros._kernels.timing import rows as time_rows
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
@@ -33,6 +32,7 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
 from robomech_ros.trajectory.timing.path_sections import checked_path
 from robomech_ros.trajectory.timing.path_timing import TimeOptimal, time_optimal
+from robomech_ros.trajectory.tolerances import PATH_STANDSTILL
 
 __all__ = ["Dynamics", "Friction", "torque_limited"]
 
@@ -190,7 +190,7 @@ class _Model:
 
     def tangent(self, rates: FloatArray, s: FloatArray, speed: "_Speed") -> tuple[FloatArray, ...]:
         """Friction as ``value + slope square`` of the square of the speed along the path."""
-        now = np.maximum(speed(s), tolerances.PATH_STANDSTILL)[:, None]
+        now = np.maximum(speed(s), PATH_STANDSTILL)[:, None]
         least = np.maximum(now, _LEAST_SPEED * speed.highest)
         more, less = (self.lost(rates * (least * (1.0 + d))) for d in (_DIFFERENCE, -_DIFFERENCE))
         slope = (more - less) / (4.0 * _DIFFERENCE * least**2)

@@ -40,17 +40,17 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     measure,
     sine_of,
 )
-from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
-    FOLD_APART,
-    NEAR_DOUBLE,
-    NEAR_SINGULAR,
-    POLISH_ABOVE,
-    SAME_POSTURE,
-    SHARP,
-)
+from robomech_ros._kernels.tolerances import ACCEPTED, NEAR_DOUBLE, POLISH_ABOVE, SAME_POSTURE
 
 __all__ = ["ARM_ROWS", "MOST_ARMS", "arm_error", "arm_postures", "is_among", "step_aside"]
+
+# Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
+# two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).
+NEAR_SINGULAR = 3e-2
+# A second solution beside a fold must be this good (rad, and lengths over the size) ...
+SHARP = 1e-12
+# ... and this far from the first (rad), some ten times what such an error leaves open.
+FOLD_APART = 1e-5
 
 # Postures of the arm that are kept: twice as many as there can be apart from a continuum.
 MOST_ARMS = 8

@@ -24,6 +24,7 @@ second joint first; the quartic is the same.
 import math
 
 from robomech_ros._kernels.algebra.polynomials import (
+    DOUBLE_ROOT,
     order_one_roots,
     order_two_roots,
     square,
@@ -38,7 +39,7 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     FREE_3,
     enter_turn,
 )
-from robomech_ros._kernels.tolerances import DOUBLE_ROOT, ON_AXIS
+from robomech_ros._kernels.tolerances import ON_AXIS
 
 __all__ = [
     "across",

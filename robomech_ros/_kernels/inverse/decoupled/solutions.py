@@ -29,7 +29,10 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.inverse.decoupled.arm import (
     ARM_ROWS,
+    FOLD_APART,
     MOST_ARMS,
+    NEAR_SINGULAR,
+    SHARP,
     arm_error,
     arm_postures,
     is_among,
@@ -51,18 +54,15 @@ from robomech_ros._kernels.inverse.decoupled.wrist import (
     spherical_wrist,
 )
 from robomech_ros._kernels.inverse.polishing import call_polish
-from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
-    ARM_ROUNDING,
-    FOLD_APART,
-    IDEALISED_SLACK,
-    NEAR_SINGULAR,
-    PARALLEL_AT_FOLD,
-    PARALLEL_AXES,
-    SHARP,
-)
+from robomech_ros._kernels.tolerances import ACCEPTED, IDEALISED_SLACK, PARALLEL_AXES
 
 __all__ = ["solve_decoupled"]
+
+# Near a singularity of the arm its joints are uncertain by this over the determinant of its
+# Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
+# from parallel the axes may then be found.
+ARM_ROUNDING = 1e-14
+PARALLEL_AT_FOLD = 3e-5
 
 # Values of a free joint that are tried where its own leads to no reachable orientation.
 _TRIES = 24

@@ -34,9 +34,11 @@ from robomech_ros._kernels.compiling.jit import (
     part,
 )
 from robomech_ros._kernels.inverse.general import layout as at
-from robomech_ros._kernels.tolerances import GENERAL_RANK
 
 __all__ = ["complete_form", "demanded", "free_equations", "left_side", "right_side"]
+
+# A pivot below this (of the first) is zero: there is nothing left to eliminate.
+GENERAL_RANK = 1e-13
 
 _HALF_ROOT = math.sqrt(0.75)
 # Three values of a turn and of a slide.

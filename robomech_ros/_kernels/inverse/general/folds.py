@@ -11,9 +11,18 @@ import numpy as np
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IIN1, IN2, b1, f8, i8, inline, part
 from robomech_ros._kernels.inverse.general.determinant import null_space
-from robomech_ros._kernels.tolerances import FOLD_RANK, FOLD_STEP, GENERAL_CORANK
+from robomech_ros._kernels.tolerances import GENERAL_CORANK
 
 __all__ = ["all_simple"]
+
+# Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
+# away, in the direction that it lacks, by this (per half a square of the step) where two solutions
+# have become one and no more: above what rounding leaves of zero.
+FOLD_LEAST = 1e-7
+# The step (rad) over which that is seen.
+FOLD_STEP = 1e-4
+# At a fold the last pivot but one must be this much of what the last one must be elsewhere.
+FOLD_RANK = 0.1
 
 
 @inline

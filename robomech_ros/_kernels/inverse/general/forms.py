@@ -31,26 +31,14 @@ from robomech_ros._kernels.inverse.general.settling import (
     regularity,
     settle,
 )
-from robomech_ros._kernels.inverse.general.slides import MAX_TRIALS, slide_postures
-from robomech_ros._kernels.inverse.polishing import call_polish
-from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
-    CLUSTER_GAP,
-    CLUSTER_LEAST_GAP,
-    CLUSTER_PENCIL,
-    CLUSTER_WIDTH,
-    GENERAL_ERROR,
+from robomech_ros._kernels.inverse.general.slides import (
     GENERAL_FREE_VALUES,
-    GENERAL_MARGIN,
-    GENERAL_SAMPLINGS,
-    GENERAL_SINGULAR,
-    GENERAL_STEPS,
     GENERAL_VOID,
-    MOST_CONTINUA,
-    SAME_MULTIPLE,
-    SAME_POSTURE,
-    SAME_SINGULAR,
+    MAX_TRIALS,
+    slide_postures,
 )
+from robomech_ros._kernels.inverse.polishing import call_polish
+from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, SAME_POSTURE
 
 __all__ = [
     "CONTINUA",
@@ -65,6 +53,32 @@ __all__ = [
     "solve_form",
     "solve_slides",
 ]
+
+# Below this the unknowns that a form eliminates are too dependent for it.
+GENERAL_MARGIN = 1e-6
+# Samplings allowed for one determinant: ten times what any pose of the arms tested needs that is
+# not singular.
+GENERAL_SAMPLINGS = 16
+# So many times the width of a cluster of zeros (rad) the next pivot of the matrix (of the first)
+# must be, for all postures of the cluster to be one, or merged ones nearer than can be told.
+CLUSTER_GAP = 100.0
+# Least of the same where the cluster is narrower than rounding lets a pivot be.
+CLUSTER_LEAST_GAP = 1e-6
+# Widest cluster (rad) of which that can be told; a fold's is some 1e-5.
+CLUSTER_WIDTH = 5e-5
+# Below this pivot (of the first) two postures are looked for.
+CLUSTER_PENCIL = 5e-2
+# Newton steps for a posture from a simple zero.
+GENERAL_STEPS = 12
+# Error (rad, and lengths over a size beyond a metre) that may remain: far less than ACCEPTED, since
+# where m solutions have become one the posture is off by the m-th root of it.
+GENERAL_ERROR = 1e-11
+# Singular postures nearer to each other than this (rad) are one: the square root of the pose's
+# rounding, with room; and up to a higher root of it where there is one halfway, too.
+SAME_SINGULAR = 1e-5
+SAME_MULTIPLE = 5e-2
+# Solutions that are entered for the continua of one pose: room is left for the others.
+MOST_CONTINUA = 6
 
 MAX_SOLUTIONS = 16
 # Places near which a posture may be where the determinant only comes near zero.

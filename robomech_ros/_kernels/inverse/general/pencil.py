@@ -11,9 +11,13 @@ import math
 import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline
-from robomech_ros._kernels.tolerances import PENCIL_IS_PRODUCT, PENCIL_VOID
 
 __all__ = ["MOST_VECTORS", "pencil_vectors"]
+
+# Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
+PENCIL_VOID = 1e-4
+# Value of these equations below which a vector may belong to a posture.
+PENCIL_IS_PRODUCT = 5e-2
 
 MOST_VECTORS = 4
 # x_a x_b + w x_c x_d = 0: a, b, c, d, w.

@@ -39,17 +39,26 @@ from robomech_ros._kernels.inverse.general.circle_tables import (
     TO_SINES,
 )
 from robomech_ros._kernels.inverse.general.determinant import determinant
-from robomech_ros._kernels.tolerances import (
-    DETERMINANT_NOISE,
-    GENERAL_ANEW,
-    GENERAL_HALVINGS,
-    GENERAL_NEAR_ZERO,
-    GENERAL_ROUGH_WIDTH,
-    GENERAL_ROUNDING,
-    GENERAL_WIDTH,
-)
 
 __all__ = ["MAX_ROOTS", "isolate", "near_zeros", "sample"]
+
+# Rounding of the determinant, over the product of all pivots but the least: a dozen eliminations
+# of entries of order one, which are themselves rounded.
+DETERMINANT_NOISE = 1e-14
+# An interval is sampled anew where no coefficient exceeds its rounding more often than this.
+GENERAL_ANEW = 1e4
+# Least width of an interval (of half an arc): the square root of the rounding.
+GENERAL_WIDTH = 1e-6
+# An interval this short is not halved on where all coefficients are within so many roundings: a
+# zero of multiplicity eight is not known better; a longer one may be, once sampled anew.
+GENERAL_ROUGH_WIDTH = 5e-2
+GENERAL_ROUNDING = 4.0
+# Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
+# (its square root, with room) has made complex.
+GENERAL_NEAR_ZERO = 0.2
+# Halvings allowed for one determinant: ten times what any pose of the arms tested needs that is
+# not singular.
+GENERAL_HALVINGS = 600
 
 MAX_ROOTS = 48
 _DEPTH = 64

@@ -20,28 +20,37 @@ from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, inline, 
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
-from robomech_ros._kernels.tolerances import (
-    CONTINUUM_ERROR,
-    CONTINUUM_FAR_KEPT,
-    CONTINUUM_FAR_STEP,
-    CONTINUUM_KEPT,
-    CONTINUUM_STEP,
-    GENERAL_CORANK,
-    SETTLED,
-    SETTLING_ASIDE,
-    SETTLING_CALM_STEPS,
-    SETTLING_DAMPING,
-    SETTLING_GAIN,
-    SETTLING_LEAST_FACTOR,
-    SETTLING_MOST_FACTOR,
-    SETTLING_NEAR,
-    SETTLING_PATIENCE,
-    SETTLING_ROUNDING,
-    SETTLING_STEP,
-    SETTLING_STEPS,
-)
+from robomech_ros._kernels.tolerances import CONTINUUM_STEP, GENERAL_CORANK
 
 __all__ = ["distance", "is_between", "is_in_continuum", "regularity", "settle"]
+
+# Steps at most, and how many may pass without the squared error sinking by this factor.
+# Twice as many may where it is below a bound; towards a continuum convergence is quadratic.
+SETTLING_STEPS = 80
+SETTLING_CALM_STEPS = 10
+SETTLING_PATIENCE = 12
+SETTLING_NEAR = 1e-12
+SETTLING_GAIN = 0.25
+# Damping over the squared error (towards a continuum: over the error), and what is always there:
+# the rounding of a Jacobian, squared.
+SETTLING_DAMPING = 1e-2
+SETTLING_ROUNDING = 1e-31
+# Longest step of a joint (rad).
+SETTLING_STEP = 0.3
+# Steps are summed up that shrink by a factor between these, 1/2 at a fold, and are parallel but for
+# this part (squared).
+SETTLING_LEAST_FACTOR = 0.3
+SETTLING_MOST_FACTOR = 0.95
+SETTLING_ASIDE = 0.04
+# Squared error (rad, and lengths over the size) of a pose known to rounding.
+SETTLED = 1e-30
+# The error (as above) that may be left after a step of CONTINUUM_STEP, and how much of the step
+# must be left, to tell a continuum.
+CONTINUUM_ERROR = 1e-14
+CONTINUUM_KEPT = 3e-2
+# The same of one joint alone, where two ranks are lost.
+CONTINUUM_FAR_STEP = 0.3
+CONTINUUM_FAR_KEPT = 6e-2
 
 # Directions in a pencil that are tried for a continuum.
 _DIRECTIONS = 4

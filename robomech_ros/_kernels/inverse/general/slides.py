@@ -34,7 +34,7 @@ from robomech_ros._kernels.inverse.general.circle_tables import (
     TO_COSINES,
     TO_SINES,
 )
-from robomech_ros._kernels.inverse.general.roots import MAX_ROOTS, isolate
+from robomech_ros._kernels.inverse.general.roots import DETERMINANT_NOISE, MAX_ROOTS, isolate
 from robomech_ros._kernels.inverse.general.slide_loop import (
     demanded_turn,
     middle,
@@ -44,19 +44,28 @@ from robomech_ros._kernels.inverse.general.slide_loop import (
     triple,
     turns_of,
 )
-from robomech_ros._kernels.tolerances import (
-    DETERMINANT_NOISE,
-    GENERAL_FREE_VALUES,
-    GENERAL_VOID,
-    SLIDES_BRANCH,
-    SLIDES_DAMPING,
-    SLIDES_DOUBLE,
-    SLIDES_FARTHEST,
-    SLIDES_REGULAR,
-    SLIDES_WIDTH,
-)
 
 __all__ = ["MAX_TRIALS", "slide_postures"]
+
+# A determinant whose largest value is not this many times its rounding says nothing.
+GENERAL_VOID = 1e3
+# Below this (of squares of sines) the axes about which two joints turn line up, for another form to
+# be asked.
+SLIDES_REGULAR = 1e-8
+# Where the discriminant of joint c (absolute) is not below this negative value, the rounding of a
+# simple zero may have made it negative.
+SLIDES_BRANCH = 1e-6
+# Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
+# leaves them where they are.
+SLIDES_DOUBLE = 1e-11
+# Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
+SLIDES_WIDTH = 1e-4
+# Damping (of squares of sines) of slides that can move against each other: above the rounding.
+SLIDES_DAMPING = 1e-13
+# Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
+SLIDES_FARTHEST = 1e6
+# Values of a hidden joint that are tried where its determinant vanishes all round.
+GENERAL_FREE_VALUES = 16
 
 MAX_TRIALS = 16
 _ORDER = 4

@@ -41,11 +41,12 @@ from robomech_ros._kernels.inverse.branch_bits import (
 )
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.equations import demanded
-from robomech_ros._kernels.inverse.general.folds import all_simple
+from robomech_ros._kernels.inverse.general.folds import FOLD_LEAST, all_simple
 from robomech_ros._kernels.inverse.general.forms import (
     COUNT,
     CROWDED,
     EFFORT,
+    GENERAL_STEPS,
     LOOSE,
     MAX_SOLUTIONS,
     MOST_LOOSE,
@@ -57,20 +58,25 @@ from robomech_ros._kernels.inverse.general.forms import (
 from robomech_ros._kernels.inverse.general.nudges import N_NUDGED, nudged
 from robomech_ros._kernels.inverse.general.settling import distance, is_in_continuum, regularity
 from robomech_ros._kernels.inverse.polishing import call_polish
-from robomech_ros._kernels.tolerances import (
-    ACCEPTED,
-    FOLD_LEAST,
-    FOLD_SHARP,
-    GENERAL_LOST,
-    GENERAL_REGULAR,
-    GENERAL_SINGULAR,
-    GENERAL_STARTS,
-    GENERAL_STEPS,
-    NUDGE_PARTS,
-    NUDGED_AWAY,
-)
+from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR
 
 __all__ = ["MAX_SOLUTIONS", "solve_general", "try_forms"]
+
+# Ratio of pivots of a Jacobian (lengths over the size) above which a posture counts as far from
+# singular.
+GENERAL_REGULAR = 2e-2
+# The same ratio of the last pivot below which rounding moves a posture by SAME_POSTURE or more;
+# with slides hundreds of sizes out it is some 1e-8.
+GENERAL_LOST = 1e-10
+# The pose must bend away by this, measured as FOLD_LEAST is, where solutions have settled, for no
+# third one to be near.
+FOLD_SHARP = 1e-2
+# Starts of a search where nothing has been found and nothing is proved.
+GENERAL_STARTS = 32
+# A regular solution is not farther (rad) from its nudged one.
+NUDGED_AWAY = 0.2
+# A nudged posture is followed back in these parts where it does not settle at once.
+NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
 # Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
 # x^7 = x + 1.

@@ -6,13 +6,18 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import ZERO, inline
 from robomech_ros._kernels.inverse.polishing import pose_difference
-from robomech_ros._kernels.tolerances import (
-    ATTEMPT_DAMPING,
-    ATTEMPT_LEAST_DAMPING,
-    ATTEMPT_STEP,
-    CONVERGED,
-    CONVERGED_FAR,
-)
+
+# Damping at the start of an attempt, as a part of the squared error that is left: the step then
+# goes over from a short one down the gradient to Newton's as the error vanishes.
+ATTEMPT_DAMPING = 0.1
+# and what it may sink to after successful steps; the factors of its changes are usual ones.
+ATTEMPT_LEAST_DAMPING = 1e-4
+# Longest change of a joint (rad or m) in one step: beyond a radian linearisation says nothing.
+ATTEMPT_STEP = 1.0
+# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length ...
+CONVERGED = 1e-26
+# ... and of a far target, where that unit is long: rounding.
+CONVERGED_FAR = 1e-30
 
 
 @inline

@@ -3,6 +3,7 @@
 import math
 
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
+from robomech_ros._kernels.algebra.polynomials import DOUBLE_ROOT
 from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.inverse.branch_bits import (
     ARM_NUMBERED,
@@ -15,12 +16,12 @@ from robomech_ros._kernels.inverse.branch_bits import (
 )
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.pairs import z_in_frame_6
-from robomech_ros._kernels.tolerances import (
-    DOUBLE_ROOT,
-    NEAR_DOUBLE,
-    PARALLEL_FREE,
-    PARALLEL_FREE_AT_FOLD,
-)
+from robomech_ros._kernels.tolerances import NEAR_DOUBLE
+
+# Below this (sine, or distance over size) a direction is rounding: the joint is free to turn.
+PARALLEL_FREE = 1e-10
+# The same at a double root of skew axes 5 and 6, known to the square root of its rounding only.
+PARALLEL_FREE_AT_FOLD = 1e-7
 
 MAX_SOLUTIONS = 16
 

@@ -5,7 +5,7 @@ import math
 from robomech_ros._kernels.compiling.jit import F12, IN1, OUT1, OUT2, f8, i8, lean, lean_part
 from robomech_ros._kernels.inverse.branch_bits import SHOULDER_SINGULAR, WRIST_FLIP
 from robomech_ros._kernels.inverse.parallel import layout as at
-from robomech_ros._kernels.inverse.parallel.arm import lack_of_reach
+from robomech_ros._kernels.inverse.parallel.arm import PARALLEL_FREE, lack_of_reach
 from robomech_ros._kernels.inverse.parallel.pairs import (
     equations,
     open_component,
@@ -13,7 +13,10 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
     write_pair,
 )
 from robomech_ros._kernels.inverse.parallel.slides import write_sliding_pair
-from robomech_ros._kernels.tolerances import CONTINUUM_STEPS, PARALLEL_FREE
+
+# Steps to either side in which a free shoulder is scanned for the nearest angle in reach; narrower
+# ranges are found by the minimum between three steps.
+CONTINUUM_STEPS = 48
 
 
 @lean_part(f8(IN1, F12, IN1, f8, i8, OUT1))

@@ -16,22 +16,29 @@ same components of z before the turn of axis 5, and the displacement (m) of a pr
 import math
 
 from robomech_ros._kernels.algebra.angles import angle_of, wrapped
-from robomech_ros._kernels.algebra.polynomials import order_one_roots, order_two_roots
+from robomech_ros._kernels.algebra.polynomials import VANISHING, order_one_roots, order_two_roots
 from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, ZERO, i8, lean, lean_part, scratch
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SHOULDER_RIGHT, WRIST_FLIP
 from robomech_ros._kernels.inverse.parallel import layout as at
-from robomech_ros._kernels.tolerances import (
-    FOLD_LEAST_START,
-    FOLD_START,
-    FOURFOLD_APART,
-    FOURFOLD_ERROR,
-    NEAR_DOUBLE,
-    NEARLY_SEPARATE,
-    PAIR_ERROR,
-    PARALLEL_TOUCHING,
-    SAME_POSTURE,
-    VANISHING,
-)
+from robomech_ros._kernels.tolerances import NEAR_DOUBLE, SAME_POSTURE
+
+# Where double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
+# fourth root of the rounding tells them apart, with room (sum over the components of a pair).
+FOURFOLD_APART = 5e-3
+# Error of the equations halfway between two that are one, with room for rounding: between two that
+# are not it is the square of the distance.
+FOURFOLD_ERROR = 1e-13
+# How far (sine) from a double root its two solutions are sought, at first and at last.
+FOLD_START = 3e-4
+FOLD_LEAST_START = 1e-8
+# Error of its two equations (of order one) that a pair (q_a, q_5) may keep: rounding, with room.
+PAIR_ERROR = 1e-12
+# Ratio of the factors of these equations below which the roots of the polynomial crowd together,
+# and starts are taken from the equations as if they separated, too.
+NEARLY_SEPARATE = 1e-2
+# An extremum of the polynomial for q_a this near to zero (of its largest value) is tried as a
+# double root: half the digits, with room; what is none fails the accuracy asked of the pair.
+PARALLEL_TOUCHING = 1e-7
 
 MAX_PAIRS = 16
 PAIR_WIDTH = 9

@@ -10,18 +10,22 @@ from robomech_ros._kernels.algebra.polynomials import order_one_roots
 from robomech_ros._kernels.compiling.jit import F12, IN1, OUT2, i8, lean, lean_part
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, WRIST_SINGULAR
 from robomech_ros._kernels.inverse.parallel import layout as at
-from robomech_ros._kernels.inverse.parallel.arm import carried, lack_of_reach, wrist_turns
+from robomech_ros._kernels.inverse.parallel.arm import (
+    PARALLEL_FREE,
+    carried,
+    lack_of_reach,
+    wrist_turns,
+)
 from robomech_ros._kernels.inverse.parallel.pairs import (
     FREE,
     equations,
     seen_from_axis_5,
     z_in_frame_6,
 )
-from robomech_ros._kernels.tolerances import (
-    NEAR_DOUBLE,
-    PARALLEL_FREE,
-    SLIDE_STEPS,
-)
+from robomech_ros._kernels.tolerances import NEAR_DOUBLE
+
+# Steps per length of the arm in which a free slide is scanned where a turn is free as well.
+SLIDE_STEPS = 32
 
 
 @lean

@@ -14,16 +14,20 @@ from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
-from robomech_ros._kernels.tolerances import (
-    AT_LIMIT,
-    NEAREST_DAMPING,
-    NEAREST_ERROR,
-    NEAREST_ITERATIONS,
-    NEAREST_STEP,
-    ON_BOUNDARY,
-)
+from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 
 __all__ = ["approach"]
+
+# The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
+# the next one would be about its square.
+NEAREST_STEP = 1e-3
+# Error of the pose (rad, m) at which it is good.
+NEAREST_ERROR = 1e-12
+# Damping over the squared error, which keeps steps beside a singular posture short and hinders no
+# other.
+NEAREST_DAMPING = 1e-2
+# and steps at most, half of them along the self-motion: those that go well need four to seven.
+NEAREST_ITERATIONS = 20
 
 _LONGEST = 0.5
 # Cuts that find the least of some dozen lines' largest value; a few do.

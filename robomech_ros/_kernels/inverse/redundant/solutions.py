@@ -35,14 +35,19 @@ from robomech_ros._kernels.inverse.redundant.arm_angle import (
 )
 from robomech_ros._kernels.inverse.redundant.nearest import approach
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
-from robomech_ros._kernels.tolerances import (
-    APPROACHED,
-    APPROACHED_AGAIN,
-    APPROACHED_WITHIN,
-    FINER_SAMPLES,
-)
 
 __all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
+
+# How many times finer the redundancy parameter is sampled where no sample gives a solution inside
+# the limits.
+FINER_SAMPLES = 4
+# So many of the nearest samples are moved along, those within so much (rad or m) of the first:
+# about as much as lies between samples.
+APPROACHED = 3
+APPROACHED_WITHIN = 0.8
+# but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
+# would only lead there.
+APPROACHED_AGAIN = 0.03
 
 NONE_EXISTS = -1
 # Typed, since numba compiles a function anew for a literal.

@@ -6,21 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.decoupled import layout as at
-from robomech_ros._kernels.tolerances import (
-    ARM_RANK,
-    CANDIDATE_SLACK,
-    CONCURRENT,
-    CONCURRENT_EXACT,
-    IDEALISED_SLACK,
-    NEARLY_NAMED,
-    NEARLY_SPECIAL,
-)
+from robomech_ros._kernels.tolerances import IDEALISED_SLACK
 from robomech_ros.kinematics.axis_points import common_point
+from robomech_ros.kinematics.tolerances import ARM_RANK, CONCURRENT, CONCURRENT_EXACT, NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match", "wrist_constants"]
+
+# Neighbouring axes of the arm this nearly parallel or meeting are solved as if they were, since
+# the general equations lose as many digits; the posture is improved afterwards.
+NEARLY_SPECIAL = 1e-5
+# How far beyond a boundary (relative) a candidate is kept, to be judged by its residual, where the
+# geometry is exact.
+CANDIDATE_SLACK = 1e-9
 
 Array = NDArray[np.float64]
 

@@ -7,18 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros._kernels.tolerances import (
-    ATTEMPT_ITERATIONS,
-    ITERATIVE_APART,
-    ITERATIVE_APART_MOST,
-    ITERATIVE_APART_REDUNDANT,
-    ITERATIVE_PATIENCE,
-    ITERATIVE_RESTARTS,
-    ITERATIVE_WANTED_REDUNDANT,
-    ORIENTATION_TOLERANCE,
-    POSITION_TOLERANCE,
-    STALLED,
-)
+from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, reach_bound
@@ -30,6 +19,25 @@ __all__ = [
     "packed_chain",
     "task_data",
 ]
+
+# An attempt is given up when six steps have not lowered the squared error by this factor.
+STALLED = 0.5
+# Steps of an attempt at most; those that succeed need 8 in the middle, 30 at the most.
+ATTEMPT_ITERATIONS = 40
+# Attempts for one target: nine in ten targets need one or two, the worst of thousands some 100;
+# without success they take some 10 ms.
+ITERATIVE_RESTARTS = 400
+# Attempts without a new solution after which the search ends.
+ITERATIVE_PATIENCE = 60
+# Where solutions form a continuum: how many to collect, and how far apart (rad or m).
+ITERATIVE_WANTED_REDUNDANT = 8
+ITERATIVE_APART_REDUNDANT = 0.1
+# Isolated solutions nearer to each other than this (rad or m) are one, found at the accuracy
+# that a singular posture leaves at the default tolerances.  Of solutions that only hold looser
+# ones it goes with their square root, as that accuracy does, up to a value that still tells
+# postures apart.
+ITERATIVE_APART = 1e-4
+ITERATIVE_APART_MOST = 0.5
 
 Array = NDArray[np.float64]
 

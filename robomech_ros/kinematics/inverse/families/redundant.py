@@ -16,13 +16,6 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED, ITERATIVE
-from robomech_ros._kernels.tolerances import (
-    ANGLE_SAMPLES,
-    CONCURRENT_EXACT,
-    LOCKED_SAMPLES,
-    NEARLY_SPHERICAL,
-    SPHERICAL_SLACK,
-)
 from robomech_ros.kinematics.axis_points import common_point
 from robomech_ros.kinematics.inverse.families import decoupled, general
 from robomech_ros.kinematics.inverse.families.decoupled import wrist_constants
@@ -35,10 +28,22 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
     reversed_transforms,
 )
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
+from robomech_ros.kinematics.tolerances import CONCURRENT_EXACT
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 
 __all__ = ["locked_anyway", "match"]
+
+# Three axes of a redundant arm this near (of its size) to a common point are solved as if they met
+# there, every solution is polished, and near singular postures the general equations are asked.
+NEARLY_SPHERICAL = 2e-3
+# So many times what the axes pass each other by, a target may be beyond a boundary of the idealised
+# arm and within reach of the true one.
+SPHERICAL_SLACK = 10.0
+# Values of the redundancy parameter for a list of solutions, with one locked joint and with the
+# arm angle: 24 solutions and more for most poses.
+LOCKED_SAMPLES = 8
+ANGLE_SAMPLES = 8
 
 Array = NDArray[np.float64]
 

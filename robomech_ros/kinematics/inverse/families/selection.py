@@ -10,7 +10,6 @@ from robomech_ros._kernels.inverse import short_layout
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros._kernels.inverse.six_joints import BACKWARDS, DECOUPLED, GENERAL, ITERATIVE
 from robomech_ros._kernels.inverse.solutions import SHORT
-from robomech_ros._kernels.tolerances import CERTAIN_MOBILITY
 from robomech_ros.kinematics.inverse.families import decoupled, general, iterative, redundant, short
 from robomech_ros.kinematics.inverse.families.six_joints import (
     CLOSED_FORMS,
@@ -22,6 +21,10 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE, unpack_chain
 
 __all__ = ["REDUNDANT", "Family", "family_of", "iterative_family"]
+
+# Least ratio of singular values, at the best of some postures, of an arm of which a list is called
+# complete: with less, solutions are lost in rounding.
+CERTAIN_MOBILITY = 1e-6
 
 Array = NDArray[np.float64]
 

@@ -17,17 +17,20 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse import short_layout as at
 from robomech_ros._kernels.inverse.decoupled import layout as decoupled_layout
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED
-from robomech_ros._kernels.tolerances import ARM_RANK, SHORT_REGULAR
 from robomech_ros.kinematics.inverse.families.six_joints import (
     SixJointArm,
     match_general,
     match_six,
     reversed_transforms,
 )
+from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
 
 __all__ = ["match"]
+
+# A completed arm with at least this determinant (lengths over the size) is taken at once.
+SHORT_REGULAR = 0.02
 
 Array = NDArray[np.float64]
 # Transforms, types, and which joint of the arm each is (-1 for imagined ones).

@@ -6,13 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.parallel import layout as at
-from robomech_ros._kernels.tolerances import (
-    PARALLEL_ANGLE,
-    PARALLEL_EXACT,
-    PARALLEL_MEETING,
-    PARALLEL_SLACK,
-)
 from robomech_ros.kinematics.inverse.families.parallel_axes import (
+    PARALLEL_ANGLE,
     AxisLine,
     ParallelAxes,
     find_parallel_axes,
@@ -22,6 +17,16 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]
+
+# Largest distance (of the arm's size) between axes 5 and 6 taken as meeting; beyond, the general
+# equations are accurate although nearly separate.
+PARALLEL_MEETING = 1e-10
+# Up to here the same deviations are rounding, and algebraic residuals need no second look.
+PARALLEL_EXACT = 1e-14
+# A target beyond a boundary by no more than this (of the arm's size, or a cosine) counts as on
+# it at first: where double roots follow each other, the rounding of one is the square root of
+# the other's, and its root again.  The polish then decides by the error of the pose.
+PARALLEL_SLACK = 1e-6
 
 Array = NDArray[np.float64]
 
