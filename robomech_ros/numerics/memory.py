@@ -1,4 +1,4 @@
-"""How much memory there is, so that what would not fit can be told before it is begun."""
+"""How much memory there is, so that what would not fit is refused before it begins."""
 
 import os
 import re

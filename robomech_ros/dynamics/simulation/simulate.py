@@ -126,7 +126,7 @@ def simulate(
         ``event(t, q, qd)``; its zeros are noted, and end the simulation where the attribute
         ``terminal`` is true.
     times : array_like, shape (m,), optional
-        Where the state is told (s), increasing; default after each step.
+        When the state is recorded (s), increasing; default after each step.
 
     Returns
     -------

@@ -70,7 +70,7 @@ def map_cells(
     Returns
     -------
     ndarray of CELL, shape (last - first,), or None
-        None where ``stopped`` told to leave off.
+        None where ``stopped`` ended it.
     """
     k = len(request.orientations)
     counts = np.empty((last - first) * k, np.int64)

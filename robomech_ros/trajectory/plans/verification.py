@@ -115,7 +115,7 @@ def verify(
         not step, nor velocities where accelerations are limited, nor accelerations of a motion
         whose profile promises continuous ones.  Steps of velocity are not looked for where the
         curve is linear throughout; steps of the acceleration of waypoints and of mere pieces are
-        no violation but told as a figure.
+        no violation but reported as a figure.
     limits : JointLimits
         Position limits and those limits of `rates` that are finite are checked, within
         tolerances for rounding.
