@@ -51,6 +51,14 @@ def test_python_examples_run_and_give_what_their_comments_say(page, monkeypatch,
             assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_lines_of_prose_wrap(page):
+    pattern = r"^ *```.*?^ *```|^\$\$$.*?^\$\$$"  # code and formulas are as long as they are
+    text = re.sub(pattern, "", page.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    long = [line for line in text.splitlines() if len(line) > 120 and not line.startswith("|")]
+    assert not long
+
+
 def test_every_page_is_in_the_table_of_contents():
     named = re.findall(r"^[a-z_]+$", (DOC / "index.md").read_text("utf-8"), re.MULTILINE)
     pages = {path.stem for path in DOC.iterdir() if path.suffix in (".md", ".rst")} - {"index"}
