@@ -13,7 +13,8 @@ from typing import Any
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
-from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup
+from robomech_ros.nodes.process.process_group import ProcessGroup
+from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import load_description
 
 __all__ = ["add_arguments", "launch_options", "run"]

@@ -51,7 +51,7 @@ from robomech_ros.nodes.kinematics.messages import (
 from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace, SpaceFinder
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.nodes.kinematics.workspace_query import WorkspaceQuery
-from robomech_ros.nodes.moveit import add_moveit_services
+from robomech_ros.nodes.moveit.add_services import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 

@@ -4,7 +4,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from robomech_ros.nodes.process.process_group import NODE_MODULES, node_command
+from robomech_ros.nodes.process.process_group import node_command
+from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
 
 __all__ = ["LaunchOptions", "config_file"]

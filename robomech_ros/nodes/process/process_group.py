@@ -10,10 +10,9 @@ import threading
 from collections.abc import Mapping, Sequence
 from typing import IO
 
-from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.stop_signals import STOP_SIGNALS
 
-__all__ = ["NODE_MODULES", "ProcessGroup", "node_command"]
+__all__ = ["ProcessGroup", "node_command"]
 
 # Longer than a node takes at the most to hold its robot and say goodbye.
 _STOP_SECONDS = 12.0

@@ -25,7 +25,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
-from robomech_ros.nodes.moveit import add_cartesian_path_service
+from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (

@@ -11,9 +11,9 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.nodes.process.process_group import NODE_MODULES
+from robomech_ros.nodes.process.start import NODE_MODULES
 
-CONFIG = Path(__file__).resolve().parents[2] / "config"
+CONFIG = Path(__file__).resolve().parents[3] / "config"
 
 
 def parsed(*arguments):

@@ -8,7 +8,8 @@ import time
 
 import pytest
 
-from robomech_ros.nodes.process.process_group import NODE_MODULES, ProcessGroup, node_command
+from robomech_ros.nodes.process.process_group import ProcessGroup, node_command
+from robomech_ros.nodes.process.start import NODE_MODULES
 
 START_MODULE = "robomech_ros.nodes.process.start"
 WAITS = [sys.executable, "-c", "import signal; signal.sigwait({signal.SIGINT})"]

@@ -19,7 +19,7 @@ from robomech_ros.cli import main as cli
 from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.process.process_group import NODE_MODULES
+from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import list_robots
 from robomech_ros.stop_signals import STOP_SIGNALS
 

@@ -1,0 +1,90 @@
+"""Adds services of MoveIt to nodes, where the package moveit_msgs is installed."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.pauses import Worker
+from robomech_ros.nodes.common.robot_description import RobotModel
+
+__all__ = ["add_cartesian_path_service", "add_moveit_services"]
+
+
+def add_moveit_services(
+    node: Node,
+    model: RobotModel,
+    monitor: JointStateMonitor,
+    patience: Callable[[], float],
+    check_size: Callable[[str, int], None],
+) -> bool:
+    """Add compute_ik and compute_fk to a node, where their types are installed.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the services under its own name.
+    model : RobotModel
+        The robot.
+    monitor : JointStateMonitor
+        Its present state.
+    patience : callable
+        Gives the time (s) that a request waits for the present state.
+    check_size : callable
+        Raises where there is more of something than the node handles at once.
+
+    Returns
+    -------
+    bool
+        Whether they are there.
+    """
+    try:
+        from robomech_ros.nodes.moveit.services import MoveItServices
+        from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+    except ImportError as error:
+        _tell(node, "compute_ik and compute_fk", error)
+        return False
+    MoveItServices(node, WholeRobot(model, monitor), patience, check_size)
+    return True
+
+
+def add_cartesian_path_service(
+    node: Node,
+    model: RobotModel,
+    monitor: JointStateMonitor,
+    settings: Callable[[], Any],
+    worker: Worker,
+) -> bool:
+    """Add compute_cartesian_path to a node, where its type is installed.
+
+    What it computes is not published: who asked has it executed.
+
+    Parameters
+    ----------
+    node, model, monitor
+        As for `add_moveit_services`.
+    settings : callable
+        Gives the parameters of the planner.
+    worker : Worker
+        Plans, while the node serves others.
+
+    Returns
+    -------
+    bool
+        Whether it is there.
+    """
+    try:
+        from robomech_ros.nodes.moveit.cartesian_service import CartesianPathService
+        from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+    except ImportError as error:
+        _tell(node, "compute_cartesian_path", error)
+        return False
+    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings, worker)
+    return True
+
+
+def _tell(node: Node, services: str, error: ImportError) -> None:
+    """Log why there are no such services, but where the package is simply not installed."""
+    if getattr(error, "name", "") != "moveit_msgs":
+        node.get_logger().warning(f"no {services}: {error}")
