@@ -1,9 +1,11 @@
 """How a chain's constant transforms and joint types are laid out for the kernels."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PRISMATIC", "REVOLUTE", "joint_transform", "pack_chain", "unpack_chain"]
+__all__ = ["PRISMATIC", "REVOLUTE", "joint_transform", "pack_chain", "turn_about_z", "unpack_chain"]
 
 Array = NDArray[np.float64]
 
@@ -11,14 +13,20 @@ REVOLUTE = 0
 PRISMATIC = 1
 
 
+def turn_about_z(angle: float) -> Array:
+    """Turn about z by an angle (rad): shape (4, 4)."""
+    T = np.eye(4)
+    c, s = math.cos(angle), math.sin(angle)
+    T[:2, :2] = (c, -s), (s, c)
+    return T
+
+
 def joint_transform(slides: bool, q: float) -> Array:
     """Turn about z by q (rad), or slide along it by q (m): shape (4, 4)."""
+    if not slides:
+        return turn_about_z(q)
     T = np.eye(4)
-    if slides:
-        T[2, 3] = q
-    else:
-        c, s = np.cos(q), np.sin(q)
-        T[:2, :2] = (c, -s), (s, c)
+    T[2, 3] = q
     return T
 
 

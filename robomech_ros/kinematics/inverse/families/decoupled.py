@@ -10,7 +10,7 @@ from robomech_ros._kernels.tolerances import IDEALISED_SLACK
 from robomech_ros.kinematics.axis_points import common_point
 from robomech_ros.kinematics.tolerances import ARM_RANK, CONCURRENT, CONCURRENT_EXACT, NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, joint_transform, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match", "wrist_constants"]
@@ -146,7 +146,7 @@ def _jacobian(types: NDArray[np.int64], links: Array, w: Array, q: Array) -> Arr
     frames = []
     for i in range(3):
         frames.append(pose)
-        pose = pose @ _joint(types[i], q[i])
+        pose = pose @ joint_transform(types[i] == PRISMATIC, q[i])
         if i < 2:
             pose = pose @ links[i]
     c = pose[:3, :3] @ w + pose[:3, 3]
@@ -155,16 +155,6 @@ def _jacobian(types: NDArray[np.int64], links: Array, w: Array, q: Array) -> Arr
         for kind, frame in zip(types, frames, strict=True)
     ]
     return np.column_stack(columns)
-
-
-def _joint(kind: int, value: float) -> Array:
-    pose = np.eye(4)
-    if kind == PRISMATIC:
-        pose[2, 3] = value
-    else:
-        c, s = math.cos(value), math.sin(value)
-        pose[:2, :2] = [[c, -s], [s, c]]
-    return pose
 
 
 def _enter_arm(data: Array, types: NDArray[np.int64], links: Array) -> bool:

@@ -23,7 +23,7 @@ from robomech_ros._kernels.inverse.general.equations import left_side
 from robomech_ros._kernels.inverse.general.solutions import try_forms
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
 from robomech_ros.spatial.poses import rigid_inverse
 
 __all__ = ["match"]
@@ -98,13 +98,6 @@ def _loop(chain: SerialChain, size: float) -> Array:
     return np.concatenate((_links(chain, size)[1:6], [np.eye(4)]))
 
 
-def _turn(angle: float) -> Array:
-    pose = np.eye(4)
-    c, s = math.cos(angle), math.sin(angle)
-    pose[:2, :2] = [[c, -s], [s, c]]
-    return pose
-
-
 def _forms(chain: SerialChain, loop: Array, walks: Walks) -> Iterator[Array]:
     """Lay out the forms of elimination that suit the types of the joints."""
     slides = np.flatnonzero(chain.types).tolist()
@@ -141,8 +134,8 @@ def _form(loop: Array, start: int, sense: int, slide: int) -> Array:
         links = [rigid_inverse(links[(4 - k) % 6]) for k in range(6)]
     links = links[start:] + links[:start]
     offsets = [0.0 if slide == role else _OFFSETS[role] for role in (at.THIRD, at.FOURTH)]
-    links[2] = links[2] @ _turn(offsets[0])
-    links[3] = links[3] @ _turn(offsets[1])
+    links[2] = links[2] @ turn_about_z(offsets[0])
+    links[3] = links[3] @ turn_about_z(offsets[1])
     form = np.zeros(at.FORM)
     form[at.TARGET] = (5 - start) % 6
     form[at.SENSE] = sense

@@ -25,7 +25,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 )
 from robomech_ros.kinematics.tolerances import ARM_RANK
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, turn_about_z, unpack_chain
 
 __all__ = ["match"]
 
@@ -123,7 +123,7 @@ def _completions(chain: SerialChain, size: float) -> Iterator[Completed]:
         for turned in (False, True):
             links = list(reversed_transforms(C) if turned else C)
             kinds = types[::-1] if turned else types
-            completed = _with_last((links, kinds, list(range(n))), _turn_z(0.7) @ _turn_x(1.3))
+            completed = _with_last((links, kinds, list(range(n))), turn_about_z(0.7) @ _turn_x(1.3))
             yield _turned(completed, n) if turned else completed
 
 
@@ -190,13 +190,13 @@ def _with_wrist(completed: Completed, wrist: int, centre: Array) -> Completed:
         other = math.atan2(sine, completed[0][-2][2, 2])
         # Another angle than between the real axes, so that the first and the last never align.
         angle = 0.5 * quarter if abs(other - 0.5 * quarter) > 0.3 else quarter
-        return _with_last(completed, _shift(centre) @ _turn_z(0.7) @ _turn_x(angle))
+        return _with_last(completed, _shift(centre) @ turn_about_z(0.7) @ _turn_x(angle))
     if wrist == 1:
         completed = _with_last(completed, _shift(centre) @ _turn_x(quarter))
-        return _with_last(completed, _turn_z(quarter) @ _turn_x(quarter))
+        return _with_last(completed, turn_about_z(quarter) @ _turn_x(quarter))
     completed = _with_last(completed, completed[0][-1] @ _shift(centre))
     completed = _with_last(completed, _turn_x(quarter))
-    return _with_last(completed, _turn_z(quarter) @ _turn_x(quarter))
+    return _with_last(completed, turn_about_z(quarter) @ _turn_x(quarter))
 
 
 def _with_last(completed: Completed, placed: Array) -> Completed:
@@ -226,15 +226,8 @@ def _turn_y(angle: float) -> Array:
     return result
 
 
-def _turn_z(angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    result = np.eye(4)
-    result[:2, :2] = [[c, -s], [s, c]]
-    return result
-
-
 # Places of skew imagined joints behind the last one, lengths over the arm's size.
 _SKEW = (
-    _shift(np.array([0.31, 0.22, -0.17])) @ _turn_z(0.7) @ _turn_x(1.3),
-    _shift(np.array([0.23, -0.34, 0.19])) @ _turn_z(-1.9) @ _turn_x(1.1),
+    _shift(np.array([0.31, 0.22, -0.17])) @ turn_about_z(0.7) @ _turn_x(1.3),
+    _shift(np.array([0.23, -0.34, 0.19])) @ turn_about_z(-1.9) @ _turn_x(1.1),
 )
