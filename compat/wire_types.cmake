@@ -36,9 +36,21 @@ macro(wire_types)
     list(TRANSFORM varying PREPEND ${variant}:)
     list(APPEND definitions ${varying})
   endif()
-  # Types for C++ would take longer than all the rest, and rclpy does not use them.
+  # Neither types for C++ nor long optimisation, as in the wheel of robomech_interfaces.
   list(FILTER AMENT_EXTENSIONS_rosidl_generate_idl_interfaces EXCLUDE REGEX "_cpp:")
+  set(CMAKE_C_FLAGS_RELEASE "-O1 -DNDEBUG")
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1 -DNDEBUG")
   rosidl_generate_interfaces(${PROJECT_NAME} ${definitions} DEPENDENCIES ${ARGN})
+
+  # Nine files in one run of the compiler; see robomech_interfaces/CMakeLists.txt.
+  foreach(part generator_c generator_py typesupport_c typesupport_fastrtps_c
+      typesupport_introspection_c)
+    set(target ${PROJECT_NAME}__rosidl_${part})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
+    get_target_property(files ${target} SOURCES)
+    list(FILTER files INCLUDE REGEX "__description\\.c$")
+    set_source_files_properties(${files} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endforeach()
   ament_export_dependencies(rosidl_default_runtime)
   ament_package()
 endmacro()

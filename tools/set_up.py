@@ -3,11 +3,11 @@
 Steps, each skipped while the digest of its inputs is unchanged:
 
 1. environment: a fresh virtual environment with the pinned wheels (ROS 2 among them);
-2. byte-code: that of these and of robomech_ros, since nodes start in half the time with it;
-3. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
-4. package: robomech_ros installed so that edits of the source take effect at once;
-5. kernels: all numba kernels compiled into their cache;
-6. with --compat: the message types of compat/, one package after another.
+2. byte-code: that of what nodes load, since they start in half the time with it;
+3. package: robomech_ros installed so that edits of the source take effect at once;
+4. interfaces: robomech_interfaces built by its own CMakeLists.txt into a wheel and installed;
+5. with --compat: the message types of compat/, one package after another;
+6. kernels: all numba kernels compiled into their cache, at the same time as 3 to 5.
 
 A step writes its digest when it is done and takes it away before it starts, so one that was
 interrupted is done again. Only the standard library is used: this runs outside the environment.
@@ -24,24 +24,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TextIO
 
 import machine
 import wire_types
+from environment import REQUIREMENTS, ROOT, Environment, SetUpError, say
 
-ROOT = Path(__file__).resolve().parent.parent
-REQUIREMENTS = ROOT / "requirements"
 PEERS = "bench.txt"
-
-
-def say(text: str) -> None:
-    """Print one line of progress."""
-    print(f"setup: {text}", flush=True)
-
-
-class SetUpError(Exception):
-    """A step failed; the text says what to do."""
 
 
 def digest(paths: Iterable[Path], *more: str) -> str:
@@ -55,142 +46,71 @@ def digest(paths: Iterable[Path], *more: str) -> str:
     return sha.hexdigest()
 
 
-class Environment:
-    """A virtual environment of this project and what has been done in it so far.
+def make_byte_code(env: Environment) -> None:
+    """Make the byte-code of what nodes load."""
+    tool = ROOT / "tools" / "byte_code.py"
+    env.run_python(str(tool), str(REQUIREMENTS / "core.in"), str(ROOT / "robomech_ros"))
 
-    `distribution` is the ROS distribution it carries, or empty; `extra` names a requirements file
-    for what it offers beyond.
+
+def add_extra(env: Environment) -> None:
+    """Install what the environment offers beyond, without moving a pin.
+
+    Of peers to compare with each is welcome, and none is needed.
     """
+    say(f"{env.folder.name}: {env.extra}")
+    options = ("--prefer-binary", "-c", str(REQUIREMENTS / "python.txt"))
+    if env.extra != PEERS:
+        env.pip(*options, "-r", str(REQUIREMENTS / env.extra))
+        return
+    for line in (REQUIREMENTS / env.extra).read_text(encoding="utf-8").splitlines():
+        if line and not line.startswith("#"):
+            try:
+                env.pip(*options, line)
+            except SetUpError as error:
+                say(f"{line} is left out: {error}")
 
-    def __init__(self, folder: Path, distribution: str, extra: str) -> None:
-        self.folder = folder
-        self.distribution = distribution
-        self.extra = extra
-        self.python = folder / "bin" / "python"
-        self.pins = [REQUIREMENTS / "python.txt"]
-        if distribution:
-            self.pins.insert(0, REQUIREMENTS / f"ros-{distribution}.txt")
 
-    def stamp(self, step: str) -> Path:
-        """Return the file that holds the digest of a finished step."""
-        return self.folder / ".done" / step
+def install_wheel(env: Environment, source: Path, key: str) -> None:
+    """Build the wheel of a package of interfaces, or take one built before, and install it."""
+    place = ROOT / "build" / "wheels" / key[:16]
+    if not list(place.glob("*.whl")):
+        say(f"{source.name}: compiling messages, services, actions (once)")
+        partial = place.with_name(f"{place.name}.partial")
+        shutil.rmtree(partial, ignore_errors=True)
+        options = ("--quiet", "--no-build-isolation", "--no-deps", "--no-cache-dir")
+        env.run_python("-m", "pip", "wheel", *options, "-w", str(partial), str(source))
+        shutil.rmtree(place, ignore_errors=True)
+        partial.rename(place)
+    wheels = map(str, place.glob("*.whl"))
+    env.install("--no-deps", "--no-index", "--force-reinstall", *wheels)
 
-    def step(self, name: str, key: str, work: Callable[[], None]) -> None:
-        """Do a step unless it was finished with the same digest."""
-        stamp = self.stamp(name)
-        if stamp.is_file() and stamp.read_text(encoding="utf-8") == key:
-            return
-        stamp.unlink(missing_ok=True)
-        work()
-        stamp.parent.mkdir(parents=True, exist_ok=True)
-        stamp.write_text(key, encoding="utf-8")
 
-    def succeeds(self, *command: str) -> bool:
-        """Run the Python of the environment and say whether it ended with 0."""
-        return not subprocess.run([str(self.python), *command], cwd=ROOT, check=False).returncode
+def install_compat(env: Environment, source: Path, key: str) -> None:
+    """Install a package of compat/, unless the environment has the real one."""
+    if env.succeeds("-c", wire_types.IS_REAL, source.name):
+        say(f"{source.name}: already installed, left as it is")
+    else:
+        install_wheel(env, source, key)
 
-    def run(self, *command: str, quiet: bool = True) -> None:
-        """Run the Python of the environment; when that fails, show what it said and stop."""
-        env = dict(os.environ)
-        env["PATH"] = f"{self.folder / 'bin'}{os.pathsep}{env.get('PATH', '')}"
-        env["AMENT_PREFIX_PATH"] = env["CMAKE_PREFIX_PATH"] = str(self.folder)
-        env["CXX"] = machine.compiler() or "c++"
-        env["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
-        # Those of a make that runs several of these would keep a build from using all cores.
-        env.pop("MAKEFLAGS", None)
-        done = subprocess.run(
-            [str(self.python), *command],
-            cwd=ROOT,
-            env=env,
-            stdout=subprocess.PIPE if quiet else None,
-            stderr=subprocess.STDOUT if quiet else None,
-            text=True,
-            check=False,
-        )
-        if done.returncode:
-            if quiet:
-                lines = [x for x in done.stdout.splitlines() if not x.startswith("WARNING: ")]
-                print("\n".join(lines[-60:]), file=sys.stderr)
-            raise SetUpError(f"`{' '.join(command)[:80]} ...` ended with {done.returncode}")
 
-    def pip(self, *arguments: str) -> None:
-        """Install with pip, which never asks."""
-        self.run("-m", "pip", "install", "--quiet", "--no-input", *arguments)
+def install_package(env: Environment) -> None:
+    """Install robomech_ros as a link to the source, and its nodes where `ros2 run` looks."""
+    say("robomech_ros: installed as a link to the source, edits take effect at once")
+    options = ("--no-deps", "--no-index", "--no-build-isolation")
+    env.install(*options, "--editable", str(ROOT))
+    nodes = env.folder / "lib" / "robomech_ros"
+    nodes.mkdir(parents=True, exist_ok=True)
+    for script in (env.folder / "bin").iterdir():
+        if script.name == "robomech" or script.name.endswith("_node"):
+            link = nodes / script.name
+            link.unlink(missing_ok=True)
+            link.symlink_to(Path("..", "..", "bin", script.name))
 
-    def fill(self) -> None:
-        """Make the environment anew and install exactly the pinned wheels."""
-        what = f"ROS 2 {self.distribution.capitalize()}" if self.distribution else "libraries"
-        say(f"{self.folder.name}: {what} from wheels (once, 1 to 3 minutes)")
-        shutil.rmtree(self.folder, ignore_errors=True)
-        subprocess.run([sys.executable, "-m", "venv", str(self.folder)], check=True)
-        lists = [part for pins in self.pins for part in ("-r", str(pins))]
-        self.pip("--no-deps", "--prefer-binary", "--no-compile", *lists)
 
-    def make_byte_code(self) -> None:
-        """Make the byte code of all that was installed.
-
-        Nodes would make it when they start: several of one suite at once, and each anew where
-        PYTHONDONTWRITEBYTECODE is set.
-        """
-        (place,) = self.folder.glob("lib/python3*/site-packages")
-        # What packages bring for their own tests need not be valid.
-        self.succeeds("-m", "compileall", "-qq", "-j", "0", str(place), str(ROOT / "robomech_ros"))
-
-    def add_extra(self) -> None:
-        """Install what the environment offers beyond, without moving a pin.
-
-        Of peers to compare with each is welcome, and none is needed.
-        """
-        say(f"{self.folder.name}: {self.extra}")
-        options = ("--prefer-binary", "-c", str(REQUIREMENTS / "python.txt"))
-        if self.extra != PEERS:
-            self.pip(*options, "-r", str(REQUIREMENTS / self.extra))
-            return
-        for line in (REQUIREMENTS / self.extra).read_text(encoding="utf-8").splitlines():
-            if line and not line.startswith("#"):
-                try:
-                    self.pip(*options, line)
-                except SetUpError as error:
-                    say(f"{line} is left out: {error}")
-
-    def install_wheel(self, source: Path, key: str) -> None:
-        """Build the wheel of a package of interfaces, or take one built before, and install it."""
-        place = ROOT / "build" / "wheels" / key[:16]
-        if not list(place.glob("*.whl")):
-            say(f"{source.name}: compiling messages, services, actions (once, 1 to 3 minutes)")
-            partial = place.with_name(f"{place.name}.partial")
-            shutil.rmtree(partial, ignore_errors=True)
-            options = ("--quiet", "--no-build-isolation", "--no-deps", "--no-cache-dir")
-            self.run("-m", "pip", "wheel", *options, "-w", str(partial), str(source))
-            shutil.rmtree(place, ignore_errors=True)
-            partial.rename(place)
-        wheels = map(str, place.glob("*.whl"))
-        self.pip("--no-deps", "--no-index", "--force-reinstall", *wheels)
-
-    def install_compat(self, source: Path, key: str) -> None:
-        """Install a package of compat/, unless the environment has the real one."""
-        if self.succeeds("-c", wire_types.IS_REAL, source.name):
-            say(f"{source.name}: already installed, left as it is")
-        else:
-            self.install_wheel(source, key)
-
-    def install_package(self) -> None:
-        """Install robomech_ros as a link to the source, and its nodes where `ros2 run` looks."""
-        say("robomech_ros: installed as a link to the source, edits take effect at once")
-        options = ("--no-deps", "--no-index", "--no-build-isolation")
-        self.pip(*options, "--editable", str(ROOT))
-        nodes = self.folder / "lib" / "robomech_ros"
-        nodes.mkdir(parents=True, exist_ok=True)
-        for script in (self.folder / "bin").iterdir():
-            if script.name == "robomech" or script.name.endswith("_node"):
-                link = nodes / script.name
-                link.unlink(missing_ok=True)
-                link.symlink_to(Path("..", "..", "bin", script.name))
-
-    def compile_kernels(self) -> None:
-        """Compile all kernels, with progress shown."""
-        say("numba kernels: compiling (once, under a minute)")
-        self.run("-m", "robomech_ros.cli.main", "warmup", quiet=False)
+def compile_kernels(env: Environment) -> None:
+    """Compile all kernels, with progress shown."""
+    say("numba kernels: compiling (once)")
+    env.run_python("-m", "robomech_ros.cli.main", "warmup", quiet=False)
 
 
 def sources(folder: Path, pattern: str = "*") -> list[Path]:
@@ -210,24 +130,47 @@ def set_up(env: Environment, with_compat: bool) -> None:
     """Do every step whose inputs changed."""
     pins = digest(env.pins, sys.version, sys.base_prefix, str(env.folder))
     env.step("environment", pins, env.fill)
-    env.step("byte-code", pins, env.make_byte_code)
+    env.step("byte-code", pins, lambda: make_byte_code(env))
     if env.extra:
-        env.step("extra", digest([REQUIREMENTS / env.extra], pins), env.add_extra)
+        env.step("extra", digest([REQUIREMENTS / env.extra], pins), lambda: add_extra(env))
+    together: list[Callable[[], None]] = [lambda: add_packages(env, with_compat)]
+    if env.distribution:
+        together.append(lambda: add_kernels(env, pins))
+    at_once(env, together)
+
+
+def at_once(env: Environment, works: list[Callable[[], None]]) -> None:
+    """Do several things at the same time; all end before the first failure is raised."""
+    with ThreadPoolExecutor(len(works)) as pool:
+        try:
+            for future in [pool.submit(work) for work in works]:
+                future.result()
+        except KeyboardInterrupt:
+            env.stop()
+            raise
+
+
+def add_kernels(env: Environment, pins: str) -> None:
+    """Compile the kernels, which all environments share."""
+    with alone("kernels", "kernels are being compiled for another environment"):
+        if not kernel_cache().is_dir():
+            env.stamp("kernels").unlink(missing_ok=True)
+        kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
+        key = digest([], kernels, str(kernel_cache()))
+        env.step("kernels", key, lambda: compile_kernels(env))
+
+
+def add_packages(env: Environment, with_compat: bool) -> None:
+    """Install our own packages."""
+    packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
+    packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
+    # The build works in the folder of the sources.
+    with alone("sources", "another environment is being set up from these sources"):
+        env.step("package", digest(packaging, str(ROOT)), lambda: install_package(env))
     if env.distribution:
         own = ROOT / "robomech_interfaces"
         built = digest([*sources(own), *env.pins], sys.version)
-        env.step("interfaces", built, lambda: env.install_wheel(own, built))
-
-    packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
-    packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
-    # Both work on what all environments share: the folder of the sources, and the kernels.
-    with alone("sources", "another environment is being set up from these sources"):
-        env.step("package", digest(packaging, str(ROOT)), env.install_package)
-        if env.distribution:
-            if not kernel_cache().is_dir():
-                env.stamp("kernels").unlink(missing_ok=True)
-            kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
-            env.step("kernels", digest([], kernels, str(kernel_cache())), env.compile_kernels)
+        env.step("interfaces", built, lambda: install_wheel(env, own, built))
     if with_compat:
         add_compat(env)
 
@@ -238,7 +181,7 @@ def add_compat(env: Environment) -> None:
     for source in wire_types.packages():
         shared += sources(source)
         key = digest(shared, sys.version)
-        env.step(source.name, key, lambda s=source, k=key: env.install_compat(s, k))
+        env.step(source.name, key, lambda s=source, k=key: install_compat(env, s, k))
 
 
 def alone(name: str, otherwise: str) -> TextIO:

@@ -6,6 +6,8 @@ import importlib.util
 import resource
 import subprocess
 import sys
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -179,7 +181,138 @@ def test_a_peer_that_cannot_be_installed_is_left_out(monkeypatch, capsys, tmp_pa
             raise set_up.SetUpError("no wheel for this Python")
 
     monkeypatch.setattr(environment, "pip", pip)
-    environment.add_extra()
+    set_up.add_extra(environment)
     listed = (ROOT / "requirements" / set_up.PEERS).read_text(encoding="utf-8").splitlines()
     assert len(tried) == sum("==" in line for line in listed) >= 4
     assert "is left out: no wheel for this Python" in capsys.readouterr().out
+
+
+@pytest.fixture
+def installing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> Callable[..., tuple[list[str], ModuleType]]:
+    """Fill an environment where no command is run; those that contain a word fail."""
+    environment = tool("environment")
+
+    def fill(failing: str, error: str = "SetUpError") -> list[str]:
+        ran: list[str] = []
+        env = environment.Environment(tmp_path / "venv", "kilted", "")
+
+        def run(*command: str, **_: object) -> None:
+            ran.append(" ".join(command).replace(f"{env.folder}/bin/", ""))
+            if failing in ran[-1]:
+                raise getattr(environment, error)(f"{failing} does not work")
+
+        monkeypatch.setattr(env, "run", run)
+        monkeypatch.setattr(env, "pip_settings", lambda: "")
+        try:
+            env.fill()
+        except environment.SetUpError as error:
+            ran.append(str(error))
+        return ran
+
+    return fill
+
+
+PINS = ("requirements/ros-kilted.txt", "requirements/python.txt")
+
+
+def test_uv_installs_the_pins_where_it_can_be_had(installing):
+    made, fetched, *rest = installing("nothing")
+    assert "-m venv" in made
+    assert "pip install" in fetched
+    assert fetched.endswith("requirements/installer.txt")
+    (command,) = rest
+    assert command.startswith("uv pip install")
+    assert all(pins in command for pins in PINS)
+
+
+@pytest.mark.parametrize("failing", ["installer.txt", "uv pip install"])
+def test_pip_installs_the_pins_where_uv_cannot(failing, installing, capsys):
+    ran = installing(failing)
+    # Into an environment that is made anew: what uv left half done is none of it.
+    assert "-m venv" in ran[-2]
+    assert ran[-1].startswith("python -m pip install")
+    assert all(pins in ran[-1] for pins in PINS)
+    assert "pip takes its place" in capsys.readouterr().out
+
+
+def test_an_interrupted_uv_is_not_replaced(installing):
+    ran = installing("uv pip install", "SetUpStoppedError")
+    assert not any(command.startswith("python -m pip install --quiet --no-deps") for command in ran)
+    assert ran[-1] == "uv pip install does not work"
+
+
+def test_uv_asks_the_index_that_pip_asks(monkeypatch):
+    environment = tool("environment")
+    for name in ("UV_DEFAULT_INDEX", "SSL_CERT_FILE"):
+        monkeypatch.delenv(name, raising=False)
+    settings = "global.index-url='https://mirror.example/simple'\nglobal.timeout='9'\n"
+    assert environment.index_of_pip("") == {}
+    assert environment.index_of_pip(settings) == {
+        "UV_DEFAULT_INDEX": "https://mirror.example/simple"
+    }
+    settings += ":env:.index-url='https://own.example/simple'\n:env:.cert='/own.pem'\n"
+    assert environment.index_of_pip(settings) == {
+        "UV_DEFAULT_INDEX": "https://own.example/simple",
+        "SSL_CERT_FILE": "/own.pem",
+    }
+    monkeypatch.setenv("UV_DEFAULT_INDEX", "https://of-uv.example/simple")
+    assert "UV_DEFAULT_INDEX" not in environment.index_of_pip(settings)
+
+
+def test_kernels_and_packages_are_made_at_the_same_time(tmp_path):
+    set_up = tool("set_up")
+    env = set_up.Environment(tmp_path, "kilted", "")
+    meeting = threading.Barrier(2)
+    set_up.at_once(env, [lambda: meeting.wait(60), lambda: meeting.wait(60)])
+
+
+def test_a_failure_waits_for_what_is_made_beside_it(tmp_path):
+    set_up = tool("set_up")
+    env = set_up.Environment(tmp_path, "kilted", "")
+    failed, finished = threading.Event(), []
+
+    def fail() -> None:
+        failed.set()
+        raise set_up.SetUpError("no compiler")
+
+    def finish() -> None:
+        assert failed.wait(60)
+        finished.append(True)
+
+    with pytest.raises(set_up.SetUpError, match="no compiler"):
+        set_up.at_once(env, [fail, finish])
+    assert finished
+
+
+def test_ctrl_c_ends_what_is_made_at_the_same_time(tmp_path):
+    set_up = tool("set_up")
+    env = set_up.Environment(tmp_path, "kilted", "")
+    ended = []
+
+    def interrupt() -> None:
+        while not env.running:
+            threading.Event().wait(0.01)
+        raise KeyboardInterrupt
+
+    def compile_long() -> None:
+        try:
+            env.run(sys.executable, "-c", "import time; time.sleep(600)")
+        except set_up.SetUpError as error:
+            ended.append(type(error).__name__)
+
+    with pytest.raises(KeyboardInterrupt):
+        set_up.at_once(env, [interrupt, compile_long])
+    assert ended == ["SetUpStoppedError"]
+
+
+def test_byte_code_is_made_for_what_nodes_load_and_for_nothing_else():
+    byte_code = tool("byte_code")
+    found = {byte_code.normal(each.metadata["Name"]): each for each in byte_code.distributions()}
+    chosen = {
+        byte_code.normal(each.metadata["Name"])
+        for each in byte_code.required({"numba", "ros-rclpy", "rich"}, found)
+    }
+    assert {"numba", "llvmlite", "numpy", "rich", "ros-rclpy", "ros-rcutils"} <= chosen
+    assert not chosen & {"pytest", "mypy", "hypothesis", "setuptools"}
