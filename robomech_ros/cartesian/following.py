@@ -138,7 +138,7 @@ def follow_path(
 
     References
     ----------
-    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., ch. 11.5.
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
 
     Examples
     --------
