@@ -52,6 +52,10 @@ class CurveMotion:
         acceleration = sample.acceleration * pace * pace + sample.velocity * rate
         return State(sample.position, sample.velocity * pace, acceleration)
 
+    def state_ahead(self, goal: TrajectoryGoal, ahead: float) -> State:
+        """Give the state on the curve of a goal some time (s) from now, at the present pace."""
+        return self.state_at(goal, goal.time + self.pace * ahead)
+
     def go_on(self, goal: TrajectoryGoal, span: float) -> None:
         """Follow the curve of a goal for `span` (s)."""
         goal.time, self.pace, rate = paced_step(

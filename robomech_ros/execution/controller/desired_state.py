@@ -43,11 +43,10 @@ def desired_state(follower: Follower, ahead: float) -> State:
         if ahead < 0.0:
             raise _too_early(ahead, "the robot is being stopped")
         return _while_stopping(follower, goal, ahead)
-    time = goal.time + pace * ahead
-    if time < 0.0:
+    if goal.time + pace * ahead < 0.0:
         began = goal.time / pace
         raise _too_early(ahead, f"the trajectory under way began {began:.6g} s ago")
-    return follower.motion.state_at(goal, time)
+    return follower.motion.state_ahead(goal, ahead)
 
 
 def _sampled(goal: TrajectoryGoal, time: float) -> State:

@@ -18,7 +18,6 @@ from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, T
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.outcomes import Code
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
@@ -100,6 +99,7 @@ class Follower:
         self.active: TrajectoryGoal | None = None
         self.waiting: TrajectoryGoal | None = None
         self.now = self.held_since = now
+        self._join = join if self.settings.interpolate else join_in_steps
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
 
     @property
@@ -156,7 +156,10 @@ class Follower:
         delay = max(delay, 0.0)
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
-        curve = self._joined(waypoints, self._state_after(delay), late)
+        present = self.desired
+        if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
+            present = self.motion.state_ahead(self.active, delay)
+        curve = self._join(waypoints, present, self.joints, self.settings.start_tolerance, late)
         goal = TrajectoryGoal(waypoints, tolerances, self.now + delay, curve, late, on_end)
         if self.settings.interpolate and waypoints.velocities is not None:
             goal.braking = braking_time(waypoints.velocities[-1], self.joints)
@@ -234,18 +237,6 @@ class Follower:
         self.halt(Code.PREEMPTED, text)
         self.motion.put(position)
 
-    def _state_after(self, delay: float) -> State:
-        """Give the state that the robot will have after `delay` (s) if nothing comes between."""
-        goal, motion = self.active, self.motion
-        if delay <= 0.0 or goal is None or self.phase is Phase.STOPPING:
-            return motion.desired
-        return motion.state_at(goal, goal.time + motion.pace * delay)
-
-    def _joined(self, waypoints: Waypoints, present: State, late: float) -> PiecewisePolynomial:
-        settings = self.settings
-        joined = join if settings.interpolate else join_in_steps
-        return joined(waypoints, present, self.joints, settings.start_tolerance, late)
-
     def _begin(self, goal: TrajectoryGoal, text: str) -> None:
         if self.phase is Phase.STOPPING:
             self._end(*self._ending)
@@ -257,7 +248,8 @@ class Follower:
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            goal.curve = self._joined(goal.waypoints, self.desired, goal.late)
+            tolerance = self.settings.start_tolerance
+            goal.curve = self._join(goal.waypoints, self.desired, self.joints, tolerance, goal.late)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)

@@ -57,8 +57,7 @@ def join(
     present : State
         Where the robot is when the trajectory begins.
     joints : Joints
-        Limits; whole turns between the present position and the first point are removed for
-        continuous joints.
+        Limits; whole turns to the first point are removed for continuous joints.
     start_tolerance : float
         Largest step at the start, rad or m; a moving joint may be off by another 0.1 s of way.
     late : float

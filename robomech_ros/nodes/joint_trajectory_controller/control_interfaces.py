@@ -45,7 +45,7 @@ class ControlInterfaces:
         self.servers.append(GoalServer(node, robot, FollowMessages(robot.joint_names)))
         self._state = ControllerState(node, robot)
         SpeedScaling(node, robot)
-        StateQuery(node, robot, clock, lambda: robot.refuse_all)
+        StateQuery(node, robot, clock)
 
     def publish(self) -> None:
         """Publish controller_state."""

@@ -1,8 +1,8 @@
 """Topics controller_state, speed_scaling_input, and service query_state, as of ros2_control."""
 
-from collections.abc import Callable
 from typing import Any
 
+from builtin_interfaces.msg import Time
 from control_msgs.msg import JointTrajectoryControllerState, SpeedScalingFactor
 from control_msgs.srv import QueryTrajectoryState
 from rclpy.node import Node
@@ -10,6 +10,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state
 from robomech_ros.execution.joints import State
+from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
@@ -100,28 +101,17 @@ class StateQuery:
         What moves.
     clock : MotionClock
         Its time.
-    running : callable
-        Says why the controller answers no more; empty while it does.
     """
 
-    def __init__(
-        self, node: Node, robot: SimulatedRobot, clock: MotionClock, running: Callable[[], str]
-    ) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
         self._robot = robot
         self._clock = clock
-        self._running = running
         node.create_service(QueryTrajectoryState, "~/query_state", self._answer)
 
     def _answer(self, request: Any, response: Any) -> Any:
         response.name = self._robot.joint_names
-        response.message = self._running()
-        if response.message:
-            return response
         try:
-            with self._robot.lock:
-                self._robot.advance()
-                ahead = self._clock.until(request.time, self._robot.follower.now)
-                state = desired_state(self._robot.follower, ahead)
+            state = self._desired_at(request.time)
         except RobomechError as error:
             response.message = str(error)
             return response
@@ -130,3 +120,13 @@ class StateQuery:
         response.velocity = floats(state.velocity)
         response.acceleration = floats(state.acceleration)
         return response
+
+    def _desired_at(self, stamp: Time) -> State:
+        """Give where the joints should be at a time."""
+        robot = self._robot
+        if robot.refuse_all:
+            raise TrajectoryRefusedError(robot.refuse_all)
+        with robot.lock:
+            robot.advance()
+            ahead = self._clock.until(stamp, robot.follower.now)
+            return desired_state(robot.follower, ahead)
