@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from robomech_ros.execution.controller.follower import Follower, FollowerSettings
+from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.tolerances import Tolerances
@@ -69,3 +70,18 @@ def assert_continuous(seen, acceleration=2.0 * ACCELERATION):
     velocities = np.array([state.velocity for _, state in seen])
     assert np.abs(np.diff(positions, axis=0)).max() <= VELOCITY * PERIOD * 1.01
     assert np.abs(np.diff(velocities, axis=0)).max() <= acceleration * PERIOD
+
+
+def wave():
+    """A wave of two joints, from rest to rest in 2 s."""
+    t = np.linspace(0.0, 1.0, 41)
+    u = 10 * t**3 - 15 * t**4 + 6 * t**5
+    rate = (30 * t**2 - 60 * t**3 + 30 * t**4) / 2.0
+    change = (60 * t - 180 * t**2 + 120 * t**3) / 4.0
+    wave, slope = 0.4 * np.sin(3 * u), 1.2 * np.cos(3 * u)
+    return Waypoints(
+        2.0 * t,
+        np.column_stack([1.2 * u, wave]),
+        np.column_stack([1.2 * rate, slope * rate]),
+        np.column_stack([1.2 * change, slope * change - 9.0 * wave * rate**2]),
+    )

@@ -1,9 +1,9 @@
 """Sees by the joint states whether the robot arrives where a delivery ends."""
 
-from robomech_ros.execution.client.comparison import off_goal
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.gateway import Gateway
+from robomech_ros.execution.client.position_check import off_goal
 from robomech_ros.execution.client.progress import Progress
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code

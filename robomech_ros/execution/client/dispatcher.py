@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from robomech_ros.execution.client.active_delivery import ActiveDelivery
-from robomech_ros.execution.client.comparison import off_start
 from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Stage
 from robomech_ros.execution.client.delivery_queue import DeliveryQueue, Ready
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.gateway import Gateway
 from robomech_ros.execution.client.pace_control import too_slow
+from robomech_ros.execution.client.position_check import off_start
 from robomech_ros.execution.verdict import Verdict
 from robomech_ros.outcomes import Code
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from robomech_ros.execution.client.comparison import STILL
 from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.client.position_check import STILL
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints

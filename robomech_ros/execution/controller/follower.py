@@ -4,11 +4,12 @@ It knows neither ROS nor a clock: whoever owns it says what time it is.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.controller.curve_motion import CurveMotion
+from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.joining import join, join_in_steps
 from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
@@ -21,7 +22,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["Follower", "FollowerSettings", "Phase"]
+__all__ = ["Follower", "Phase"]
 
 
 class Phase(Enum):
@@ -30,32 +31,6 @@ class Phase(Enum):
     HOLDING = "holding"
     MOVING = "moving"
     STOPPING = "stopping"
-
-
-@dataclass(frozen=True)
-class FollowerSettings:
-    """What the owner decides.
-
-    Attributes
-    ----------
-    start_tolerance : float
-        How far the first point may be from the present position, rad or m.
-    longest_wait : float
-        How far in the future a trajectory may begin, s.
-    command_timeout : float
-        How long after its end a trajectory may be under way, s; 0 = any time.
-    interpolate : bool
-        Whether the joints move from point to point; else they are told one point after the other.
-    wait_for_stamp : bool
-        Whether the present motion goes on until a later one begins; else that one replaces it when
-        it comes, and its first point is reached at the time that its stamp gives.
-    """
-
-    start_tolerance: float = 0.01
-    longest_wait: float = 3600.0
-    command_timeout: float = 0.0
-    interpolate: bool = True
-    wait_for_stamp: bool = True
 
 
 class Follower:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.execution.controller.follower import FollowerSettings
+from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.execution.client.comparison import STILL
 from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.client.position_check import STILL
 from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock

@@ -1,0 +1,95 @@
+"""Results of the controller, cancelling, and stamps of a clock that jumps."""
+
+import numpy as np
+import pytest
+from dispatch_cases import HOME, delivery, move_along, stamped
+
+from robomech_ros.execution.client.delivery import Transport
+
+
+def test_the_result_of_an_action(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(1.2)
+    robot.at = one.goal.copy()
+    dispatcher.conclude(one, 0, "", 1.21)
+    assert (one.report.code, one.report.text) == (0, "")
+    two = delivery(start=one.goal, transport=Transport.ACTION)
+    dispatcher.offer(two, 2.0)
+    dispatcher.conclude(two, 223, "joint 'elbow' left its path", 2.1)
+    assert (two.report.code, two.report.text) == (223, "joint 'elbow' left its path")
+    dispatcher.conclude(two, 0, "late", 2.2)
+    assert two.report.code == 223
+
+
+def test_success_that_the_joint_states_do_not_confirm(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    dispatcher.conclude(one, 0, "", 1.0)
+    assert one.report is None
+    dispatcher.step(2.1)
+    assert one.report.code == 0
+    assert "reports success, but joint 'shoulder'" in one.report.text
+
+
+def test_a_controller_that_disappears(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    robot.lacking = "action '/arm/execute'"
+    dispatcher.step(0.5)
+    dispatcher.step(2.6)
+    assert one.report.code == 221
+    assert "action '/arm/execute' disappeared" in one.report.text
+
+
+def test_a_controller_that_never_answers(robot, dispatcher):
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    for time in (1.0, 2.0, 3.0, 3.9):
+        dispatcher.step(time)
+    assert one.report is None
+    dispatcher.step(4.1)
+    assert one.report.code == 205
+    assert robot.cancelled == [one]
+
+
+def test_cancel_ends_when_the_robot_stands(robot, dispatcher):
+    one, two = delivery(), delivery(start=(0.5, 0.2, 0.1), goal=HOME)
+    dispatcher.offer(one, 0.0)
+    dispatcher.offer(two, 0.0)
+    assert dispatcher.cancel("enough", 0.3) == 2
+    assert (two.report.code, two.report.text) == (222, "not sent: enough")
+    assert one.report is None
+    stop, begin = one.waypoints.curve, one.sent_at + one.delay
+    move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, 0.35, 2.0)
+    assert (one.report.code, one.report.text) == (222, "enough")
+    assert not dispatcher.busy
+
+
+@pytest.mark.parametrize("jump", [-100.0, -5.0, 2.0])
+def test_what_waits_for_its_stamp_is_watched_by_the_clock_that_jumped(robot, dispatcher, jump):
+    one = stamped(3.0)
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(0.5)
+    dispatcher.clock_jumped(jump, 0.5)
+    begin = 3.0 - jump
+    for time in np.arange(0.55, begin + 1.2, 0.05):
+        assert one.report is None or time > begin + 0.95
+        robot.at = one.waypoints.curve.sample(max(time - begin, 0.0)).position
+        dispatcher.step(time)
+    assert (one.report.code, one.report.text) == (0, "")
+    assert one.report.duration == pytest.approx(begin + 1.05, abs=0.1)
+    assert robot.sent == [one]
+
+
+def test_a_jump_does_not_touch_what_is_under_way(robot, dispatcher):
+    one = stamped(0.2)
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 0.5, 0.05):
+        robot.at = one.waypoints.curve.sample(max(time - 0.2, 0.0)).position
+        dispatcher.step(time)
+    dispatcher.clock_jumped(-100.0, 0.5)
+    robot.at = one.goal.copy()
+    for time in (0.55, 1.2, 1.25, 1.3):
+        dispatcher.step(time)
+    assert one.report.code == 0

@@ -1,0 +1,143 @@
+"""What the joint states say of a motion: whether it arrives, stands or cannot be seen any more."""
+
+import numpy as np
+import pytest
+from dispatch_cases import HOME, NAMES, delivery, follow
+from execution_cases import to_rest
+
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.trajectory import Waypoints
+
+
+def test_a_robot_that_still_moves_has_not_arrived(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    robot.at = one.goal - 0.008
+    dispatcher.step(1.0)
+    robot.at = one.goal - 0.002
+    dispatcher.step(1.05)
+    assert one.report is None
+    dispatcher.step(1.1)
+    assert one.report.code == 0
+
+
+def test_names_joint_and_amount_when_it_does_not_arrive(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 2.2, 0.05):
+        # It moves all the time, but not there.
+        robot.at = np.array([0.5, 0.05, 0.1 - 0.04 * time])
+        dispatcher.step(time)
+    assert one.report.code == 224
+    assert "joint 'elbow' is at 0.05, 0.15 off its goal 0.2, allowed is 0.01" in one.report.text
+    assert dispatcher.tally.failed == 1
+
+
+def test_says_that_the_robot_has_not_moved(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    dispatcher.step(2.1)
+    assert "has not moved" in one.report.text
+
+
+def test_a_robot_that_was_stopped_on_its_way_is_noticed_at_once(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.32)
+    for time in np.arange(0.35, 1.05, 0.05):
+        dispatcher.step(time)
+    assert one.report.code == 222
+    assert one.report.duration < 1.0
+    assert "the robot stands for 0.6 s" in one.report.text or "for 0.5 s" in one.report.text
+    assert "it was stopped" in one.report.text
+    assert "joint 'shoulder' is at" in one.report.text and "off its goal 0.5" in one.report.text
+
+
+def test_a_robot_that_never_moves_is_noticed_before_the_trajectory_is_over(robot, dispatcher):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 20.0), Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 5.0, 0.05):
+        dispatcher.step(time)
+    assert one.report.code == 221
+    assert "the robot does not move for" in one.report.text
+    assert "the controller's log may say why" in one.report.text
+
+
+def test_a_trajectory_that_rests_on_its_way_is_not_taken_for_a_stop(robot, dispatcher):
+    times = np.array([0.0, 1.0, 4.0, 5.0])
+    places = np.array([HOME, (0.5, 0.2, 0.1), (0.5, 0.2, 0.1), (0.9, 0.2, 0.1)])
+    still = np.zeros_like(places)
+    one = Delivery(None, NAMES, Waypoints(times, places, still, still), Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 5.2)
+    assert one.report.code == 0
+
+
+def test_a_trajectory_that_begins_later_is_not_taken_for_a_stop(robot, dispatcher):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 1.0), Transport.TOPIC, delay=3.0)
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 4.3, 0.05):
+        robot.at = one.waypoints.curve.sample(max(time - 3.0, 0.0)).position
+        dispatcher.step(time)
+    assert one.report.code == 0
+
+
+def test_a_single_point_is_watched_from_where_the_robot_is(robot, dispatcher):
+    robot.at = np.full(3, 0.3)
+    waypoints = Waypoints(np.array([10.0]), np.zeros((1, 3)))
+    one = Delivery(None, NAMES, waypoints, Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    for time in np.arange(0.0, 1.5, 0.05):
+        dispatcher.step(time)
+    assert one.report.code == 221
+
+
+def test_of_a_silent_robot_nobody_says_that_it_stands(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.32)
+    robot.talks = False
+    for time in np.arange(0.35, 1.9, 0.05):
+        dispatcher.step(time)
+    assert one.report is None
+    robot.talks, robot.at = True, one.goal.copy()
+    dispatcher.step(1.9)
+    dispatcher.step(1.95)
+    assert one.report.code == 0
+
+
+@pytest.mark.parametrize("transport", Transport)
+def test_a_robot_that_falls_silent_is_gone(robot, dispatcher, transport):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 20.0), transport)
+    dispatcher.offer(one, 0.0)
+    robot.at = np.array([0.1, 0.0, 0.0])
+    dispatcher.step(3.0)
+    robot.talks = False
+    dispatcher.step(4.9)
+    assert one.report is None
+    dispatcher.step(5.1)
+    assert one.report.code == 221
+    assert one.report.text.startswith("the controller is gone: no joint states of shoulder, elbow")
+    assert "for 2.1 s; how the motion ended is not known; at last joint 'sh" in one.report.text
+
+
+def test_a_robot_that_falls_silent_at_the_end_is_gone(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.92)
+    robot.talks = False
+    dispatcher.step(1.95)
+    assert one.report is None
+    dispatcher.step(2.05)
+    assert one.report.code == 221
+    assert "the controller is gone: no joint states" in one.report.text
+
+
+def test_a_subscriber_that_disappears(robot, dispatcher):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 20.0), Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.5)
+    robot.lacking = "subscriber of '/arm/joint_trajectory'"
+    follow(robot, dispatcher, one, 0.5, 2.7)
+    assert one.report.code == 221
+    assert "the controller is gone: subscriber of '/arm/joint_trajectory' dis" in one.report.text
