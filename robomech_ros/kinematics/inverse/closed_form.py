@@ -18,9 +18,9 @@ from robomech_ros.kinematics.inverse.reasons import (
 )
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import (
+    Findings,
     InverseKinematicsResult,
     Listing,
-    Verdict,
     read_listing,
 )
 from robomech_ros.kinematics.inverse.status import Status
@@ -70,19 +70,19 @@ def solve_closed_form(
     if singular > missing:
         marks = read_listing(space, count).branch_bits
         reason = describe_continuum(chain, space[:count], marks)
-        verdict = Verdict(family.name, False, Status.SUCCESS, reason)
+        findings = Findings(family.name, False, Status.SUCCESS, reason)
     else:
-        verdict = _solved(family.name, not singular and not unproven and family.exact)
+        findings = _solved(family.name, not singular and not unproven and family.exact)
     if request.max_solutions is not None and not request.include_windings:
         count = min(count, request.max_solutions)
-    result = InverseKinematicsResult(chain, space[:count], verdict, space)
+    result = InverseKinematicsResult(chain, space[:count], findings, space)
     return _wound(result, request, family) if request.include_windings else result
 
 
 @lru_cache(maxsize=64)
-def _solved(family: str, complete: bool) -> Verdict:
-    """Give the verdict on solutions of which there is nothing to say."""
-    return Verdict(family, complete, Status.SUCCESS)
+def _solved(family: str, complete: bool) -> Findings:
+    """Give what is found of solutions that need no words."""
+    return Findings(family, complete, Status.SUCCESS)
 
 
 def _wound(
@@ -94,7 +94,7 @@ def _wound(
     )
     kept = slice(request.max_solutions)
     listing = Listing(result.target, distances[kept], names[kept])
-    return InverseKinematicsResult(result.chain, q[kept], result.verdict, listing)
+    return InverseKinematicsResult(result.chain, q[kept], result.findings, listing)
 
 
 @lru_cache(maxsize=8)

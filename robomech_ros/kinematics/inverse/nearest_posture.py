@@ -69,4 +69,4 @@ def add_nearest(
         f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "
         f"{search.orientation_error:.6g} rad"
     )
-    return replace(result, verdict=replace(result.verdict, reason=reason, nearest=search.best))
+    return replace(result, findings=replace(result.findings, reason=reason, nearest=search.best))

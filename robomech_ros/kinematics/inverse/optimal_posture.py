@@ -12,7 +12,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
+from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
 from robomech_ros.kinematics.inverse.self_motion import SelfMotionBranch, self_motion
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
@@ -88,10 +88,10 @@ def optimal_posture(
     q = _placed(chain, posture)
     distance = np.array([np.abs(q - chain.midrange()).max()])
     listing = Listing(motion.target, distance, _branch(chain, motion.target, q))
-    verdict = Verdict(
+    findings = Findings(
         family_of(chain).name, False, Status.SUCCESS, f"best by {criterion}: {worth:.6g}"
     )
-    return InverseKinematicsResult(chain, q[None], verdict, listing)
+    return InverseKinematicsResult(chain, q[None], findings, listing)
 
 
 def _branch(chain: SerialChain, T: Array, q: Array) -> NDArray[np.int64]:

@@ -10,9 +10,9 @@ from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
 from robomech_ros.kinematics.inverse.result import (
     NO_EXCESS,
+    Findings,
     InverseKinematicsResult,
     Listing,
-    Verdict,
 )
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
@@ -52,9 +52,9 @@ def no_solution(
     complete: bool = False,
 ) -> InverseKinematicsResult:
     """Give the result without solutions, ``complete`` where it is certain that there are none."""
-    verdict = Verdict(family.name, complete, status, reason, *blocking)
+    findings = Findings(family.name, complete, status, reason, *blocking)
     listing = Listing(T, np.empty(0), np.empty(0, np.int64))
-    return InverseKinematicsResult(chain, np.empty((0, chain.n)), verdict, listing)
+    return InverseKinematicsResult(chain, np.empty((0, chain.n)), findings, listing)
 
 
 def explain_limits(

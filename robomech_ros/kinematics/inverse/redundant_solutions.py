@@ -8,7 +8,7 @@ from robomech_ros._kernels.inverse.redundant.solutions import APPROACHED, solve_
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
 from robomech_ros.kinematics.inverse.families.selection import Family
 from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
+from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
@@ -38,9 +38,9 @@ def solve_by_sampling(
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"
     )
-    verdict = Verdict(family.name, False, Status.SUCCESS, reason)
+    findings = Findings(family.name, False, Status.SUCCESS, reason)
     listing = Listing(T, distances[kept], names[kept])
-    return InverseKinematicsResult(chain, q[kept], verdict, listing)
+    return InverseKinematicsResult(chain, q[kept], findings, listing)
 
 
 def sample_self_motions(

@@ -19,9 +19,9 @@ from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
     "NO_EXCESS",
+    "Findings",
     "InverseKinematicsResult",
     "Listing",
-    "Verdict",
     "read_listing",
 ]
 
@@ -37,7 +37,7 @@ _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Findings:
     """What is known of a list of solutions, or of there being none.
 
     Parameters
@@ -109,7 +109,7 @@ class InverseKinematicsResult:
         Of n joints.
     q : ndarray, shape (k, n)
         Joint values (rad or m).
-    verdict : Verdict
+    findings : Findings
         What is known of them; its fields are attributes of the result, too.
     listing : Listing or ndarray
         Target, distances and branches, whose names are attributes of the result, too; or the space
@@ -118,17 +118,17 @@ class InverseKinematicsResult:
 
     chain: SerialChain
     q: Array
-    verdict: Verdict
+    findings: Findings
     listing: Listing | Array = field(repr=False)
 
     def __init__(
-        self, chain: SerialChain, q: Array, verdict: Verdict, listing: Listing | Array
+        self, chain: SerialChain, q: Array, findings: Findings, listing: Listing | Array
     ) -> None:
         # As a frozen dataclass writes its fields by itself, they take twice as long.
         fields = self.__dict__
         fields["chain"] = chain
         fields["q"] = q
-        fields["verdict"] = verdict
+        fields["findings"] = findings
         fields["listing"] = listing
 
     def __len__(self) -> int:
@@ -137,42 +137,42 @@ class InverseKinematicsResult:
     @property
     def family(self) -> str:
         """Solver family used."""
-        return self.verdict.family
+        return self.findings.family
 
     @property
     def complete(self) -> bool:
         """Whether these are provably all solutions within the limits, before any cap."""
-        return self.verdict.complete
+        return self.findings.complete
 
     @property
     def status(self) -> Status:
         """How the solution ended."""
-        return self.verdict.status
+        return self.findings.status
 
     @property
     def reason(self) -> str:
         """Status in words, with numbers; empty where there is nothing to say."""
-        return self.verdict.reason
+        return self.findings.reason
 
     @property
     def blocking_joints(self) -> tuple[str, ...]:
         """Where limits exclude everything: the joints outside in the least offending solution."""
-        return self.verdict.blocking_joints
+        return self.findings.blocking_joints
 
     @property
     def blocking_excess(self) -> Array:
         """By how much each of the blocking joints is outside its limits (rad or m)."""
-        return self.verdict.blocking_excess
+        return self.findings.blocking_excess
 
     @property
     def task(self) -> tuple[bool, ...]:
         """Which of x, y, z, rx, ry, rz, along and about the target's axes, count as errors."""
-        return self.verdict.task
+        return self.findings.task
 
     @property
     def nearest(self) -> Array | None:
         """The posture (n,) that misses the pose least; None where that has not been looked for."""
-        return self.verdict.nearest
+        return self.findings.nearest
 
     @cached_property
     def _listing(self) -> Listing:

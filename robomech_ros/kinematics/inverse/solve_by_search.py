@@ -21,7 +21,7 @@ from robomech_ros.kinematics.inverse.reasons import (
     no_solution,
 )
 from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult, Listing, Verdict
+from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
 from robomech_ros.robots.chain import SerialChain
@@ -112,11 +112,11 @@ def _ranked(
     if request.include_windings:
         ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)
-    verdict = Verdict(
+    findings = Findings(
         family.name, complete, Status.SUCCESS, _reason(chain, request, search), task=request.task
     )
     listing = Listing(T, distances[kept], names[kept])
-    return InverseKinematicsResult(chain, ranked[kept], verdict, listing)
+    return InverseKinematicsResult(chain, ranked[kept], findings, listing)
 
 
 def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> str:
