@@ -1,4 +1,4 @@
-"""Packages whose parts are loaded when first asked for."""
+"""Packages whose parts are loaded on first use."""
 
 from collections.abc import Callable, Mapping
 from importlib import import_module

@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         if finding.mend:
             print(f"{'':8} {'':22} -> {finding.mend}")
         good = good and finding.ok is not False
-    print("nothing is missing" if good else "what is MISSING keeps the suite from working")
+    print("nothing is missing" if good else "the suite cannot work without what is MISSING")
     return 0 if good else 1
 
 

@@ -11,7 +11,7 @@ __all__ = ["compiled", "prune"]
 # As robomech_ros._kernels names the files of a kernel: with the digest of what it is made from.
 _KERNEL = re.compile(r".+-([0-9a-f]{16})\.py\d+\w*(?:\.\d+)?\.nb[ic]")
 _USERS = "used_by"
-# Earlier states that are kept, for who goes back and forth between some.
+# Earlier states that are kept, for switching back and forth between versions.
 KEPT = 3
 
 

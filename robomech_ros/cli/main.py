@@ -24,7 +24,7 @@ COMMANDS = {
     "symbolic": (_HERE, "print closed forms of a robot's kinematics and dynamics"),
     "robots": (_HERE, "list the robots that are known by name"),
     "warmup": (_HERE, "compile the numeric kernels, once"),
-    "doctor": (_HERE, "say what is missing on this machine, and how to mend it"),
+    "doctor": (_HERE, "say what is missing on this machine, and how to fix it"),
     "demo": (_WITH_ROS, "solve, plan, execute and check a pick and place, with a plot"),
 }
 

@@ -116,7 +116,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _box(chain: SerialChain, args: argparse.Namespace) -> tuple[list[float], list[float]]:
-    """Give the corners of the box: those told, or those of the cube that holds all reach."""
+    """Give the corners of the box: the given ones, or the cube that holds the whole reach."""
     if (args.lower is None) != (args.upper is None):
         lacking = "--lower" if args.lower is None else "--upper"
         raise BadValueError(lacking, None, "both corners of the box, or neither")

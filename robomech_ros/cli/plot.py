@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--joints", nargs="+", type=float, metavar="Q", help="the pose that these make, rad or m"
     )
     parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
-    parser.add_argument("--title", help="above the picture; the robot's name unless told")
+    parser.add_argument("--title", help="above the picture (the robot's name)")
     eye = "of the eye as seen from the base, degrees"
     parser.add_argument("--azimuth", type=float, default=-60.0, help=f"{eye} (-60)")
     parser.add_argument("--elevation", type=float, default=25.0, help=f"{eye} (25)")

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--axis", help="x, y or z, which the slice is perpendicular to (each)")
     parser.add_argument("--at", type=float, help="where on that axis, m (the middle)")
-    parser.add_argument("--title", help="above the picture; robot and tip unless told")
+    parser.add_argument("--title", help="above the picture (robot and tip)")
     parser.add_argument("--output", type=Path, default=Path("map.png"), help="png, svg or pdf")
 
 

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ignore-limits", action="store_true", help="joints turn all the way round"
     )
-    parser.add_argument("--title", help="above the picture; the robot's name unless told")
+    parser.add_argument("--title", help="above the picture (the robot's name)")
     parser.add_argument("--json", type=Path, help="file for the curves in numbers, too")
     parser.add_argument(
         "--output", type=Path, default=Path("workspace.png"), help="png, svg or pdf"

@@ -1,6 +1,6 @@
 """Dynamics of serial chains.
 
-Each part is loaded when first asked for, as those of the kinematics are.
+Each part is loaded on first use, like those of the kinematics.
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
 """Kinematics of serial chains.
 
-Each part is loaded when first asked for: compiled kernels take memory and time to load, and who
-needs poses only, such as a planner, does without most of them or all.
+Each part is loaded on first use: compiled kernels take time and memory, and a planner, say, which
+needs only poses, does without most of them.
 """
 
 from typing import TYPE_CHECKING

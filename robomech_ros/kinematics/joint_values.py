@@ -95,7 +95,7 @@ def check_chain(chain: SerialChain) -> None:
     BadValueError
     """
     if not isinstance(chain, SerialChain):
-        raise BadValueError("chain", chain, "a SerialChain, as load_robot gives it")
+        raise BadValueError("chain", chain, "a SerialChain, as returned by load_robot")
 
 
 def as_rows(q: Array) -> Array:

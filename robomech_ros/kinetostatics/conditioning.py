@@ -87,7 +87,7 @@ class ConditioningIndex(float):
 
 
 def characteristic_length(chain: SerialChain, *, norm: str = "2") -> CharacteristicLength:
-    r"""Find the length with which the arm's best posture is as well conditioned as can be.
+    r"""Find the length with which the arm's best posture is as well conditioned as possible.
 
     Linear rows of the Jacobian are divided by it.  Length and posture together make the condition
     number least, over all postures whether within the limits of revolute joints or not, and lengths

@@ -64,7 +64,7 @@ class Samples(NamedTuple):
 
 
 class Motion:
-    """Where the joints are told to be, one knot after the other.
+    """Commanded joint positions, one knot after the other.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class Motion:
         return Advance(followed, allowed, tuple(self._names[i] for i in bound))
 
     def _target(self, wanted: Numbers) -> tuple[Numbers, float]:
-        """Give the velocity next to the wanted one that can be had in a period.
+        """Give the velocity nearest to the wanted one that a period allows.
 
         That is a part of it where one can be had, which keeps the direction; else a part of the
         change.  The part comes with it.

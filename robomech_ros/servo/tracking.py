@@ -1,4 +1,4 @@
-"""Whether the joints do what the stream tells them."""
+"""Whether the joints follow the stream."""
 
 import math
 from collections import deque
@@ -36,13 +36,13 @@ class Deviation(NamedTuple):
     def text(self) -> str:
         """The same in words."""
         off, allowed = f"{self.amount:.4g} {self.unit}", f"{self.tolerance:.4g} {self.unit}"
-        return f"joint '{self.joint}' is {off} off what it was told, the tolerance is {allowed}"
+        return f"joint '{self.joint}' is {off} off its command, the tolerance is {allowed}"
 
 
 class Tracking:
     """Compares measured positions with those of a stream in the last while.
 
-    Joints follow with a delay: each may be anywhere between where it was told to be then and now.
+    Joints follow with a delay: each may be anywhere between its commands of then and now.
 
     Parameters
     ----------
@@ -61,15 +61,15 @@ class Tracking:
         self._told: deque[tuple[float, Array]] = deque()
 
     def begin(self) -> None:
-        """Forget what was told before."""
+        """Forget earlier commands."""
         self._told.clear()
 
     def tell(self, time: float, position: Array) -> None:
-        """Take note of where the joints (n,) are told to be (rad or m) at a time (s)."""
+        """Note the commanded positions (n,) of the joints (rad or m) at a time (s)."""
         self._told.append((time, position))
 
     def deviation(self, now: float, position: Array) -> Deviation | None:
-        """Find the joint that is farthest from where it was told to be, if that is too far.
+        """Find the joint that is farthest from its commands, if that is too far.
 
         Parameters
         ----------

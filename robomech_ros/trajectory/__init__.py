@@ -1,7 +1,7 @@
 """Trajectories: profiles, curves through points, paths, and the verification of all of them.
 
-Each part is loaded when first asked for: who samples and verifies, such as a controller, does
-without what plans.
+Each part is loaded on first use: a controller, which samples and verifies, never loads the
+planning.
 """
 
 from typing import TYPE_CHECKING

@@ -48,7 +48,7 @@ def test_the_joint_that_is_off_most_is_named_with_the_amount(told, joint, off, a
     assert found is not None and found.joint == name
     assert found.amount == pytest.approx(amount, abs=0.6 * SPEED * PERIOD * 2)
     assert found.text.startswith(f"joint '{name}' is ")
-    assert found.text.endswith("rad off what it was told, the tolerance is 0.05 rad")
+    assert found.text.endswith("rad off its command, the tolerance is 0.05 rad")
 
 
 def test_joints_without_limits_may_be_off_by_turns():

@@ -26,7 +26,7 @@ _START = np.array([1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3])
 
 @dataclass(frozen=True, eq=False)
 class ConsistentFit:
-    """Bodies that there can be, chosen by what the motions tell.
+    """Physically possible bodies, chosen by the motions.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class ConsistentFit:
 
 
 def consistent_fit(found: Identification) -> ConsistentFit:
-    """Choose bodies that there can be, as near as possible to what was found.
+    """Choose possible bodies, as near as possible to the identified parameters.
 
     The base parameters, weighted by their covariance, are brought as near to those found as bodies
     with positive definite pseudo-inertias can: a convex program, whose minimum is the only one.
@@ -74,7 +74,7 @@ def consistent_fit(found: Identification) -> ConsistentFit:
     IEEE Trans. Robotics 36(2), 2020.
     """
     if not isinstance(found, Identification):
-        raise BadValueError("found", found, "an Identification, such as identify gives")
+        raise BadValueError("found", found, "an Identification, as returned by identify")
     chain, base = found.chain, found.base
     # Torques without noise leave nothing but rounding, which no solution has to meet.
     least = _LEAST_ERROR * np.abs(found.base_values).max()

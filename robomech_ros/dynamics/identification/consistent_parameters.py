@@ -1,6 +1,6 @@
-r"""Least squares over the parameters of bodies that there can be: a convex program.
+r"""Least squares over the parameters of possible bodies: a convex program.
 
-A body with the pseudo-inertia J is one that there can be where J is positive definite.  What is
+A body is physically possible where its pseudo-inertia J is positive definite.  What is
 minimised is
 
 .. math:: |C p - t|^2 / 2 + \gamma \sum_i (\mathrm{tr} J_i K_i^{-1} - \log \det J_i K_i^{-1} - 4)
@@ -43,7 +43,7 @@ _BASIS[np.arange(10), _COLUMNS, _ROWS] = _BASIS[np.arange(10), _ROWS, _COLUMNS]
 
 @dataclass(frozen=True, eq=False)
 class ConsistentParameters:
-    """Parameters of n bodies that there can be.
+    """Parameters of n possible bodies.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def consistent_least_squares(
     C : ndarray, shape (m, 10 n)
     t : ndarray, shape (m,)
     known : ndarray, shape (n, 10)
-        Parameters of bodies that there can be, near which what C leaves free remains.
+        Parameters of possible bodies, near which the directions remain that C leaves free.
     gamma : float
         How much they count: half the square of a residual, or of the mean residual where that is
         above 1.  ``|C p - t|^2 / 2`` is above its least value by some ``4 n gamma`` of them.

@@ -102,7 +102,7 @@ class Identification:
 
     @cached_property
     def consistent(self) -> NDArray[np.bool_]:
-        """Which of the bodies of :attr:`parameters` there can be, shape (n,)."""
+        """Which of the bodies of :attr:`parameters` are possible, shape (n,)."""
         return is_consistent(self.parameters)
 
 

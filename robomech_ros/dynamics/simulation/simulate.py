@@ -170,7 +170,7 @@ def simulate(
     wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
     drives, slow = _as_torque(chain, torque), positive_number("rest_rate", rest_rate)
     motion = EquationsOfMotion(chain, drives, gravity, wrench, slow)
-    # The start is refused where it is wrong; what comes later is told.
+    # A wrong start is refused; what goes wrong later is the reason of the end.
     forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
     record = Record(_as_times(times, duration))

@@ -12,7 +12,7 @@ from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ActiveDelivery"]
 
-# So long after it should stand a robot that does not was not told in time, s.
+# A robot that still moves this long after it should stand was stopped too late, s.
 _UNHEARD = 0.1
 
 
@@ -156,12 +156,12 @@ class ActiveDelivery:
         return Verdict(Code.NONE, text or unconfirmed)
 
     def _stopped(self, now: float) -> Verdict | None:
-        """See that the robot stands where it was told to, and end what was cancelled."""
+        """See that the robot stands where it was sent, and end what was cancelled."""
         late, off, stands = self._watch.late, self._watch.off, self._watch.stands
         if late > _UNHEARD and off and not stands and self._set_pace_again(now):
             return None
         if late > self._settings.arrival_timeout and off:
-            return Verdict(Code.GOAL_TOLERANCE, f"it did not stop as it was told to: {off}")
+            return Verdict(Code.GOAL_TOLERANCE, f"it did not stop as commanded: {off}")
         if late >= 0.0 and self.cancelled and stands:
             return Verdict(Code.PREEMPTED, self.cancelled)
         return None

@@ -129,7 +129,7 @@ class Delivery:
         return self.stage is Stage.SENT and now < self.sent_at + self.delay
 
     def listen(self, listener: Callable[[DeliveryReport], None]) -> None:
-        """Have the report told once, when it has ended."""
+        """Report once, when it has ended."""
         if self.report is not None:
             listener(self.report)
         else:

@@ -18,7 +18,7 @@ class DispatchSettings:
     start_tolerance, goal_tolerance : float
         How far the joints may be from start and goal, rad or m.
     controller_timeout : float
-        How long the controller may be away before those who wait are told, s.
+        How long the controller may be away before waiting clients hear of it, s.
     arrival_timeout : float
         How long after its end a motion may take to arrive, s.
     standstill_timeout : float

@@ -67,7 +67,7 @@ class PaceControl:
 
     @property
     def stops(self) -> bool:
-        """Whether the delivery was told to stop before its end."""
+        """Whether the delivery was stopped before its end."""
         return not self._scaling.pace
 
     def postpone(self, begin: float) -> None:

@@ -182,7 +182,7 @@ class Follower:
         Parameters
         ----------
         end, code, text
-            The result, told when the robot stands.
+            The result, reported when the robot stands.
         goal : TrajectoryGoal, optional
             Only if it is this one that moves or waits.
 

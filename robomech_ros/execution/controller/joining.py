@@ -28,7 +28,7 @@ STANDING = 1e-6
 # So many points of a late trajectory that cannot be reached in time are passed over, of those that
 # come within LATENCY: who is farther behind would leave the way that was planned.
 _PASSED_OVER = 64
-# Without interpolation the last point is told for this long (s) before the trajectory is over.
+# Without interpolation the last point is commanded this long (s) before the trajectory is over.
 _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
@@ -104,10 +104,11 @@ def join_in_steps(
     start_tolerance: float,
     late: float = 0.0,
 ) -> PiecewisePolynomial:
-    """Make the curve of a trajectory that is not interpolated: each point is told at once.
+    """Make the curve of a trajectory that is not interpolated: one point at a time.
 
     As with ros2_control's ``interpolation_method: none`` the joints stay where they are until a
-    first point later than now, and between two points they are told the second one.  Velocities
+    first point later than now, and between two points they are commanded to the second one.
+    Velocities
     and accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """

@@ -84,7 +84,7 @@ class Plant(Protocol):
         Parameters
         ----------
         before, command : State
-            What the joints are told at the beginning and at the end.
+            The commands at the beginning and at the end.
         span : float
             How long, s, above 0.
         held : ndarray of bool, shape (n,), or None
@@ -93,7 +93,7 @@ class Plant(Protocol):
         Raises
         ------
         RobomechError
-            The motion ran away; the joints stand where that could still be told.
+            The motion diverged; the joints stand at the last finite state.
         """
 
     def put(self, position: FloatArray) -> DrivenMotion:
@@ -110,7 +110,7 @@ class SimulatedJoints:
     lag : float
         Time constant with which they follow, s; 0 = exactly.
     plant : Plant, optional
-        Moves them by forces; otherwise they are just where they are told to be.
+        Moves them by forces; otherwise they follow their commands exactly.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class SimulatedJoints:
         Parameters
         ----------
         desired : State
-            What the joints are told at the end of that time.
+            The command at the end of that time.
         span : float
             How long, s.
 

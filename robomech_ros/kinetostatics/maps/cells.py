@@ -55,7 +55,7 @@ def map_cells(
 ) -> NDArray | None:
     """Compute the cells from ``first`` to before ``last``.
 
-    The same whoever computes them, and whatever else is computed besides.
+    The same on every machine, whatever else is computed with them.
 
     Parameters
     ----------

@@ -162,7 +162,7 @@ def _connected(address: str) -> "Client":
 
 
 async def _identity(address: str) -> dict[str, Any]:
-    """Ask who listens at an address."""
+    """Ask what listens at an address."""
     from distributed.core import rpc
 
     async def ask() -> dict[str, Any]:

@@ -51,11 +51,11 @@ class MotionClock:
             limit = Duration(seconds=LONGEST_STEP)
             back = Duration(nanoseconds=-limit.nanoseconds)
             threshold = JumpThreshold(min_forward=limit, min_backward=back, on_clock_change=False)
-            # Jumps are told as long as this is kept.
+            # Jumps are reported as long as this is kept.
             self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_jump)
 
     def on_jump(self, listener: Callable[[float], None]) -> None:
-        """Have every jump of simulated time told, in s, negative where it jumped back."""
+        """Report every jump of simulated time, in s, negative where it jumped back."""
         self._listeners.append(listener)
 
     def _take_jump(self, jump: TimeJump) -> None:

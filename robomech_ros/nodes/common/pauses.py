@@ -46,7 +46,7 @@ async def beside(node: Node, work: Callable[[], object]) -> None:
 
 
 def _quietly(work: Callable[[], object]) -> None:
-    with suppress(Exception):  # who needs the result asks again and gets the error
+    with suppress(Exception):  # a later request asks again and gets the error
         work()
 
 
@@ -105,7 +105,7 @@ class Worker:
             wake(node)
 
     def close(self) -> None:
-        """Do no more; what is being done gets a moment to end, and nobody is told of it."""
+        """Do no more; work in progress gets a moment to end, and its result is dropped."""
         self._closed = True
         self._pieces.put(None)
         self._thread.join(_LAST_WORK)
@@ -121,7 +121,7 @@ class Worker:
                 self._tell(done.set_result, result)
 
     def _tell(self, tell: Callable[[Any], None], what: object) -> None:
-        """Have the waiting coroutine told by the executor."""
+        """Have the executor resume the waiting coroutine."""
         node = self._node()
         executor = None if node is None else node.executor
         if executor is None or self._closed:
@@ -144,7 +144,7 @@ class _NextTurn:
 
 
 class Turns:
-    """Long work in short turns, between which everybody is served who waits already.
+    """Long work in short turns, between which waiting requests are served.
 
     Parameters
     ----------

@@ -73,5 +73,5 @@ def running_suite(commands: Mapping[str, Sequence[str]]) -> Iterator[Suite]:
         failed = {name: code for name, code in group.stop().items() if code}
         if failed:
             name, code = failed.popitem()
-            text = f"node {name} ended with exit code {code} when told to stop"
+            text = f"node {name} ended with exit code {code} when asked to stop"
             raise DemoFailedError(f"{text}; last words of the nodes:\n{suite.last_words()}")

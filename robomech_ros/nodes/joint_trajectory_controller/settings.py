@@ -92,8 +92,8 @@ class ControllerSettings(RobotSettings):
     )
     interpolation_method: str = parameter(
         SPLINES,
-        "How the joints get from point to point: splines = linearly, by cubics or quintics, as the "
-        "fields of the points allow; none = they are told one point after the other",
+        "How the joints get from point to point: splines = linearly, by cubics or quintics, as "
+        "the fields of the points allow; none = commanded one point at a time",
         choices=(SPLINES, NO_INTERPOLATION),
     )
     allow_nonzero_velocity_at_trajectory_end: bool = parameter(

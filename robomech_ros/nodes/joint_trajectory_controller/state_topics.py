@@ -58,7 +58,7 @@ class ControllerState:
             desired.acceleration - actual.acceleration,
         )
         message.error = point_from_state(error, time)
-        # What the simulated joints are told are positions.
+        # The commands of the simulated joints are positions.
         message.output.positions = message.reference.positions
         message.output.time_from_start = time
         self._publisher.publish(message)

@@ -222,7 +222,7 @@ class KinematicsNode(Node):
         return space
 
     async def _show_boundary(self) -> None:
-        """Find and show the boundary for the first who listens to the markers."""
+        """Find and show the boundary when the first subscriber of the markers comes."""
         if self._table.settings.publish_markers and self._model.chain.n:
             await self._known_space()
 

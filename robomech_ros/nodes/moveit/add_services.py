@@ -58,7 +58,7 @@ def add_cartesian_path_service(
 ) -> bool:
     """Add compute_cartesian_path to a node, where its type is installed.
 
-    What it computes is not published: who asked has it executed.
+    What it computes is not published: the client has it executed.
 
     Parameters
     ----------

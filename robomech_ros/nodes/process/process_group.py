@@ -84,7 +84,7 @@ class ProcessGroup:
         """End all processes as Ctrl-C would, by force after a while; gives their exit codes.
 
         A node that has done all of its own, and that SIGALRM ended because its middleware did not,
-        counts as ended well; stderr is told.
+        counts as a clean end; stderr mentions it.
         """
         for process in self.processes.values():
             if process.poll() is None:

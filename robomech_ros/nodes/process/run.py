@@ -44,7 +44,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Spinner:
-    """Spins nodes in a thread of its own until told to stop.
+    """Spins nodes in a thread of its own until stopped.
 
     An exception in a callback is logged, and the nodes go on serving.
 
@@ -121,7 +121,7 @@ class Spinner:
 
 
 class _Signals:
-    """Takes SIGINT and SIGTERM, whenever they come, and wakes who waits for them."""
+    """Takes SIGINT and SIGTERM at any time, and wakes the waiting thread."""
 
     def __init__(self) -> None:
         # put() of a SimpleQueue is safe inside a signal handler.

@@ -160,7 +160,7 @@ class CommandReader:
     def _until(self, header: Any) -> float:
         """Give until when (s) a command counts that was made at the stamp of its header.
 
-        The stream is told ahead of its time, so that the robot brakes later than that.
+        The stream is sent ahead of its time, so the robot brakes later than that.
         """
         settings = self._settings()
         timeout = settings.command_timeout

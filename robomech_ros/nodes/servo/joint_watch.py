@@ -94,7 +94,7 @@ class JointWatch:
         self._heard, self._heard_at = self._monitor.heard(self._names), now
 
     def tell(self, time: float, position: Array) -> None:
-        """Note where the joints were told to be at a time (s)."""
+        """Note the commanded positions at a time (s)."""
         self._tracking.tell(time, position)
 
     def fault(self, now: float) -> Fault | None:

@@ -69,7 +69,7 @@ def status_message(
     refusal : str
         Why the last command was refused; empty if it was not.
     no_state : str
-        Why the state of the joints is not known, or not what was told; empty otherwise.
+        Why the state of the joints is unknown, or off the commands; empty otherwise.
     joints : sequence of str
         Those that this is about.
     """

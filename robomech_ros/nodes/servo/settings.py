@@ -21,11 +21,11 @@ class ServoNodeSettings(RobotSettings):
         "Where the controller listens (trajectory_msgs/JointTrajectory)",
     )
     publish_rate: float = parameter(
-        100.0, "How often the stream is continued while there is motion", 20.0, 1000.0, "Hz"
+        100.0, "How often the stream is continued during motion", 20.0, 1000.0, "Hz"
     )
     command_timeout: float = parameter(
         0.1,
-        "How long a command is followed without another one; then the robot brakes",
+        "How long a command counts without a new one; then the robot brakes",
         0.01,
         1.0,
         "s",
@@ -33,8 +33,8 @@ class ServoNodeSettings(RobotSettings):
     )
     command_in_type: str = parameter(
         SPEED_UNITS,
-        "What commands mean: speed_units = rad/s and m/s, unitless = parts, -1 to 1, of the three "
-        "scales below",
+        "What commands mean: speed_units = rad/s and m/s, unitless = fractions, -1 to 1, of the "
+        "three scales below",
         choices=(SPEED_UNITS, UNITLESS),
         read_only=False,
     )
@@ -53,47 +53,47 @@ class ServoNodeSettings(RobotSettings):
     )
     lower_singularity_threshold: float = parameter(
         30.0,
-        "Condition number, over the characteristic length, from which on motions towards a "
+        "Condition number, lengths over the characteristic length, above which motions towards a "
         "singularity are slowed down",
         1.0,
         1e5,
     )
     hard_stop_singularity_threshold: float = parameter(
-        90.0, "Condition number at which motions into a singularity stand", 1.0, 1e5
+        90.0, "Condition number at which motions into a singularity stop", 1.0, 1e5
     )
     characteristic_length: float = parameter(
         0.0,
-        "By which linear motions are divided in condition numbers; 0 = that of the robot, which "
-        "takes some seconds to find at the start",
+        "Divides linear motions in condition numbers; 0 = that of the robot, computed at the "
+        "start in some seconds",
         0.0,
         1e3,
         "m",
     )
     lead: int = parameter(
         2,
-        "How many periods ahead of its time a new point is told: so late the controller may get a "
-        "message and the motion is smooth; commands are followed as much later",
+        "How many periods ahead of its time a new point is sent: a message may be this late "
+        "without disturbing the motion; commands take effect that much later",
         1,
         20,
         "periods",
     )
     tracking_tolerance: float = parameter(
         0.1,
-        "How far a joint may be from where it was told to be within the last tracking_delay, rad "
-        "or m, before the stream stops; 0 = any distance",
+        "How far a joint may be from its commands of the last tracking_delay, rad or m, before "
+        "the stream stops; 0 = any distance",
         0.0,
         10.0,
     )
     tracking_delay: float = parameter(
         0.2,
-        "How much later than told the joints may be somewhere; the stream also stops where the "
-        "joint states fail to come for longer than that and 0.5 s",
+        "How far the joints may lag behind their commands; the stream also stops when joint "
+        "states stay away for longer than that and 0.5 s",
         0.0,
         5.0,
         "s",
     )
     halt_messages: int = parameter(
-        4, "How many trajectories are published after the robot stands", 1, 1000, "messages"
+        4, "How many messages are still published after the robot stands", 1, 1000, "messages"
     )
 
 

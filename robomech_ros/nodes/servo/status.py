@@ -31,7 +31,7 @@ class StatusPublisher:
         self._told: tuple[tuple[object, ...], float] = ((), -REPEATED)
 
     def is_new(self, situation: tuple[object, ...], now: float) -> bool:
-        """Whether a situation, or a refusal in it, was not told in the last second."""
+        """Whether a situation, or a refusal in it, was not reported in the last second."""
         situation = (*situation, self._refusal(now))
         if situation == self._told[0] and now < self._told[1] + REPEATED:
             return False

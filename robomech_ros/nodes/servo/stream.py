@@ -68,7 +68,7 @@ class StreamPublisher:
         self._knot = now + ahead
 
     def catch_up(self, now: float) -> None:
-        """Where the node was held up, brake as the controller does, which was told to stop."""
+        """After a delay of the node, brake as the controller already does."""
         earliest = now + _IN_TIME * self._period
         while self._knot < earliest and not self._servo.motion.at_rest:
             self._servo.motion.brake()

@@ -106,7 +106,7 @@ class TrajectoryPlannerNode(Node):
         here = self._chain.midrange()
         near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
         for points in ([here, near], [here, near, here])[: 1 + via]:
-            with suppress(RobomechError):  # limits that are missing are told to who asks
+            with suppress(RobomechError):  # requests that need missing limits get the error
                 sampled_through_points(
                     points, limits=self._limits, profile=profile, period=0.1, max_points=10_000
                 )
@@ -137,7 +137,7 @@ class TrajectoryPlannerNode(Node):
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()
         encode_path_plan(found, wanted, self._chain.joint_names, self._points, response)
-        # What ends on the way is for who asked to judge, not to be executed as it comes.
+        # The client judges a partial path; it is not executed unasked.
         if found.sampled is not None and found.stop is None:
             self._plans.publish_soon(response.trajectory, found.sampled)
         return response

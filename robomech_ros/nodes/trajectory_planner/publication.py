@@ -1,4 +1,4 @@
-"""What the planner publishes of its latest plan, once the answer to who asked has left."""
+"""What the planner publishes of its latest plan, after its answer has left."""
 
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory

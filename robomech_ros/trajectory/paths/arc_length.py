@@ -83,7 +83,7 @@ class ArcLength:
         """Parameters at lengths from the start (m), shape () or (m,).
 
         At a length just below that of a break the parameter is below the break, so that the limit
-        of a derivative from the left can be had.
+        of a derivative from the left is found.
         """
         inside = as_parameters("s", s, 0.0, self.length)
         flat = np.atleast_1d(inside)

@@ -1,4 +1,4 @@
-"""Splines at rest at both ends that come as near as can be to a law of motion.
+"""Splines at rest at both ends, as near as possible to a law of motion.
 
 A natural spline through points of a law has no acceleration at its ends, but a velocity.  With the
 conditions of rest the values at its knots are chosen instead, such that the deviation from the law

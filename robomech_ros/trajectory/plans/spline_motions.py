@@ -120,7 +120,7 @@ def spline_through(
         increasing, in place of `spacing`.
     spacing : str
         ``"uniform"``, ``"chord"`` (times proportional to distances), ``"centripetal"`` (to their
-        roots), ``"balanced"`` (all segments as near to the limits as can be; cubic only) or
+        roots), ``"balanced"`` (all segments as near to the limits as possible; cubic only) or
         ``"optimal"`` (the shortest motion within the limits; cubic only, takes long for many
         points).
     ends : str

@@ -35,7 +35,7 @@ class JerkLimited:
     """Piecewise constant jerk, all joints arriving together, at rest.
 
     From rest every joint whose limits permit it follows the course of the slowest one, so that
-    the path is as straight as can be; that costs no time.  A wanted duration slows the fastest
+    the path is as straight as possible; that costs no time.  A wanted duration slows the fastest
     motion down as a whole; from a moving start it is left to Ruckig.
     The breaks of its pieces are the steps of the jerk of any joint.
 

@@ -33,7 +33,7 @@ def test_a_stuck_joint_stops_the_stream_which_begins_again_where_the_robot_is(op
     hand.repeat(send, lambda: has_lost(hand, "elbow"))
     said = hand.last_status()
     assert list(said.joint_names) == ["elbow"] and np.isnan(said.condition_number)
-    assert "off what it was told, the tolerance is 0.05 rad; the stream has stopped" in said.message
+    assert "off its command, the tolerance is 0.05 rad; the stream has stopped" in said.message
     off = float(said.message.split(" is ")[1].split()[0])
     assert 0.05 < off < 0.3
     streamed = len(hand.streamed)

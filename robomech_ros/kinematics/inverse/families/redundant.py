@@ -1,4 +1,4 @@
-"""Arms with more than six joints: how all postures are had for each value of a parameter.
+"""Arms with more than six joints: all postures for each value of a parameter.
 
 Covered are arms of seven revolute joints with a spherical shoulder and a spherical wrist, whose
 parameter is the arm angle, and all others in which six neighbouring joints are an arm that moves
