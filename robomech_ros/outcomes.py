@@ -38,14 +38,14 @@ class Code(IntEnum):
     NON_FINITE = 104, "a number that is NaN or infinite"
     FRAME_UNAVAILABLE = 105, "a frame_id that cannot be related to the base of the chain"
     SEED_OUTSIDE_LIMITS = 106, "a seed or start position outside the joint limits"
-    NO_STATE = 107, "the present joint state is needed and not known, or the robot moves"
+    NO_STATE = 107, "the present joint state is unknown, or the robot moves"
     WRONG_SIZE = 108, "an array of the wrong length, or a name given twice"
     BAD_VALUE = 109, "a value outside its allowed range or set"
     MISSING_LIMITS = (
         110,
         "the robot lacks a velocity, acceleration or jerk limit that is needed",
     )
-    MISSING_INERTIA = 111, "nothing is known of the mass of what a joint moves"
+    MISSING_INERTIA = 111, "the mass of what a joint moves is unknown"
 
     OUT_OF_REACH = 201, "the position cannot be reached, whatever the orientation"
     ORIENTATION_UNREACHABLE = 202, "the position can be reached, but not with this orientation"
