@@ -16,7 +16,7 @@ from robomech_ros.dynamics.formulations.orthogonal_complement import (
 )
 from robomech_ros.dynamics.formulations.stacked_matrices import (
     mass_roots,
-    solved,
+    solve,
     times,
     transposed,
 )
@@ -147,7 +147,7 @@ def forward_dynamics_by_cholesky(
     model = natural_orthogonal_complement(chain, q, qd, **motion)
     moving = tau - _bias(chain, model, gravity, tip_wrench)
     L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
-    return solved(transposed(L), solved(L, moving))
+    return solve(transposed(L), solve(L, moving))
 
 
 @finite_result
@@ -200,7 +200,7 @@ def forward_dynamics_by_reflections(
     rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
     P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
     U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
-    return solved(U, solved(transposed(U), moving))
+    return solve(U, solve(transposed(U), moving))
 
 
 def _bias(

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
-from robomech_ros.dynamics.formulations.stacked_matrices import solved, times
+from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
@@ -192,7 +192,7 @@ def forward_dynamics_by_kane(
     moving = np.einsum("...ija,i,...ika->...jk", partial.linear, masses, partial.linear)
     coefficients = turning + moving + np.diag(reflected_inertias(chain))
     right = active - friction_torque(chain, qd)
-    return solved(coefficients, right)
+    return solve(coefficients, right)
 
 
 @dataclass(frozen=True, eq=False)

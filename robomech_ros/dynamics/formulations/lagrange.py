@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
-from robomech_ros.dynamics.formulations.stacked_matrices import solved, times
+from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
 from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
@@ -212,7 +212,7 @@ def forward_dynamics_by_lagrange(
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     derivatives = _derivatives(chain, q)
     moving = tau - _bias(chain, derivatives, qd, gravity, tip_wrench)
-    return solved(_mass_matrix(chain, derivatives), moving)
+    return solve(_mass_matrix(chain, derivatives), moving)
 
 
 @dataclass(frozen=True, eq=False)

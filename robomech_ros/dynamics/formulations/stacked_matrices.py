@@ -18,7 +18,7 @@ __all__ = [
     "extended_angular_velocity",
     "extended_mass",
     "mass_roots",
-    "solved",
+    "solve",
     "times",
     "transposed",
     "twist_shaping",
@@ -159,6 +159,6 @@ def times(matrix: Array, vector: Array) -> Array:
     return product
 
 
-def solved(matrix: Array, vector: Array) -> Array:
+def solve(matrix: Array, vector: Array) -> Array:
     """Solve for vectors (..., n) with regular matrices (..., n, n)."""
     return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)

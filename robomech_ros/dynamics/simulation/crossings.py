@@ -13,7 +13,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["Event", "bounced", "first_crossing", "limit_events", "note"]
+__all__ = ["Event", "bounced", "first_crossing", "limit_events", "note_events"]
 
 Array = NDArray[np.float64]
 Event = Callable[[float, Array, Array], float]
@@ -76,7 +76,7 @@ def _zero(crossing: Crossing, dense: Any, before: float, after: float) -> float:
     return float(brentq(lambda t: crossing(dense(t)), before, after, xtol=1e-14, rtol=1e-14))
 
 
-def note(
+def note_events(
     watched: list[Event],
     dense: Any,
     before: float,

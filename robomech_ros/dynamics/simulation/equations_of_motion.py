@@ -70,14 +70,14 @@ class EquationsOfMotion:
         torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
         return torque
 
-    def asked(self, t: float, q: Array, qd: Array) -> Array:
+    def requested_torque(self, t: float, q: Array, qd: Array) -> Array:
         """Give the torques (n,) that are asked of the drives, finite or not."""
         tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
         if tau.shape != q.shape:
             raise WrongSizeError("torque", tau.shape, q.shape)
         return tau
 
-    def drives(self, t: float, q: Array, qd: Array) -> Array:
+    def drive_torque(self, t: float, q: Array, qd: Array) -> Array:
         """Give the torques (n,) of the drives.
 
         Raises
@@ -85,7 +85,7 @@ class EquationsOfMotion:
         RunAwayError
             One is not finite.
         """
-        tau = self.asked(t, q, qd)
+        tau = self.requested_torque(t, q, qd)
         if not np.isfinite(tau).all():
             raise RunAwayError(f"the torque at {t:.6g} s is not finite")
         return tau
@@ -102,7 +102,7 @@ class EquationsOfMotion:
         q, qd = state[:n].copy(), state[n : 2 * n].copy()
         if not np.isfinite(state).all():
             raise RunAwayError(f"the state at {t:.6g} s is not finite")
-        tau, lost = self.drives(t, q, qd), self.friction_torque(qd)
+        tau, lost = self.drive_torque(t, q, qd), self.friction_torque(qd)
         qdd = np.empty(n)
         if _forward_one(self._model, q, qd, tau - lost, self._around, qdd):
             raise RunAwayError(f"the accelerations at {t:.6g} s are not finite")

@@ -13,7 +13,7 @@ from robomech_ros.dynamics.simulation.crossings import (
     bounced,
     first_crossing,
     limit_events,
-    note,
+    note_events,
 )
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, RunAwayError
 from robomech_ros.dynamics.simulation.midpoint import MidpointSolver
@@ -148,7 +148,7 @@ class Integration:
         _refuse_run_away(solver.t, y_after, n)
         hits = first_crossing(self._bounds, dense, (before, y_before), (solver.t, y_after))
         end, crossing = min(hits, default=(solver.t, -1))
-        ended = note(self._watched, dense, before, end, n, self.seen)
+        ended = note_events(self._watched, dense, before, end, n, self.seen)
         if ended is not None:
             self._record.add(ended[0], dense(ended[0]), dense)
             return f"event {ended[1]} at {ended[0]:.9g} s", None

@@ -76,7 +76,7 @@ class MidpointSolver:
         reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
             rate = _solved(mass_matrix(chain, middle), momentum)
-            tau = self.forces.drives(self.t + 0.5 * h, middle, rate)
+            tau = self.forces.drive_torque(self.t + 0.5 * h, middle, rate)
             lost = self.forces.friction_torque(rate)
             held = gravity_torque(chain, middle, gravity=self.forces.gravity, tip_wrench=wrench)
             force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost

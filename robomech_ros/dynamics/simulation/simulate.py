@@ -171,7 +171,8 @@ def simulate(
     drives, slow = _as_torque(chain, torque), positive_number("rest_rate", rest_rate)
     motion = EquationsOfMotion(chain, drives, gravity, wrench, slow)
     # A wrong start is refused; what goes wrong later is the reason of the end.
-    forward_dynamics(chain, q, qd, motion.asked(0.0, q, qd), gravity=gravity, tip_wrench=wrench)
+    first = motion.requested_torque(0.0, q, qd)
+    forward_dynamics(chain, q, qd, first, gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
     record = Record(_as_times(times, duration))
     integration = Integration(motion, choice, limits, part, watched, record)
@@ -183,10 +184,10 @@ def simulate(
         reason = integration.run(state, duration)
     if reason != FINISHED:
         record.close()
-    return _told(motion, record, integration, reason)
+    return _simulation(motion, record, integration, reason)
 
 
-def _told(
+def _simulation(
     motion: EquationsOfMotion, record: Record, integration: Integration, reason: str
 ) -> Simulation:
     seen = tuple(integration.seen)

@@ -82,7 +82,7 @@ class SingularityReport:
         return bool(self.kinds)
 
 
-class _Known(NamedTuple):
+class _GenericFacts(NamedTuple):
     """What of an arm is the same in every posture.
 
     Attributes
@@ -100,8 +100,8 @@ class _Known(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def _known(chain: SerialChain) -> _Known:
-    return _Known(*generic_motions(chain), named_parts(chain))
+def _generic_facts(chain: SerialChain) -> _GenericFacts:
+    return _GenericFacts(*generic_motions(chain), named_parts(chain))
 
 
 def singularity_report(
@@ -157,7 +157,7 @@ def singularity_report(
     if q.ndim != 1:
         raise WrongSizeError("q", q.shape, (chain.n,))
     arm, metres, n = as_point(point), scaling_length(chain, length), chain.n
-    rank, motions, parts = _known(chain)
+    rank, motions, parts = _generic_facts(chain)
     values, numbers = np.empty(min(6, n)), np.empty(MOVING + n)
     lost, idle, free = np.empty((6, 6)), np.empty((6, 6)), np.empty((n, n))
     constants = (parts.joints, parts.size, motions, rank)

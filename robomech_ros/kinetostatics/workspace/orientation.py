@@ -10,7 +10,7 @@ from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import even_rotations
-from robomech_ros.kinetostatics.workspace.point_postures import solved
+from robomech_ros.kinetostatics.workspace.point_postures import solve_poses
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
@@ -101,7 +101,7 @@ def orientation_workspace(
     T[:, 3, 3] = 1.0
     family = family_of(chain)
     if family.lists_all:
-        _, count = solved(family, T, chain.midrange(), bounded=respect_limits)
+        _, count = solve_poses(family, T, chain.midrange(), bounded=respect_limits)
     else:
         _, count, _ = inverse_kinematics_batch(chain, T, respect_limits=respect_limits)
     return OrientationWorkspace(point, rotations, count, float((count > 0).mean()))

@@ -14,7 +14,7 @@ from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 
-__all__ = ["PointPostures", "solved"]
+__all__ = ["PointPostures", "solve_poses"]
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _QUARTER = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
 _PORTION = 4096
 
 
-def solved(
+def solve_poses(
     family: Family, T: Array, seed: Array, *, bounded: bool
 ) -> tuple[Array, NDArray[np.int64]]:
     """Solve poses without asking why there is no solution.
@@ -130,7 +130,7 @@ class PointPostures:
         T[:, :3, :3] = _ORIENTATION
         T[:, :3, 3] = points / self._unit
         T[:, 3, 3] = 1.0
-        q, counts = solved(self._family, T, self._seed, bounded=True)
+        q, counts = solve_poses(self._family, T, self._seed, bounded=True)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]
         # Of the two ways of the wrist the one that is bent to the positive side.
         return q, within & (q[:, :, 4] >= 0.0)

@@ -53,12 +53,12 @@ class JointPositions:
         self._model = model
         self._monitor = monitor
 
-    def given(self, chain: SerialChain, state: JointState, what: str) -> Array:
+    def read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
         whole, size = self._model.chain, len(state.position)
         if not state.name and chain is not whole:
             if size == whole.n:
-                values = self.given(whole, state, what)
+                values = self.read(whole, state, what)
                 state = JointState(name=list(whole.joint_names), position=values.tolist())
             elif size != chain.n:
                 expected = (
@@ -68,7 +68,7 @@ class JointPositions:
                 raise WrongSizeError(f"{what}.position", size, expected)
         return positions_by_name(state, chain.joint_names, what, self._model.joint_names)
 
-    async def given_or_present(
+    async def read_or_present(
         self, chain: SerialChain, state: JointState, what: str, patience: float
     ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
@@ -81,7 +81,7 @@ class JointPositions:
         if is_empty(state):
             await self._monitor.wait_for(chain.joint_names, patience)
             return self._monitor.require(chain.joint_names)
-        return self.given(chain, state, what)
+        return self.read(chain, state, what)
 
     async def at_rest(self, chain: SerialChain, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
@@ -103,7 +103,7 @@ class JointPositions:
         reports itself, must not make a request fail that says nothing about a seed.
         """
         if not is_empty(state):
-            return self.given(chain, state, "seed")
+            return self.read(chain, state, "seed")
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
@@ -120,11 +120,11 @@ class JointPositions:
         if not states:
             empty = JointState()
             return [
-                (await self.given_or_present(chain, empty, "states", patience))[None, :]
+                (await self.read_or_present(chain, empty, "states", patience))[None, :]
                 for chain in chains
             ]
         return [
-            np.array([self.given(chain, state, f"states[{i}]") for i, state in enumerate(states)])
+            np.array([self.read(chain, state, f"states[{i}]") for i, state in enumerate(states)])
             for chain in chains
         ]
 

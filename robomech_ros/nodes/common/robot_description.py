@@ -115,7 +115,7 @@ def when_robot_known(
     node: Node,
     settings: RobotSettings,
     on_robot: Callable[[RobotModel], None],
-    completed: Callable[[RobotDescription], RobotDescription] | None = None,
+    supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
 ) -> None:
     """Call back with the robot: at once when the parameter names it, else when the topic has it.
 
@@ -127,7 +127,7 @@ def when_robot_known(
         Its parameters.
     on_robot : callable
         Called once, and again after a RobomechError, with which it refuses a robot of the topic.
-    completed : callable, optional
+    supplemented : callable, optional
         Gives the robot what its description lacks.
 
     Raises
@@ -140,7 +140,7 @@ def when_robot_known(
 
     def model_of(robot: str) -> RobotModel:
         description = load_description(robot)
-        return RobotModel(completed(description) if completed else description, base, tip)
+        return RobotModel(supplemented(description) if supplemented else description, base, tip)
 
     if settings.robot_description:
         on_robot(model_of(settings.robot_description))

@@ -147,7 +147,7 @@ class DynamicsNode(Node):
     async def _positions(self, request: Any) -> Array:
         """Read the positions (n,) of a request's state, or else the present ones."""
         state, patience = positions_of(request.state), self._table.settings.state_timeout
-        return await self._joints.given_or_present(self._model.chain, state, "state", patience)
+        return await self._joints.read_or_present(self._model.chain, state, "state", patience)
 
     def _gravity(self, request: Any) -> Array:
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))

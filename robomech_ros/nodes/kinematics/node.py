@@ -209,7 +209,7 @@ class KinematicsNode(Node):
         """Read the posture, the point and the axes of a request about a Jacobian."""
         chain = self._moving_chain(request.tip_link)
         patience = self._table.settings.state_timeout
-        q = await self._joints.given_or_present(chain, request.state, "state", patience)
+        q = await self._joints.read_or_present(chain, request.state, "state", patience)
         point = point_vector(request.tool_point, "tool_point")
         axes = reference_axes(self._model, request.reference_frame, chain, q)
         return _Posture(chain, q, point, axes)

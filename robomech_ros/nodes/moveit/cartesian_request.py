@@ -113,7 +113,7 @@ async def read_question(
     with refused_as(MoveItErrorCodes.FRAME_TRANSFORM_FAILURE):
         to_frame = robot.joints_of_frame(frame)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
-        given = robot.given(request.start_state, "start_state")
+        given = robot.read(request.start_state, "start_state")
         _check_rest(request.start_state.joint_state, tolerance)
         joints = (*chain.joint_names, *limited.joint_names, *conditions.joints, *to_frame)
         positions = await state(given, list(dict.fromkeys(joints)))

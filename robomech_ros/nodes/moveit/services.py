@@ -98,13 +98,13 @@ class MoveItServices:
             frame = self._robot.model.frame_in_base(pose.header.frame_id)
             conditions = Conditions(request.constraints, self._robot)
         with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
-            given = self._robot.given(request.robot_state)
+            given = self._robot.read(request.robot_state)
             # What a difference leaves out must be known, and what a condition is about; else a
             # seed is a hint, of which the middle of the range is as good as any.
             relative = request.robot_state.is_diff and bool(given)
             needed = self._robot.joint_names if relative else conditions.joints
             needed = [name for name in needed if relative or name not in chain.joint_names]
-            positions = await self._robot.completed(given, needed, self._patience())
+            positions = await self._robot.with_needed(given, needed, self._patience())
         with refused_as(MoveItErrorCodes.FAILURE):
             timeout = seconds_from_duration(request.timeout, "timeout") or None
         positions = self._robot.with_defaults(positions)
@@ -135,10 +135,10 @@ class MoveItServices:
             self._check_size("fk_link_names", len(names))
         with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
             frame = self._robot.model.frame_in_base(request.header.frame_id)
-            given = self._robot.given(request.robot_state)
+            given = self._robot.read(request.robot_state)
             joints, faults = self._joints_to(dict.fromkeys(names))
             needed = dict.fromkeys(name for links in joints.values() for name in links)
-            positions = await self._robot.completed(given, needed, self._patience())
+            positions = await self._robot.with_needed(given, needed, self._patience())
         to_frame = np.eye(4) if frame is None else inverse_pose(frame)
         where, turns = request.header.frame_id or self._robot.model.chain.base, Turns(self._node)
         poses = {}

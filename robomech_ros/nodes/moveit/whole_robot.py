@@ -49,7 +49,7 @@ class WholeRobot:
         limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}
         self._middle = {name: _middle(*limits[name]) for name in self.joint_names}
 
-    def given(self, state: Any, what: str = "robot_state") -> dict[str, float]:
+    def read(self, state: Any, what: str = "robot_state") -> dict[str, float]:
         """Read the positions (rad or m) that a RobotState gives, by joint.
 
         Parameters
@@ -98,7 +98,7 @@ class WholeRobot:
                 raise NonFiniteError(f"{what} of joint '{name}'", value)
         return {name: value for name, value in values.items() if name in self._middle}
 
-    async def completed(
+    async def with_needed(
         self, given: Positions, needed: Iterable[str], patience: float
     ) -> dict[str, float]:
         """Add the present position of every joint that is not given.

@@ -115,7 +115,7 @@ class TrajectoryPlannerNode(Node):
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         wanted = read_plan_request(request, self._limits, settings)
-        goal = self._joints.given(self._chain, request.goal, "goal")
+        goal = self._joints.read(self._chain, request.goal, "goal")
         start = await self._start(request.start, settings)
         points = plan_points(start, wanted.via, goal, self._limits)
         options = {**wanted.options, **settings.most, "usual_period": settings.sample_period}
@@ -151,7 +151,7 @@ class TrajectoryPlannerNode(Node):
 
     async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
         if not is_empty(given):
-            return self._joints.given(self._chain, given, "start")
+            return self._joints.read(self._chain, given, "start")
         return await self._joints.at_rest(
             self._chain, settings.state_timeout, settings.stopped_velocity_tolerance
         )
