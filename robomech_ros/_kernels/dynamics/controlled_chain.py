@@ -35,12 +35,26 @@ from robomech_ros._kernels.dynamics.inverse import gravity_body, inverse_body
 from robomech_ros._kernels.dynamics.mass import mass_body
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 
-__all__ = ["COMPUTED_TORQUE", "MOST_SERVO_JOINTS", "PD_WITH_GRAVITY", "RUNS_AWAY", "servo_steps"]
+__all__ = [
+    "COMPUTED_TORQUE",
+    "EFFORT",
+    "GAINS",
+    "MOST_SERVO_JOINTS",
+    "PD_WITH_GRAVITY",
+    "RUNS_AWAY",
+    "STOPS",
+    "servo_steps",
+]
 
 COMPUTED_TORQUE = 0
 PD_WITH_GRAVITY = 1
 
 RUNS_AWAY = 4
+
+# Rows after the four of the friction: of the joints of the plant, and of the controller.
+STOPS = 4
+GAINS = 4
+EFFORT = 6
 
 # Matrices of their numbers stand on the stack.
 MOST_SERVO_JOINTS = 32
@@ -216,23 +230,9 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
     return OK
 
 
-@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, i8, f8, IN1, IN1, IN3, f8, i8, OUT2, OUT3))
+@kernel(i8(IN2, IN2, IN2, IN2, i8, f8, IN1, IN3, f8, i8, OUT2, OUT3))
 def servo_steps(
-    plant,
-    plant_friction,
-    stops,
-    model,
-    model_friction,
-    gains,
-    mode,
-    share,
-    effort,
-    around,
-    wanted,
-    period,
-    substeps,
-    state,
-    out,
+    plant, joints, model, controller, mode, share, around, wanted, period, substeps, state, out
 ):
     """Let a controller drive a chain along what is wanted; return how many periods it could.
 
@@ -240,19 +240,18 @@ def servo_steps(
     ----------
     plant, model : (n + 1, 24)
         The chain that moves, and the one that the controller knows.
-    plant_friction, model_friction : (4, n)
-        Viscous and Coulomb friction, the excess of the static one, and one over the rate at which
-        it decays.
-    stops : (2, n)
-        Least and largest joint values, infinite where there are none.
-    gains : (2, n)
-        Of errors and of their rates: accelerations or, with PD_WITH_GRAVITY, torques.
+    joints : (6, n)
+        Of the plant: viscous and Coulomb friction, the excess of the static one, and one over the
+        rate at which it decays; from STOPS on least and largest joint values, infinite where there
+        are none.
+    controller : (7, n)
+        The friction that it knows; from GAINS on those of errors and of their rates, accelerations
+        or, with PD_WITH_GRAVITY, torques; at EFFORT the largest torques, infinite where there is
+        no limit.
     mode : int
         COMPUTED_TORQUE or PD_WITH_GRAVITY.
     share : float
         Of what the model does not explain of a period, that is learned in it, 0 to 1.
-    effort : (n,)
-        Largest torques, infinite where there is no limit.
     around : (15,)
         As ``dynamics_layout`` says.
     wanted : (m, 3, n)
@@ -268,30 +267,24 @@ def servo_steps(
     before = scratch(2, MOST_SERVO_JOINTS)
     count = plant.shape[0] - 1
     q, qd, seen = state[0], state[1], state[2]
+    friction, stops = joints[:STOPS], joints[STOPS:]
+    known, gains, effort = controller[:GAINS], controller[GAINS:EFFORT], controller[EFFORT]
     for k in range(wanted.shape[0]):
-        if _command(model, model_friction, gains, mode, around, q, qd, wanted[k], tau) != OK:
+        if _command(model, known, gains, mode, around, q, qd, wanted[k], tau) != OK:
             return k
         for i in range(count):
             before[0, i], before[1, i] = q[i], qd[i]
             tau[i] = min(max(tau[i] + seen[i], -effort[i]), effort[i])
         for _ in range(substeps):
             step = period / substeps
-            if _plant_step(plant, plant_friction, stops, around, tau, step, q, qd) != OK:
+            if _plant_step(plant, friction, stops, around, tau, step, q, qd) != OK:
                 return k
-        if share > 0.0 and OK != _observe(
-            model,
-            model_friction,
-            stops,
-            around,
-            tau,
-            effort,
-            share,
-            period,
-            before,
-            state,
-            seen,
-        ):
-            return k
+        if share > 0.0:
+            status = _observe(
+                model, known, stops, around, tau, effort, share, period, before, state, seen
+            )
+            if status != OK:
+                return k
         for i in range(count):
             out[k, 0, i], out[k, 1, i], out[k, 2, i] = q[i], qd[i], tau[i]
     return wanted.shape[0]

@@ -1,6 +1,7 @@
 """From bare solutions to ranked ones: windings, limits, order, margins."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,12 +21,41 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-__all__ = ["INSIDE", "LINF", "excesses", "first_outside", "rank", "rank_body", "winding_count"]
+__all__ = [
+    "INSIDE",
+    "LINF",
+    "Ranked",
+    "Request",
+    "excesses",
+    "first_outside",
+    "rank",
+    "rank_body",
+    "winding_count",
+]
 
 LINF = 0
 INSIDE = -1
 _TURN = 2.0 * math.pi
 _TURN_AND_HALF = 3.0 * math.pi
+
+
+class Request(NamedTuple):
+    """What solutions are ranked by; each array (n,), ``turns`` true for revolute joints."""
+
+    turns: Any
+    lower: Any
+    upper: Any
+    seed: Any
+    metric: Any
+    bounded: Any
+
+
+class Ranked(NamedTuple):
+    """Where ranked solutions go: joint values (room, n), branches (room,), distances (room,)."""
+
+    q: Any
+    names: Any
+    distances: Any
 
 
 @lean
@@ -114,28 +144,14 @@ def insert(q, name, distance, count, ranked, names, distances):
 
 
 @lean
-def rank_body(
-    turns,
-    lower,
-    upper,
-    seed,
-    metric,
-    bounded,
-    q,
-    branch,
-    total,
-    placed,
-    order,
-    away,
-    ranked,
-    names,
-    distances,
-):
+def rank_body(request, q, branch, total, placed, order, away, ranked):
     """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
     Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed``, ``order`` and
     ``away`` are working space for all of them.  Returns how many.
     """
+    turns, lower, upper, seed, metric, bounded = request
+    rows, names, distances = ranked
     count = ZERO
     for k in range(total):
         if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
@@ -146,12 +162,12 @@ def rank_body(
                 row -= 1
             away[row], order[row] = distance, k
             count += 1
-    kept = min(count, ranked.shape[0])
+    kept = min(count, rows.shape[0])
     for i in range(kept):
         distances[i] = away[i]
         names[i] = branch[order[i]]
         for j in range(q.shape[1]):
-            ranked[i, j] = placed[order[i], j]
+            rows[i, j] = placed[order[i], j]
     return kept
 
 
@@ -198,31 +214,18 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
     """
     total = q.shape[0]
     if not winding:
-        return rank_body(
-            turns,
-            lower,
-            upper,
-            seed,
-            metric,
-            bounded,
-            q,
-            branch,
-            total,
-            np.empty(q.shape),
-            np.empty(total, np.int64),
-            np.empty(total),
-            ranked,
-            names,
-            distances,
-        )
-    placed = np.empty(q.shape[1])
+        request = Request(turns, lower, upper, seed, metric, bounded)
+        placed, order, away = np.empty(q.shape), np.empty(total, np.int64), np.empty(total)
+        into = Ranked(ranked, names, distances)
+        return rank_body(request, q, branch, total, placed, order, away, into)
+    one = np.empty(q.shape[1])
     wound = np.empty(q.shape[1])
     count = ZERO
     for k in range(total):
-        if not place(turns, lower, upper, seed, bounded, q[k], placed):
+        if not place(turns, lower, upper, seed, bounded, q[k], one):
             continue
-        for number in range(int(_count_windings(turns, lower, upper, placed))):
-            _wound(turns, lower, upper, seed, number, placed, wound)
+        for number in range(int(_count_windings(turns, lower, upper, one))):
+            _wound(turns, lower, upper, seed, number, one, wound)
             distance = distance_from(wound, seed, metric)
             count = insert(wound, branch[k], distance, count, ranked, names, distances)
     return count

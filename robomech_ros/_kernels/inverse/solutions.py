@@ -1,6 +1,7 @@
 """All families behind one kernel: solutions, ranked; one pose or many."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -22,7 +23,14 @@ from robomech_ros._kernels.compiling.jit import (
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.branch_bits import DOUBT
 from robomech_ros._kernels.inverse.continuum import free_value, settle_wrist
-from robomech_ros._kernels.inverse.ranking import distance_from, insert, place, rank_body
+from robomech_ros._kernels.inverse.ranking import (
+    Ranked,
+    Request,
+    distance_from,
+    insert,
+    place,
+    rank_body,
+)
 from robomech_ros._kernels.inverse.short import solve_short
 from robomech_ros._kernels.inverse.six_joints import (
     BACKWARDS,
@@ -78,6 +86,16 @@ _FREE_VALUES = 96
 _BOUNDED = np.bool_(True)
 
 
+class _Space(NamedTuple):
+    """Working space of one pose: other solutions, one that is placed, branches that are missing."""
+
+    q: Any
+    marks: Any
+    placed: Any
+    missing: Any
+    away: Any
+
+
 @lean
 def _settle(family, lower, upper, seed, q, branch, total):
     """Choose among the postures of singular spherical wrists those that limits allow."""
@@ -98,92 +116,62 @@ def _count_continua(branch, total):
 
 
 @lean
-def _excluded(turns, lower, upper, seed, q, branch, total, placed, missing):
+def _excluded(request, q, branch, total, space):
     """List the branches of continua whose representatives limits exclude; return how many."""
+    turns, lower, upper, seed, _, _ = request
     count = 0
     for k in range(total):
         if branch[k] & bit.CONTINUUM:
-            if not place(turns, lower, upper, seed, _BOUNDED, q[k], placed):
-                missing[count] = branch[k]
+            if not place(turns, lower, upper, seed, _BOUNDED, q[k], space.placed):
+                space.missing[count] = branch[k]
                 count += 1
     return count
 
 
 @lean
-def _add_missing(
-    turns, lower, upper, seed, metric, q, branch, placed, missing, ranked, names, distances, state
-):
+def _add_missing(request, space, ranked, state):
     """Add the postures of missing branches that are inside the limits to the ranked ones.
 
-    ``state`` holds how many postures there are in q, branches missing, and ranked ones.
+    ``state`` holds how many postures there are in the space, branches missing, and ranked ones.
     """
+    turns, lower, upper, seed, metric, _ = request
+    q, branch, placed, missing, _ = space
+    rows, names, distances = ranked
     for m in range(state[BARE]):
         for j in range(state[MISSING]):
             if missing[j] != branch[m]:
                 continue
             if place(turns, lower, upper, seed, _BOUNDED, q[m], placed):
                 distance = distance_from(placed, seed, metric)
-                state[RANKED] = insert(
-                    placed, branch[m], distance, state[RANKED], ranked, names, distances
-                )
+                count = insert(placed, branch[m], distance, state[RANKED], rows, names, distances)
+                state[RANKED] = count
                 state[MISSING] -= 1
                 missing[j] = missing[state[MISSING]]
             break
 
 
 @lean
-def _bare(family, data, T, start, lower, upper, seed, bounded, q, branch):
+def _bare(family, data, T, start, request, bounded, q, branch):
     """Write the bare solutions of any family; return how many there are, plus DOUBT."""
     if family == SHORT:
         total = solve_short(data, T, start, q, branch)
     else:
         total = call_six_joints(family % BACKWARDS, family >= BACKWARDS, data, T, start, q, branch)
     if bounded:
-        _settle(family, lower, upper, seed, q, branch, total % DOUBT)
+        _settle(family, request.lower, request.upper, request.seed, q, branch, total % DOUBT)
     return total
 
 
 @lean
-def _seek_missing(
-    family,
-    data,
-    T,
-    start,
-    turns,
-    lower,
-    upper,
-    seed,
-    metric,
-    q,
-    branch,
-    placed,
-    missing,
-    ranked,
-    names,
-    distances,
-    state,
-):
+def _seek_missing(family, data, T, start, request, space, ranked, state):
     """Try other values of the free joints until no branch of a continuum is missing."""
+    _, lower, upper, seed, _, _ = request
     for k in range(1, _FREE_VALUES + 1):
         for i in range(seed.shape[0]):
             start[i] = free_value(lower[i], upper[i], seed[i], k, _FREE_VALUES)
-        total = _bare(family, data, T, start, lower, upper, seed, _BOUNDED, q, branch)
+        total = _bare(family, data, T, start, request, _BOUNDED, space.q, space.marks)
         state[BARE] = total % DOUBT
-        _add_missing(
-            turns,
-            lower,
-            upper,
-            seed,
-            metric,
-            q,
-            branch,
-            placed,
-            missing,
-            ranked,
-            names,
-            distances,
-            state,
-        )
+        _add_missing(request, space, ranked, state)
         if state[MISSING] == 0:
             break
     for i in range(seed.shape[0]):
@@ -191,74 +179,18 @@ def _seek_missing(
 
 
 @lean
-def _solve_pose(
-    family,
-    data,
-    T,
-    start,
-    turns,
-    lower,
-    upper,
-    seed,
-    metric,
-    bounded,
-    q,
-    branch,
-    others,
-    other_marks,
-    placed,
-    missing,
-    away,
-    ranked,
-    names,
-    distances,
-    state,
-):
+def _solve_pose(family, data, T, start, request, q, branch, space, ranked, state):
     """Solve one pose and rank its solutions; return how many bare ones there are."""
-    total = _bare(family, data, T, start, lower, upper, seed, bounded, q, branch)
+    total = _bare(family, data, T, start, request, request.bounded, q, branch)
     found = total % DOUBT
     state[UNPROVEN] = total // DOUBT
     state[MISSING] = 0
     state[SINGULAR] = _count_continua(branch, found)
-    state[RANKED] = rank_body(
-        turns,
-        lower,
-        upper,
-        seed,
-        metric,
-        bounded,
-        q,
-        branch,
-        found,
-        others,
-        other_marks,
-        away,
-        ranked,
-        names,
-        distances,
-    )
-    if bounded and state[SINGULAR] > 0:
-        state[MISSING] = _excluded(turns, lower, upper, seed, q, branch, found, placed, missing)
+    state[RANKED] = rank_body(request, q, branch, found, space.q, space.marks, space.away, ranked)
+    if request.bounded and state[SINGULAR] > 0:
+        state[MISSING] = _excluded(request, q, branch, found, space)
     if state[MISSING] > 0:
-        _seek_missing(
-            family,
-            data,
-            T,
-            start,
-            turns,
-            lower,
-            upper,
-            seed,
-            metric,
-            others,
-            other_marks,
-            placed,
-            missing,
-            ranked,
-            names,
-            distances,
-            state,
-        )
+        _seek_missing(family, data, T, start, request, space, ranked, state)
     return found
 
 
@@ -309,44 +241,24 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     family = int(arm[0])
     turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
     data = arm[3 * n + 1 :]
-    missing = scratch_integers(MAX_SOLUTIONS)
-    other_marks = scratch_integers(MAX_SOLUTIONS)
-    away = scratch(MAX_SOLUTIONS)
-    space = np.empty((MAX_SOLUTIONS + 2, n))
-    bare_space = borrowed(space)
-    others, placed, start = (
-        bare_space[:MAX_SOLUTIONS],
-        bare_space[MAX_SOLUTIONS],
-        bare_space[MAX_SOLUTIONS + 1],
+    rows = np.empty((MAX_SOLUTIONS + 2, n))
+    bare_rows = borrowed(rows)
+    start = bare_rows[MAX_SOLUTIONS + 1]
+    space = _Space(
+        bare_rows[:MAX_SOLUTIONS],
+        scratch_integers(MAX_SOLUTIONS),
+        bare_rows[MAX_SOLUTIONS],
+        scratch_integers(MAX_SOLUTIONS),
+        scratch(MAX_SOLUTIONS),
     )
+    request = Request(turns, lower, upper, seed, metric, bounded)
     for i in range(n):
         start[i] = seed[i]
     for i in range(STATE):
         state[i] = 0
     for m in range(T.shape[0]):
-        found = _solve_pose(
-            family,
-            data,
-            T[m],
-            start,
-            turns,
-            lower,
-            upper,
-            seed,
-            metric,
-            bounded,
-            q,
-            branch,
-            others,
-            other_marks,
-            placed,
-            missing,
-            away,
-            ranked[m],
-            names,
-            distances,
-            state,
-        )
+        into = Ranked(ranked[m], names, distances)
+        found = _solve_pose(family, data, T[m], start, request, q, branch, space, into, state)
         if family >= BACKWARDS:
             _number(branch[:found])
             _number(names[: state[RANKED]])

@@ -21,6 +21,7 @@ from robomech_ros._kernels.compiling.jit import (
     IN2,
     OUT1,
     OUT2,
+    OUT3,
     f8,
     i8,
     inline,
@@ -160,30 +161,20 @@ def _moving(free, rank, out):
             out[k] = max(out[k], abs(free[i, k]))
 
 
-@kernel(types.UniTuple(i8, 3)(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, OUT1, OUT1, OUT2, OUT2, OUT2))
+@kernel(types.UniTuple(i8, 3)(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, OUT1, OUT1, OUT3, OUT2))
 def posture_report(
-    packed,
-    q,
-    point,
-    length,
-    parts,
-    size,
-    motions,
-    regular,
-    values,
-    numbers,
-    lost,
-    idle,
-    free,
+    packed, q, point, length, parts, size, motions, regular, values, numbers, twists, free
 ):
     """Report on q (n,) of the point (3,) with linear rows divided by a length.
 
     ``parts`` and ``size`` are those of ``named_factors``; ``motions`` (r, 6) spans all twists of
     the arm, ``regular`` is the largest rank it has.  Returned are the status, the rank, and how
     many twists are lost.  Written are singular values (min(6, n),); numbers (MOVING + n,); the
-    twists that are lost in the first rows of lost (6, 6); from row ``rank`` on the wrenches that
-    load no joint, in idle (6, 6), and the joint rates that do not move the tip, in free (n, n).
+    twists that are lost in the first rows of twists[0] (6, 6); from row ``rank`` on the wrenches
+    that load no joint, in twists[1] (6, 6), and the joint rates that do not move the tip, in free
+    (n, n).
     """
+    lost, idle = twists[0], twists[1]
     n = q.size
     J, pose = np.empty((6, n)), np.empty((4, 4))
     status = jacobian_body(packed, q, J, pose)

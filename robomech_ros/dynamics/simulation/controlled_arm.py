@@ -136,13 +136,10 @@ class ControlledArm:
         effort = np.where(np.isfinite(self.model.effort), self.model.effort, np.inf)
         arguments = (
             dynamic_model(plant),
-            friction_model(plant),
-            np.array([plant.lower, plant.upper]),
+            np.vstack([friction_model(plant), plant.lower, plant.upper]),
             dynamic_model(self.model),
-            friction_model(self.model),
-            self._gains(mode),
+            np.vstack([friction_model(self.model), self._gains(mode), effort]),
             mode,
-            effort,
             surroundings((n,), self.gravity)[0].copy(),
         )
         object.__setattr__(self, "plant", plant)
@@ -214,14 +211,14 @@ class ControlledArm:
         arguments, own_period, substeps, rate = self._arguments
         step = own_period if period is None else positive_number("period", period)
         out = np.empty((len(wanted), 3, n))
-        stops = _stops(arguments[2], state[0], held)
+        plant, joints, model, controller, mode, around = arguments
+        constants = (plant, _with_stops(joints, state[0], held), model, controller, mode)
         share = -math.expm1(-rate * step)
-        arguments = (*arguments[:2], stops, *arguments[3:7], share, *arguments[7:])
-        done = kernels.servo_steps(*arguments, wanted, step, substeps, state, out)
+        done = kernels.servo_steps(*constants, share, around, wanted, step, substeps, state, out)
         q[:], qd[:], learned[:] = state
         effort = out[:done, 2]
         reason = "" if done == len(wanted) else _ran_away(done * step, qd)
-        saturated = np.abs(effort) >= arguments[8]
+        saturated = np.abs(effort) >= controller[kernels.EFFORT]
         return ControlledMotion(out[:done, 0], out[:done, 1], effort, saturated, reason)
 
 
@@ -244,15 +241,18 @@ def _ran_away(seconds: float, qd: Array) -> str:
     )
 
 
-def _stops(limits: Array, q: Array, held: ArrayLike | None) -> Array:
-    """Give the stops (2, n): a joint beyond its limits, which would be thrown back, stands at one.
+def _with_stops(joints: Array, q: Array, held: ArrayLike | None) -> Array:
+    """Put the stops where they hold: a joint beyond its limits, to be thrown back, stands at one.
 
     Brakes are stops on both sides.
     """
-    stops = np.array([np.minimum(limits[0], q), np.maximum(limits[1], q)])
-    if held is None:
-        return stops
-    brakes = np.asarray(held)
-    if brakes.shape != q.shape or brakes.dtype != np.bool_:
-        raise BadValueError("held", held, f"{len(q)} of True and False")
-    return np.where(brakes, q, stops)
+    joints = joints.copy()
+    stops = joints[kernels.STOPS :]
+    np.minimum(stops[0], q, out=stops[0])
+    np.maximum(stops[1], q, out=stops[1])
+    if held is not None:
+        brakes = np.asarray(held)
+        if brakes.shape != q.shape or brakes.dtype != np.bool_:
+            raise BadValueError("held", held, f"{len(q)} of True and False")
+        stops[:, brakes] = q[brakes]
+    return joints

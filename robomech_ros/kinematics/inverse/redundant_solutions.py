@@ -62,11 +62,8 @@ def sample_self_motions(
     names, distances = np.empty(spare, np.int64), np.empty(spare)
     counts = np.empty(len(T), np.int64)
     solve_redundant(
-        family.data,
+        family.arm,
         T,
-        family.turns,
-        chain.lower,
-        chain.upper,
         seed,
         metric,
         respect_limits,

@@ -159,9 +159,9 @@ def singularity_report(
     arm, metres, n = as_point(point), scaling_length(chain, length), chain.n
     rank, motions, parts = _generic_facts(chain)
     values, numbers = np.empty(min(6, n)), np.empty(MOVING + n)
-    lost, idle, free = np.empty((6, 6)), np.empty((6, 6)), np.empty((n, n))
+    twists, free = np.empty((2, 6, 6)), np.empty((n, n))
     constants = (parts.joints, parts.size, motions, rank)
-    found = (values, numbers, lost, idle, free)
+    found = (values, numbers, twists, free)
     status, here, count = _report(chain.packed, q, arm, metres, *constants, *found)
     if status:
         raise_not_finite(chain, q)
@@ -176,8 +176,8 @@ def singularity_report(
         manipulability=manipulability,
         condition_number=math.inf if singular else condition,
         normalised_condition_number=math.inf if here < len(values) else normalised,
-        lost_directions=lost[:count],
-        idle_wrenches=idle[here:],
+        lost_directions=twists[0, :count],
+        idle_wrenches=twists[1, here:],
         self_motions=free[here:],
         factors=named,
         kinds=_kinds(chain, named, moving) if singular else (),

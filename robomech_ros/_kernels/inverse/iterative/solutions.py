@@ -17,7 +17,7 @@ from robomech_ros._kernels.compiling.jit import (
     part,
 )
 from robomech_ros._kernels.inverse.iterative import layout as at
-from robomech_ros._kernels.inverse.iterative.steps import attempt
+from robomech_ros._kernels.inverse.iterative.steps import Space, attempt
 from robomech_ros._kernels.inverse.polishing import polish, pose_difference, pose_error
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 
@@ -135,37 +135,24 @@ def search(data, T, seed, first, restarts, q, found, state):
     weights = data[at.WEIGHTS : at.WEIGHTS + 6]
     wanted = min(int(data[at.WANTED]), q.shape[0])
     x = np.empty(n)
-    J = np.empty((6, n))
-    H = np.empty((n, n))
-    A = np.empty((n + 1, n))
-    v = np.empty((4, n))
-    current = np.empty((4, 4))
-    e = np.empty(6)
-    free = np.empty(n, dtype=np.int64)
+    current, e = np.empty((4, 4)), np.empty(6)
+    space = Space(
+        np.empty((6, n)),
+        current,
+        e,
+        np.empty((n, n)),
+        np.empty((n + 1, n)),
+        np.empty((4, n)),
+        np.empty(n, dtype=np.int64),
+    )
     stretch = _stretch(data, packed, weights, T)
     for number in range(first, first + restarts):
         if found >= wanted or (found > 0 and state[at.IDLE] >= data[at.PATIENCE]):
             break
         _start(seed, number, rows, stretch, x)
-        attempt(
-            packed,
-            T,
-            x,
-            rows[0],
-            rows[1],
-            weights,
-            data[at.UNIT] / (stretch * stretch),
-            stretch,
-            int(data[at.ITERATIONS]),
-            data[at.STALL],
-            J,
-            current,
-            e,
-            H,
-            A,
-            v,
-            free,
-        )
+        unit = data[at.UNIT] / (stretch * stretch)
+        most = int(data[at.ITERATIONS])
+        attempt(packed, T, x, rows[0], rows[1], weights, unit, stretch, most, data[at.STALL], space)
         forward_body(packed, x, current)
         pose_difference(T, current, e)
         linear, angular = _norms(e, weights)

@@ -1,6 +1,7 @@
 """One attempt of the iterative solver: damped Newton steps inside the joint limits."""
 
 import math
+from typing import Any, NamedTuple
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
@@ -98,32 +99,49 @@ def _bounded_step(H, g, q, lower, upper, damping, scales, n, A, step, free):
     return True
 
 
+class Space(NamedTuple):
+    """Working space of an attempt.
+
+    The Jacobian J (6, n) with the pose (4, 4) and its error (6,), the normal equations H (n, n), a
+    part A (n + 1, n) of them, vectors (4, n), and which joints are free (n,).
+    """
+
+    J: Any
+    pose: Any
+    error: Any
+    H: Any
+    A: Any
+    vectors: Any
+    free: Any
+
+
 @inline
-def attempt(
-    packed,
-    T,
-    q,
-    lower,
-    upper,
-    weights,
-    unit,
-    stretch,
-    iterations,
-    stall,
-    J,
-    current,
-    e,
-    H,
-    A,
-    v,
-    free,
-):
+def _fill_normal_equations(J, e, weights, unit, n, H, g):
+    """Write the weighted J^T J to H (n, n) and J^T e to g (n,)."""
+    for i in range(n):
+        value = 0.0
+        for k in range(3):
+            value += weights[k] * J[k, i] * e[k]
+            value += unit * weights[k + 3] * J[k + 3, i] * e[k + 3]
+        g[i] = value
+        for j in range(i + 1):
+            value = 0.0
+            for k in range(3):
+                value += weights[k] * J[k, i] * J[k, j]
+                value += unit * weights[k + 3] * J[k + 3, i] * J[k + 3, j]
+            H[i, j] = value
+            H[j, i] = value
+
+
+@inline
+def attempt(packed, T, q, lower, upper, weights, unit, stretch, iterations, stall, space):
     """Improve q (n,) in place inside the limits until it converges or stalls.
 
     The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  A slide's
     displacement counts ``stretch`` times less than an angle.  Returns the weighted error.
     """
     n = packed.shape[0] - 1
+    J, current, e, H, A, v, free = space
     g = v[0]
     step = v[1]
     kept = v[2]
@@ -150,19 +168,7 @@ def attempt(
             damping = max(0.25 * damping, ATTEMPT_LEAST_DAMPING)
             if partial:
                 _correct_for_partial_orientation(J, e, weights, n)
-            for i in range(n):
-                value = 0.0
-                for k in range(3):
-                    value += weights[k] * J[k, i] * e[k]
-                    value += unit * weights[k + 3] * J[k + 3, i] * e[k + 3]
-                g[i] = value
-                for j in range(i + 1):
-                    value = 0.0
-                    for k in range(3):
-                        value += weights[k] * J[k, i] * J[k, j]
-                        value += unit * weights[k + 3] * J[k + 3, i] * J[k + 3, j]
-                    H[i, j] = value
-                    H[j, i] = value
+            _fill_normal_equations(J, e, weights, unit, n, H, g)
         else:
             damping *= 8.0
         if iteration % 6 == 5:

@@ -21,9 +21,9 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
     FREE,
     MAX_PAIRS,
     PAIR_WIDTH,
-    joint_pairs,
     separate_pairs,
 )
+from robomech_ros._kernels.inverse.parallel.skew_pairs import skew_pairs
 from robomech_ros._kernels.inverse.parallel.slides import sliding_pairs
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, POLISH_ABOVE, SAME_POSTURE
@@ -156,7 +156,7 @@ def solve_parallel(data, T, seed, q, branch):
     if data[at.SLIDING] != at.SLIDE_NONE:
         found = sliding_pairs(data, G, seed, pairs)
     elif data[at.KIND] == at.SKEW:
-        found = joint_pairs(data, G, pairs)
+        found = skew_pairs(data, G, pairs)
     else:
         found = separate_pairs(data, G, pairs)
     if found == FREE:

@@ -7,7 +7,6 @@ import numpy as np
 from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.chain.serial import forward_body
 from robomech_ros._kernels.compiling.jit import (
-    IIN1,
     IN1,
     IN2,
     IN3,
@@ -27,7 +26,7 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
-from robomech_ros._kernels.inverse.ranking import distance_from, insert, place
+from robomech_ros._kernels.inverse.ranking import Ranked, Request, distance_from, insert, place
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import (
     call_arm_angle,
@@ -170,31 +169,15 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
 
 
 @inline
-def _collect(
-    data,
-    T,
-    turns,
-    lower,
-    upper,
-    seed,
-    metric,
-    bounded,
-    nearest,
-    low,
-    high,
-    q,
-    branch,
-    ranked,
-    names,
-    distances,
-    reached,
-):
+def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
     """Rank the postures of all samples; return how many are inside the limits, and how many exist.
 
     The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
     it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
     for, samples that are farther from the seed than the first are left out.
     """
+    turns, lower, upper, seed, metric, bounded = request
+    rows, names, distances = ranked
     n = seed.shape[0]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     locked = np.empty(n)
@@ -208,7 +191,7 @@ def _collect(
     distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, placed)
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
-        count = insert(placed, name, distance, count, ranked, names, distances)
+        count = insert(placed, name, distance, count, rows, names, distances)
         bare += 1
     for i in range(n):
         reached[i] = placed[i] if settled else math.nan
@@ -223,22 +206,50 @@ def _collect(
             for i in range(total):
                 if place(turns, lower, upper, seed, bounded, q[i], placed):
                     distance = distance_from(placed, seed, metric)
-                    count = insert(placed, branch[i], distance, count, ranked, names, distances)
+                    count = insert(placed, branch[i], distance, count, rows, names, distances)
         if count > 0:
             break
         steps *= FINER_SAMPLES
     return count, bare
 
 
-@kernel(
-    i8(IN1, IN3, IIN1, IN1, IN1, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1),
-)
-def solve_redundant(
-    data, T, turns, lower, upper, seed, metric, bounded, nearest, ranked, names, distances, counts
-):
+@inline
+def _approach_first(packed, T, request, count, reached, ranked):
+    """Move the first few ranked solutions along their self-motion; return how many there are then.
+
+    ``reached`` (APPROACHED + 1, n) has in its first row what is as near as its self-motion goes.
+    """
+    _, lower, upper, seed, metric, bounded = request
+    rows, names, distances = ranked
+    n = seed.shape[0]
+    starts, away = np.empty((APPROACHED, n)), scratch(APPROACHED)
+    tried = min(count, APPROACHED)
+    for k in range(tried):
+        for i in range(n):
+            starts[k, i] = rows[k, i]
+        away[k] = distances[k]
+    ends = 1
+    for k in range(tried):
+        if away[k] > distances[0] + APPROACHED_WITHIN:
+            break
+        if away[k] >= distances[0] and _is_near(starts[k], reached, ends):
+            continue
+        distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, starts[k])
+        if settled:
+            for i in range(n):
+                reached[ends, i] = starts[k, i]
+            ends += 1
+        if distance < distances[0]:
+            count = insert(starts[k], names[0], distance, count, rows, names, distances)
+    return count
+
+
+@kernel(i8(IN1, IN3, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1))
+def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
 
-    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
+    ``arm`` is as :func:`.inverse.solutions.solve` has it.  The solutions inside the limits (all
+    where not ``bounded``) go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last; the first few are moved along their
     self-motion until they are as near as that goes.  Samples farther than the first are left out
     where only ``nearest`` is asked for.  ``counts`` (m,) gets their number, or NONE_EXISTS where
@@ -246,56 +257,22 @@ def solve_redundant(
     of the last pose.
     """
     n = seed.shape[0]
-    data, T, ranked = borrowed(data), borrowed(T), borrowed(ranked)
+    arm, T, ranked = borrowed(arm), borrowed(T), borrowed(ranked)
+    turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
+    data = arm[3 * n + 1 :]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    request = Request(turns, lower, upper, seed, metric, bounded)
     q = np.empty((MAX_SOLUTIONS, n))
     branch = scratch_integers(MAX_SOLUTIONS)
-    starts, away = np.empty((APPROACHED, n)), scratch(APPROACHED)
     reached = np.empty((APPROACHED + 1, n))
     low, high = np.empty(n), np.empty(n)
     for i in range(n):
         low[i] = lower[i] if bounded else -math.inf
         high[i] = upper[i] if bounded else math.inf
     for m in range(T.shape[0]):
-        count, bare = _collect(
-            data,
-            T[m],
-            turns,
-            lower,
-            upper,
-            seed,
-            metric,
-            bounded,
-            nearest,
-            low,
-            high,
-            q,
-            branch,
-            ranked[m],
-            names,
-            distances,
-            reached[0],
-        )
-        tried = min(count, APPROACHED)
-        for k in range(tried):
-            for i in range(n):
-                starts[k, i] = ranked[m, k, i]
-            away[k] = distances[k]
-        ends = 1
-        for k in range(tried):
-            if away[k] > distances[0] + APPROACHED_WITHIN:
-                break
-            if away[k] >= distances[0] and _is_near(starts[k], reached, ends):
-                continue
-            distance, settled = approach(
-                packed, T[m], lower, upper, seed, metric, bounded, starts[k]
-            )
-            if settled:
-                for i in range(n):
-                    reached[ends, i] = starts[k, i]
-                ends += 1
-            if distance < distances[0]:
-                count = insert(starts[k], names[0], distance, count, ranked[m], names, distances)
+        into = Ranked(ranked[m], names, distances)
+        count, bare = _collect(data, T[m], request, nearest, low, high, q, branch, into, reached[0])
+        count = _approach_first(packed, T[m], request, count, reached, into)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
             for i in range(n):
