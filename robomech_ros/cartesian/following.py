@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.cartesian.arms import serial_arm
 from robomech_ros.cartesian.path_checks import PathBounds, PathCheck, jump_cut, singular_cut
-from robomech_ros.errors import NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import as_pose, pose_error
 from robomech_ros.trajectory import (
     JointLimits,
@@ -160,11 +161,12 @@ def follow_path(
         raise WrongSizeError("start", values.shape, (chain.n,))
     if not np.isfinite(values).all():
         raise NonFiniteError("start", values)
-    allowed, most = Limits.of(chain if limits is None else limits), bounds or PathBounds()
+    allowed, most = Limits.of(chain if limits is None else limits), _as_bounds(bounds)
+    others = _as_checks(checks)
     poses = None if waypoints is None else _as_poses(waypoints)
     allowed.check_start(values)
     tracking = track_path(path, serial_arm(chain), values, limits=allowed)
-    tracking = _cut(tracking, chain, most, checks)
+    tracking = _cut(tracking, chain, most, others)
     if tracking.status is PathTrackingStatus.COMPLETE:
         return FollowedPath(chain, path, values, tracking, None)
     joint = None if tracking.joint is None else chain.joint_names[tracking.joint]
@@ -197,6 +199,8 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     BadValueError, WrongSizeError, NonFiniteError
         Not poses.
     """
+    if not isinstance(followed, FollowedPath):
+        raise BadValueError("followed", followed, "a FollowedPath")
     poses = _as_poses(waypoints)
     if followed.stop is None:
         return 1.0
@@ -208,6 +212,21 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     passed = int(np.searchsorted(ends[1:-1], reached, side="right"))
     part = (reached - ends[passed]) / (ends[passed + 1] - ends[passed])
     return float((passed + np.clip(part, 0.0, 1.0)) / len(poses))
+
+
+def _as_bounds(bounds: PathBounds | None) -> PathBounds:
+    known = PathBounds() if bounds is None else bounds
+    if not isinstance(known, PathBounds):
+        raise BadValueError("bounds", bounds, "a PathBounds")
+    return known
+
+
+def _as_checks(checks: Sequence[PathCheck]) -> tuple[PathCheck, ...]:
+    expected = "a list of callables"
+    known = tuple(listed("checks", checks, expected))
+    if not all(callable(one) for one in known):
+        raise BadValueError("checks", checks, expected)
+    return known
 
 
 def _as_poses(waypoints: ArrayLike) -> Array:

@@ -5,10 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import UnknownJointError
+from robomech_ros.errors import BadValueError, UnknownJointError
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath, SpeedLimit
+from robomech_ros.trajectory.paths.curve_arguments import as_number, as_positive
 
 __all__ = ["link_speed_limit"]
 
@@ -46,8 +48,14 @@ def link_speed_limit(
     ------
     UnknownJointError
         A joint of `link` that neither moves nor stands.
+    BadValueError, NonFiniteError
+        Not chains, a joint path, numbers, or a speed above 0.
     """
-    names, known = chain.joint_names, dict(standing or {})
+    check_chain(chain)
+    check_chain(link)
+    if not isinstance(joints, JointPath):
+        raise BadValueError("joints", joints, "a JointPath")
+    names, known = chain.joint_names, _positions(standing)
     for name in link.joint_names:
         if name not in names and name not in known:
             raise UnknownJointError(name, (*names, *known))
@@ -64,4 +72,11 @@ def link_speed_limit(
         magnitude: Array = np.linalg.norm(velocity, axis=1)
         return magnitude
 
-    return SpeedLimit(rate, speed)
+    return SpeedLimit(rate, as_positive("speed", speed))
+
+
+def _positions(standing: Mapping[str, float] | None) -> dict[str, float]:
+    if not isinstance(standing, Mapping | None):
+        raise BadValueError("standing", standing, "positions by the names of joints")
+    known = dict(standing or {})
+    return {name: as_number(f"position of joint {name!r}", known[name]) for name in known}

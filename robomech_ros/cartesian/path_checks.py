@@ -7,12 +7,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.cartesian.arguments import above_zero
 from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import real_number
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
 
@@ -59,17 +60,10 @@ class PathBounds:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = _above_zero(field.name, getattr(self, field.name))
+            value = above_zero(field.name, getattr(self, field.name))
             object.__setattr__(self, field.name, value)
         if math.isinf(self.step):
             raise BadValueError("step", self.step, "a finite distance (m)")
-
-
-def _above_zero(what: str, value: object) -> float:
-    number = real_number(what, value, "a number above 0")
-    if not number > 0.0:
-        raise BadValueError(what, number, "a number above 0")
-    return number
 
 
 def singular_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathCut | None:
@@ -134,9 +128,10 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
     Raises
     ------
     BadValueError
-        Not numbers above 0.
+        Not a chain, or not numbers above 0.
     """
-    length, most_factor = _above_zero("step", step), _above_zero("factor", factor)
+    check_chain(chain)
+    length, most_factor = above_zero("step", step), above_zero("factor", factor)
 
     def check(joints: JointPath) -> PathCut | None:
         if math.isinf(most_factor):
@@ -180,7 +175,7 @@ def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     """
     if not callable(broken):
         raise BadValueError("broken", broken, "a callable")
-    length = _above_zero("step", step)
+    length = above_zero("step", step)
 
     def check(joints: JointPath) -> PathCut | None:
         count = max(math.ceil(joints.length / length), PLACES)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robomech_ros.cartesian.arguments import above_zero, whole_number
 from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
 from robomech_ros.cartesian.path_checks import PathBounds, PathCheck
 from robomech_ros.errors import BadValueError
@@ -197,13 +198,13 @@ def plan_followed(
     """
     if not isinstance(followed, FollowedPath):
         raise BadValueError("followed", followed, "a FollowedPath")
+    most, step = whole_number("max_points", max_points, 2), above_zero("max_step", max_step)
+    longest = above_zero("max_duration", max_duration)
     joints, latest = followed.joints, list[PathMotion]()
     if joints is None:
         return None
-    start, allowed = (
-        joints.derivatives(0.0)[0],
-        Limits.of(followed.chain if limits is None else limits),
-    )
+    start = joints.derivatives(0.0)[0]
+    allowed = Limits.of(followed.chain if limits is None else limits)
 
     def planner(tightened: Limits) -> PathMotion:
         motion = along_joint_path(
@@ -218,15 +219,13 @@ def plan_followed(
         return motion
 
     plan = sampled_to_fit(
-        lambda period: sampled_motion(
-            planner, start, allowed, period=period, max_points=max_points
-        ),
+        lambda period: sampled_motion(planner, start, allowed, period=period, max_points=most),
         lambda: latest[0].duration,
         usual_period=period,
-        max_points=max_points,
-        max_duration=max_duration,
+        max_points=most,
+        max_duration=longest,
     )
-    return _in_steps(followed.chain, plan, max_step, allowed, max_points)
+    return _in_steps(followed.chain, plan, step, allowed, most)
 
 
 def _in_steps(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, real_array
 from robomech_ros.spatial.poses import as_pose, pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
 
@@ -64,7 +64,7 @@ robomech_ros.trajectory.arc_path
     0.5
     """
     as_choice("kind", kind, get_args(PathKind))
-    if not np.size(waypoints):
+    if not real_array("waypoints", waypoints).size:
         raise WrongSizeError("waypoints", 0, "at least one pose")
     here, others = _checked("start", start, 2), _checked("waypoints", waypoints, 3)
     if kind == "arc":

@@ -1,0 +1,109 @@
+"""Whatever is given to a function of Cartesian motions, it answers or raises an error of ours."""
+
+import inspect
+import warnings
+
+import numpy as np
+import pytest
+
+from robomech_ros import cartesian
+from robomech_ros.cartesian import (
+    PathBounds,
+    broken_condition,
+    follow_path,
+    link_speed_limit,
+    path_through,
+    plan_along,
+    plan_followed,
+    relative_jump,
+    serial_arm,
+    waypoint_fraction,
+)
+from robomech_ros.errors import RobomechError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots import load_robot
+
+VALUES = (
+    None,
+    True,
+    "",
+    "x",
+    b"x",
+    -1,
+    0,
+    1.5,
+    np.nan,
+    np.inf,
+    1e300,
+    1e-300,
+    10**400,
+    2 + 3j,
+    object(),
+    int,
+    {},
+    {"waist": "x"},
+    [],
+    [None],
+    ["a"],
+    [np.nan] * 6,
+    [1e300] * 6,
+    [[1, 2], [3]],
+    np.array(3.0),
+    np.zeros(6, complex),
+    np.full((1, 4, 4), np.nan),
+    np.full((1, 4, 4), 1e300),
+    np.zeros((4, 4)),
+    np.zeros((2, 4, 4)),
+    np.zeros((2, 2, 4, 4)),
+)
+PUMA = load_robot("puma560")
+START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
+HERE = forward_kinematics(PUMA, START)
+
+
+def with_options(function, **good):
+    """Calls of a function with each of its arguments by name replaced."""
+    return {
+        f"{function.__name__}.{name}": lambda value, name=name: function(**(good | {name: value}))
+        for name in inspect.signature(function).parameters
+    }
+
+
+def calls():
+    there = HERE.copy()
+    there[0, 3] += 0.05
+    path = path_through(HERE, [there])
+    followed = follow_path(PUMA, path, START)
+    found = with_options(path_through, start=HERE, waypoints=[there])
+    found |= with_options(serial_arm, chain=PUMA)
+    found |= with_options(PathBounds)
+    found |= with_options(follow_path, chain=PUMA, path=path, start=START)
+    found |= with_options(plan_along, chain=PUMA, path=path, start=START)
+    found |= with_options(plan_followed, followed=followed)
+    found |= with_options(waypoint_fraction, followed=followed, waypoints=[there])
+    found |= with_options(relative_jump, chain=PUMA, step=0.1, factor=2.0)
+    found |= with_options(broken_condition, broken=lambda q: "", step=0.1)
+    elbow = load_robot("puma560", tip="link_3")
+    found |= with_options(
+        link_speed_limit, chain=PUMA, joints=followed.joints, link=elbow, speed=0.1
+    )
+    return found
+
+
+CALLS = calls()
+
+
+def test_every_public_function_is_called_here():
+    called = {name.partition(".")[0] for name in CALLS}
+    assert {name for name in cartesian.__all__ if name[0].islower()} <= called
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_wrong_arguments_are_answered_or_refused_with_an_error_of_ours(name):
+    for value in VALUES:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                CALLS[name](value)
+            except RobomechError as error:
+                assert str(error), value
