@@ -59,13 +59,14 @@ if TYPE_CHECKING:
         sampled_point_to_point,
     )
     from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
-    from robomech_ros.trajectory.plans.verification import Verification, Violation, verify
+    from robomech_ros.trajectory.plans.verification import Verification, verify
     from robomech_ros.trajectory.plans.via_motions import (
         VIA_PROFILES,
         sampled_through_points,
         through_points,
     )
     from robomech_ros.trajectory.plans.via_polynomials import ViaPolynomial, via_polynomial
+    from robomech_ros.trajectory.plans.violations import Violation
     from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited
     from robomech_ros.trajectory.profiles.moving_ends import StateToState, state_to_state
     from robomech_ros.trajectory.profiles.rest_to_rest import (
@@ -216,7 +217,7 @@ _MODULES = {
     "Turning": "paths.orientation",
     "Verification": "plans.verification",
     "ViaPolynomial": "plans.via_polynomials",
-    "Violation": "plans.verification",
+    "Violation": "plans.violations",
     "Waypoints": "waypoints",
     "arc_about": "paths.closed_form",
     "arc_length": "paths.arc_length",

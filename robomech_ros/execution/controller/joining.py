@@ -11,7 +11,8 @@ from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
-from robomech_ros.trajectory.plans.verification import Violation, first_violation
+from robomech_ros.trajectory.plans.verification import first_violation
+from robomech_ros.trajectory.plans.violations import Violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 

@@ -32,7 +32,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS, along_line
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_sections import jump
-from robomech_ros.trajectory.timing.path_speed import PathLimits, SpeedProfile, Timed, fastest
+from robomech_ros.trajectory.timing.path_speed import fastest
+from robomech_ros.trajectory.timing.speed_profile import PathLimits, SpeedProfile, Timed
 
 __all__ = ["smoothed"]
 

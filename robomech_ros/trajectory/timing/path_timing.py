@@ -34,7 +34,8 @@ from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits, checked_list
 from robomech_ros.trajectory.timing.path_sections import checked_path, sections
-from robomech_ros.trajectory.timing.path_speed import PathLimits, Timed, fastest
+from robomech_ros.trajectory.timing.path_speed import fastest
+from robomech_ros.trajectory.timing.speed_profile import PathLimits, Timed
 from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 
 __all__ = ["TimeOptimal", "time_optimal"]

@@ -1,0 +1,181 @@
+"""What is wrong with a curve: at its ends, and first of each kind between them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.limits import RATES, Limits, Rate
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
+
+__all__ = ["Violation", "end_violations", "violations_between"]
+
+_QUANTITIES = ("position", *RATES)
+
+
+@dataclass(frozen=True)
+class Violation:
+    """What is wrong first with a trajectory.
+
+    Attributes
+    ----------
+    what : str
+        ``"position"``, ``"velocity"``, ``"acceleration"``, ``"jerk"``, ``"start time"``,
+        ``"start position"``, ``"final velocity"`` or ``"final acceleration"``.
+    joint : str
+        The joint; empty for ``"start time"``.
+    time : float
+        When, in s on the clock of the trajectory.
+    value, limit : float
+        What it is and what it may be at most (or should be), rad or m and s.
+    """
+
+    what: str
+    joint: str
+    time: float
+    value: float
+    limit: float
+
+    @property
+    def amount(self) -> float:
+        """How far the value is from what is allowed."""
+        return abs(self.value - self.limit)
+
+    def __str__(self) -> str:
+        joint = f" of joint '{self.joint}'" if self.joint else ""
+        limit = "limit" if self.what in _QUANTITIES else "wanted value"
+        return (
+            f"{self.what}{joint} is {self.value:.9g} at t = {self.time:.6g} s, "
+            f"off its {limit} {self.limit:.9g} by {self.amount:.3g}"
+        )
+
+
+def violations_between(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    doubts: FloatArray,
+    allowed: FloatArray,
+    rates: Sequence[Rate],
+) -> list[Violation]:
+    """List what is wrong between start and end, the first of each kind."""
+    found = [
+        *_position_violations(curve, limits),
+        *_step_violations(curve, limits, _steps(curve, doubts), allowed),
+    ]
+    for order, rate in enumerate(RATES, 1):
+        if rate in rates:
+            found += _rate_violations(curve, limits, order, rate, doubts[order])
+    return found
+
+
+def end_violations(
+    curve: PiecewisePolynomial,
+    limits: Limits,
+    start: npt.ArrayLike | None,
+    start_tolerance: float,
+    from_zero: bool,
+    to_rest: bool,
+) -> Iterable[Violation]:
+    """Yield what is wrong with the first and the last instant."""
+    begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
+    if from_zero and begin != 0.0:
+        yield Violation("start time", "", begin, begin, 0.0)
+    if start is not None:
+        wanted = real_array("start", start)
+        if wanted.shape != (curve.joints,):
+            raise WrongSizeError("start", wanted.shape, (curve.joints,))
+        first = curve.coefficients[0, 0]
+        yield from _worst(
+            "start position", limits.joint_names, begin, first, wanted, start_tolerance
+        )
+    if to_rest:
+        last = curve.sample(end)
+        slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
+        for what, values, slack in (
+            ("final velocity", last.velocity, slacks[0]),
+            ("final acceleration", last.acceleration, slacks[1]),
+        ):
+            yield from _worst(what, limits.joint_names, end, values, rest, slack)
+
+
+def _worst(
+    what: str,
+    names: Sequence[str],
+    time: float,
+    values: FloatArray,
+    wanted: FloatArray,
+    slack: FloatArray | float,
+) -> Iterable[Violation]:
+    excess = np.abs(values - wanted) - slack
+    joint = int(excess.argmax()) if len(excess) else 0
+    if len(excess) and not excess[joint] <= 0.0:
+        yield Violation(what, names[joint], time, float(values[joint]), float(wanted[joint]))
+
+
+def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
+    coefficients = hull(curve, 0)
+    for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
+        place = first_above(sign * coefficients, sign * bound + POSITION_SLACK)
+        if place is not None:
+            yield _described(curve, 0, limits.joint_names, place, sign, bound)
+
+
+def _steps(curve: PiecewisePolynomial, doubts: FloatArray) -> FloatArray:
+    """Find how far position, velocity and acceleration step for certain, shape (3, s - 1, n)."""
+    rounding = np.maximum(doubts[:3, 1:], doubts[:3, :-1])
+    certain: FloatArray = np.maximum(np.abs(steps(curve, (0, 1, 2))) - rounding, 0.0)
+    return certain
+
+
+def _step_violations(
+    curve: PiecewisePolynomial, limits: Limits, certain: FloatArray, allowed: FloatArray
+) -> Iterable[Violation]:
+    """Yield the first step of each derivative that is larger than allowed."""
+    too_large = ~(certain <= allowed[:, None])
+    for order in np.flatnonzero(too_large.any(axis=(1, 2))).tolist():
+        places, joints = np.nonzero(too_large[order])
+        k, joint = int(places[0]), int(joints[0])
+        step = float(steps(curve, (order,))[0, k, joint])
+        what, time = f"step of {_QUANTITIES[order]}", float(curve.breaks[k + 1])
+        yield Violation(what, limits.joint_names[joint], time, step, 0.0)
+
+
+def _rate_violations(
+    curve: PiecewisePolynomial, limits: Limits, order: int, rate: Rate, doubt: FloatArray
+) -> Iterable[Violation]:
+    bound = getattr(limits, rate)
+    allowed = bound * (1.0 + LIMIT_SLACK) + doubt
+    coefficients = hull(curve, order)
+    for sign in (1.0, -1.0):
+        place = first_above(sign * coefficients, allowed)
+        if place is not None:
+            yield _described(curve, order, limits.joint_names, place, sign, sign * bound)
+
+
+def _described(
+    curve: PiecewisePolynomial,
+    order: int,
+    names: Sequence[str],
+    place: tuple[int, int],
+    sign: float,
+    bound: FloatArray,
+) -> Violation:
+    """Describe the worst of one joint in one segment."""
+    segment, joint = place
+    coefficients = curve.derivative(order)[:, segment, joint]
+    span = float(curve.spans[segment]) if len(curve.spans) else 0.0
+    turns = np.roots((coefficients * np.arange(len(coefficients)))[:0:-1])
+    real = turns[np.abs(turns.imag) <= 1e-9 * (1.0 + np.abs(turns.real))].real
+    instants = np.concatenate([[0.0, span], real[(real > 0.0) & (real < span)]])
+    values = np.polyval(coefficients[::-1], instants)
+    worst = int(np.argmax(sign * values))
+    time = float(curve.breaks[segment] + instants[worst])
+    return Violation(
+        _QUANTITIES[order], names[joint], time, float(values[worst]), float(bound[joint])
+    )

@@ -1,0 +1,160 @@
+"""What limits the speed along a path, speeds cell by cell, and the motions that they give."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.timing import peaks as time_peaks
+from robomech_ros._kernels.timing import pieces as time_pieces
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
+from robomech_ros.trajectory.tolerances import LIMIT_SLACK
+
+__all__ = ["Bound", "PathLimits", "SpeedProfile", "Timed"]
+
+# Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
+# their pieces in time may miss, it is less than LIMIT_SLACK.
+TIMING_MARGIN = 2e-7
+
+
+Bound = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class PathLimits:
+    """What limits the speed along a path of n joints.
+
+    Attributes
+    ----------
+    velocity, acceleration : ndarray, shape (n,)
+        Of the joints, rad or m over s and s^2, infinite for none.
+    speeds : list of SpeedLimit
+        Other speeds.
+    torques : list of TorqueLimits
+        Torques, or what else is linear in the acceleration along the path.
+    square : callable, optional
+        Of path coordinates (m + 1,) of the nodes, the largest squares of the speed there.
+    slowdown : callable, optional
+        Of path coordinates (m,) in the middle of the cells, parts of all accelerations to use.
+    """
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    speeds: list[SpeedLimit] = field(default_factory=list)
+    torques: list[TorqueLimits] = field(default_factory=list)
+    square: Bound | None = None
+    slowdown: Bound | None = None
+
+    @cached_property
+    def velocity_scales(self) -> FloatArray:
+        """One over the velocity limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + TIMING_MARGIN) / self.velocity
+
+    @cached_property
+    def acceleration_scales(self) -> FloatArray:
+        """One over the acceleration limits, with a margin for rounding, shape (n,)."""
+        return (1.0 + TIMING_MARGIN) / self.acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Squares of the speed along a path, cell by cell.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (m + 1,)
+        Path coordinates where the cells begin and end.
+    local : ndarray, shape (m, n, d + 1)
+        The path in each cell, in powers of the coordinate since its beginning.
+    bends : ndarray, shape (m,)
+        By how much the square of the speed bends inside each cell.
+    squares : ndarray, shape (m + 1,)
+        Squares of the speed at the nodes.
+    binding : ndarray of int, shape (m,)
+        Which row of limits binds in each cell.
+    """
+
+    nodes: FloatArray
+    local: FloatArray
+    bends: FloatArray
+    squares: FloatArray
+    binding: npt.NDArray[np.int64]
+
+    @cached_property
+    def spans(self) -> FloatArray:
+        """Lengths of the cells, shape (m,)."""
+        return np.diff(self.nodes)
+
+    @cached_property
+    def duration(self) -> float:
+        """Duration in s."""
+        return float(time_pieces.total_time(self.spans, self.bends, self.squares))
+
+    def timed(self, scales: FloatArray, accuracy: float) -> "Timed":
+        """Turn the profile into a motion whose accelerations are right within `accuracy`.
+
+        It counts in parts of one over `scales` (n,); where that is 0 in those of the joint's peak.
+        """
+        given = self.local, self.spans, self.bends, self.squares
+        counts = np.ones(len(self.spans), np.int64)
+        if not scales.all():
+            rough = self._in_pieces(counts).pieces
+            peaks = 2.0 * np.abs(rough.coefficients[2]).max(axis=0)
+            scales = np.where(scales > 0.0, scales, 1.0 / np.where(peaks > 0.0, peaks, np.inf))
+        time_pieces.piece_counts(*given, scales, accuracy, counts)
+        return self._in_pieces(counts)
+
+    def _in_pieces(self, counts: npt.NDArray[np.int64]) -> "Timed":
+        """Divide each cell into a number of pieces, shape (m,)."""
+        total = int(counts.sum())
+        times, coordinates, speeds = np.empty((3, total + 1))
+        coefficients = np.empty((6, total, self.local.shape[1]))
+        given = self.local, self.spans, self.bends, self.squares
+        time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
+        pieces = PiecewisePolynomial(times, coefficients)
+        return Timed(pieces, coordinates + self.nodes[0], speeds)
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """A motion along a path.
+
+    Attributes
+    ----------
+    pieces : PiecewisePolynomial
+        All joints over time, p pieces.
+    coordinates, speeds : ndarray, shape (p + 1,)
+        Path coordinate, and its rate, where the pieces begin and end.
+    """
+
+    pieces: PiecewisePolynomial
+    coordinates: FloatArray
+    speeds: FloatArray
+
+    def within(self, *limits: FloatArray) -> "Timed":
+        """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
+
+        All peaks are found between the samples as well; what is over by less than half of
+        `LIMIT_SLACK` counts as rounding.
+        """
+        slower, floor = 1.0, 1.0 + 0.5 * LIMIT_SLACK
+        for order, limit in enumerate(limits, 1):
+            given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
+            peak = float(time_peaks.peak_above(*given, order, floor))
+            if peak > floor:
+                slower = max(slower, peak ** (1.0 / order))
+        return self.stretched(slower)
+
+    def stretched(self, factor: float) -> "Timed":
+        """Take longer by a factor, everywhere."""
+        if factor == 1.0:
+            return self
+        pieces = self.pieces
+        powers = factor ** -np.arange(len(pieces.coefficients), dtype=float)
+        slower = pieces.coefficients * powers[:, None, None]
+        pieces = PiecewisePolynomial(pieces.breaks * factor, slower)
+        return Timed(pieces, self.coordinates, self.speeds / factor)
