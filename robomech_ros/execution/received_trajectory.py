@@ -51,7 +51,7 @@ class ReceivedTrajectory:
 
 
 def read_waypoints(
-    given: ReceivedTrajectory,
+    trajectory: ReceivedTrajectory,
     joint_names: Sequence[str],
     max_points: int,
     max_duration: float,
@@ -63,7 +63,7 @@ def read_waypoints(
 
     Parameters
     ----------
-    given : ReceivedTrajectory
+    trajectory : ReceivedTrajectory
         From outside.
     joint_names : sequence of str
         The n joints of the robot; the trajectory must name each of them once, in any order.
@@ -87,17 +87,17 @@ def read_waypoints(
     UnknownJointError, WrongSizeError, NonFiniteError, BadValueError, TrajectoryRefusedError
         With the point, the joint and the number at fault.
     """
-    order = joint_order(given.joint_names, joint_names, partial=partial)
-    if not given.points:
+    order = joint_order(trajectory.joint_names, joint_names, partial=partial)
+    if not trajectory.points:
         raise TrajectoryRefusedError("the trajectory has no points")
-    if len(given.points) > max_points:
-        raise WrongSizeError("points", len(given.points), f"at most {max_points}")
-    times = _times(given.times, max_duration)
-    names = tuple(given.joint_names)
-    positions = _rows(given.points, "positions", names, required=True)
-    velocities = _rows(given.points, "velocities", names)
-    accelerations = _rows(given.points, "accelerations", names)
-    _refuse_effort(given.points)
+    if len(trajectory.points) > max_points:
+        raise WrongSizeError("points", len(trajectory.points), f"at most {max_points}")
+    times = _times(trajectory.times, max_duration)
+    names = tuple(trajectory.joint_names)
+    positions = _rows(trajectory.points, "positions", names, required=True)
+    velocities = _rows(trajectory.points, "velocities", names)
+    accelerations = _rows(trajectory.points, "accelerations", names)
+    _refuse_effort(trajectory.points)
     if to_rest:
         _require_rest(velocities[-1], names)
     rows = [values[:, order] for values in (positions, velocities, accelerations)]
@@ -107,37 +107,39 @@ def read_waypoints(
     return Waypoints(times, *rows)
 
 
-def joint_order(given: Sequence[str], wanted: Sequence[str], *, partial: bool = False) -> list[int]:
-    """Find where each wanted joint is among the given ones.
+def joint_order(
+    received: Sequence[str], joint_names: Sequence[str], *, partial: bool = False
+) -> list[int]:
+    """Find where each joint of the robot is among those of a trajectory.
 
     Parameters
     ----------
-    given, wanted : sequence of str
-        Names of joints.
+    received, joint_names : sequence of str
+        The joints of the trajectory and of the robot.
     partial : bool
-        Whether wanted joints may be missing, which have the place -1 then.
+        Whether joints of the robot may be missing, which have the place -1 then.
 
     Raises
     ------
     UnknownJointError
-        A given name that is not wanted.
+        A name that the robot does not have.
     JointMismatchError
-        A name given twice, or a wanted one missing.
+        A name that comes twice, or a joint of the robot that is missing.
     """
-    known = set(wanted)
-    for name in given:
+    known = set(joint_names)
+    for name in received:
         if name not in known:
-            raise UnknownJointError(name, wanted)
-    place = {name: index for index, name in enumerate(given)}
-    if len(place) != len(given):
-        twice = next(name for index, name in enumerate(given) if place[name] != index)
+            raise UnknownJointError(name, joint_names)
+    place = {name: index for index, name in enumerate(received)}
+    if len(place) != len(received):
+        twice = next(name for index, name in enumerate(received) if place[name] != index)
         expected = f"every joint once; '{twice}' is repeated"
-        raise JointMismatchError("joint_names", len(given), expected)
-    missing = [name for name in wanted if name not in place]
+        raise JointMismatchError("joint_names", len(received), expected)
+    missing = [name for name in joint_names if name not in place]
     if missing and not (partial and place):
-        expected = f"{len(wanted)}, all joints of the robot; missing: {', '.join(missing)}"
-        raise JointMismatchError("joint_names", len(given), expected)
-    return [place.get(name, MISSING) for name in wanted]
+        expected = f"{len(joint_names)}, all joints of the robot; missing: {', '.join(missing)}"
+        raise JointMismatchError("joint_names", len(received), expected)
+    return [place.get(name, MISSING) for name in joint_names]
 
 
 def _times(given: Sequence[float], max_duration: float) -> FloatArray:

@@ -11,7 +11,7 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     code : int
-        One of ErrorCode; 0 if the robot is where the trajectory ends.
+        One of `Code`; 0 if the robot is where the trajectory ends.
     text : str
         The reason, with joint and amount; empty if there is nothing to say.
     """

@@ -6,7 +6,7 @@ from robomech_ros.execution.controller.follower import Follower
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.trajectory import Limits, Waypoints
 
 NAMES = ("shoulder", "elbow", "roll")

@@ -1,1 +1,1 @@
-"""Who sends trajectories to a controller, and watches what becomes of them."""
+"""Sends trajectories to a controller, and watches what becomes of them."""

@@ -39,7 +39,7 @@ class DeliveryReport:
     Attributes
     ----------
     code : int
-        One of ErrorCode; 0 if the robot is where the trajectory ends.
+        One of `Code`; 0 if the robot is where the trajectory ends.
     text : str
         The reason, with joint and amount.
     duration : float
@@ -136,7 +136,7 @@ class Delivery:
             self._listeners.append(listener)
 
     def tell(self, report: DeliveryReport) -> None:
-        """Tell those who listen, who listen no longer then."""
+        """Tell all listeners, each of them once."""
         listeners, self._listeners = self._listeners, []
         for listener in listeners:
             listener(report)

@@ -166,7 +166,7 @@ class Dispatcher:
         self.step(now)
 
     def close(self, text: str) -> None:
-        """Give up all that waits and is being watched, and tell those who listen."""
+        """Give up all that waits and is being watched, and tell the listeners."""
         while self.queue:
             self._end(self.queue.pop(), Verdict(Code.REJECTED, f"not sent: {text}"))
         if self._active is not None:

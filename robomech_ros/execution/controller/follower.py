@@ -17,7 +17,7 @@ from robomech_ros.execution.controller.smoothing import braking_time
 from robomech_ros.execution.controller.supervision import verdict
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import Joints, State
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints

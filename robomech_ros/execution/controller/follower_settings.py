@@ -18,7 +18,7 @@ class FollowerSettings:
     command_timeout : float
         How long after its end a trajectory may be under way, s; 0 = any time.
     interpolate : bool
-        Whether the joints move from point to point; else they are told one point after the other.
+        Whether the joints move from point to point; else each point is commanded at its time.
     wait_for_stamp : bool
         Whether the present motion goes on until a later one begins; else that one replaces it when
         it comes, and its first point is reached at the time that its stamp gives.

@@ -27,7 +27,7 @@ NO_STEP = 1e-9
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
 # So many points of a late trajectory that cannot be reached in time are passed over, of those that
-# come within LATENCY: who is farther behind would leave the way that was planned.
+# come within LATENCY: a robot farther behind would leave the way that was planned.
 _PASSED_OVER = 64
 # Without interpolation the last point is commanded this long (s) before the trajectory is over.
 _INSTANT = 1e-9
@@ -108,22 +108,21 @@ def join_in_steps(
     """Make the curve of a trajectory that is not interpolated: one point at a time.
 
     As with ros2_control's ``interpolation_method: none`` the joints stay where they are until a
-    first point later than now, and between two points they are commanded to the second one.
-    Velocities
-    and accelerations do not matter.  What the joints would do between the points is refused as by
+    first point later than now, and between two points the second is commanded.  Velocities and
+    accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """
     completed = _completed(Waypoints(waypoints.times, waypoints.positions), present)
     remaining = _remaining(completed, present, joints, late)
     positions = _turned(remaining, present, joints, start_tolerance)
-    times, told = remaining.times, np.vstack([positions[1:], positions[-1:]])
+    times, commanded = remaining.times, np.vstack([positions[1:], positions[-1:]])
     if times[0] > 0.0:
         positions = np.vstack([present.position, positions])
-        times, told = np.append(0.0, times), np.vstack([present.position, told])
+        times, commanded = np.append(0.0, times), np.vstack([present.position, commanded])
     violation = _violation(interpolant(times, positions), joints)
     if violation is not None:
         raise _refusal(violation, float(remaining.times[0]))
-    return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), told[None])
+    return PiecewisePolynomial(np.append(times, times[-1] + _INSTANT), commanded[None])
 
 
 def _turned(

@@ -6,7 +6,7 @@ from enum import IntEnum, auto
 
 import numpy as np
 
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
@@ -31,7 +31,7 @@ class GoalResult:
     end : End
         What became of it.
     code : int
-        One of ErrorCode; 0 if the goal was reached.
+        One of `Code`; 0 if the goal was reached.
     text : str
         The reason with joint and amount; empty if there is nothing to say.
     error : ndarray, shape (n,)
@@ -51,7 +51,7 @@ class TrajectoryGoal:
     Attributes
     ----------
     waypoints : Waypoints
-        As they were given, joints in the order of the robot.
+        As they came, joints in the order of the robot.
     tolerances : Tolerances
         What the motion is held to.
     begin : float

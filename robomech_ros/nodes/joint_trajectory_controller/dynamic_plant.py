@@ -111,7 +111,7 @@ class DynamicPlant:
         far = np.abs(wanted[:, 0] - self._q) > near
         wanted[:, 0] = np.clip(wanted[:, 0], self._q - near, self._q + near)
         wanted[:, 1] = np.clip(wanted[:, 1], -fastest, fastest)
-        # Who has to catch up is not to be thrown by what was wanted where it should be.
+        # A joint that has to catch up should not follow the rates of where it should be.
         wanted[:, 1:][np.broadcast_to(far[:, None], (len(wanted), 2, far.shape[1]))] = 0.0
 
     @property

@@ -9,8 +9,8 @@ from builtin_interfaces.msg import Time
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
+from robomech_ros.execution.motion_tolerances import Tolerances, override_tolerances
 from robomech_ros.execution.received_trajectory import joint_order
-from robomech_ros.execution.tolerances import Tolerances, override_tolerances
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.message_fields import floats, seconds_from_duration
 from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback

@@ -12,13 +12,13 @@ from control_msgs.action import FollowJointTrajectory
 from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
+from robomech_ros.execution.motion_tolerances import NONE, Tolerances
 from robomech_ros.execution.refusals import (
     JointMismatchError,
     StartMismatchError,
     TrajectoryOverError,
     TrajectoryRefusedError,
 )
-from robomech_ros.execution.tolerances import NONE, Tolerances
 from robomech_ros.nodes.joint_trajectory_controller.messages import fill_feedback
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.sample import FloatArray

@@ -18,7 +18,7 @@ from rclpy.task import Future
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.outcomes import Code

@@ -14,9 +14,9 @@ from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.execution.tolerances import Tolerances
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
@@ -42,8 +42,8 @@ _NANO = 1_000_000_000
 class SimulatedRobot:
     """A follower that understands messages.
 
-    Cycles come from another thread than callbacks, so who uses it or its follower, other than by
-    `execute`, holds its lock.
+    Cycles come from another thread than callbacks: its lock is to be held while it or its follower
+    is used, other than by `execute`.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.robots import SerialChain

@@ -20,7 +20,7 @@ from robomech_ros.execution.controller.follower import Follower, Phase
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.joints import Joints, at_rest
-from robomech_ros.execution.tolerances import Tolerances
+from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import (

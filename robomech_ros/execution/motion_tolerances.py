@@ -44,7 +44,7 @@ class Tolerances:
 
 def override_tolerances(
     default: FloatArray,
-    given: Sequence[float],
+    asked: Sequence[float],
     order: Sequence[int],
     names: Sequence[str],
     what: str,
@@ -55,7 +55,7 @@ def override_tolerances(
     ----------
     default : ndarray, shape (n,)
         In the order of the robot's joints.
-    given : sequence of float
+    asked : sequence of float
         Empty, or one for each joint in the order of the trajectory: 0 = default, -1 = none.
     order : sequence of int
         Where each joint of the robot is in the trajectory; -1 = nowhere, it keeps its default.
@@ -73,11 +73,11 @@ def override_tolerances(
     WrongSizeError, NonFiniteError, BadValueError
         With the joint at fault.
     """
-    if not len(given):
+    if not len(asked):
         return default
-    if len(given) != len(names):
-        raise WrongSizeError(what, len(given), f"0 or {len(names)}, one for every joint")
-    values = np.array(given, dtype=np.float64)
+    if len(asked) != len(names):
+        raise WrongSizeError(what, len(asked), f"0 or {len(names)}, one for every joint")
+    values = np.array(asked, dtype=np.float64)
     for name, value in zip(names, values.tolist(), strict=True):
         if not np.isfinite(value):
             raise NonFiniteError(f"{what} of joint '{name}'", value)

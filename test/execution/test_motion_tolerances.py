@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.execution.tolerances import override_tolerances
+from robomech_ros.execution.motion_tolerances import override_tolerances
 
 DEFAULT = np.array([0.1, 0.2, 0.3])
 NAMES = ["c", "a", "b"]
