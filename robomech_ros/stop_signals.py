@@ -1,6 +1,6 @@
 """The signals that ask a process to stop, answered while it has nothing to stop as yet.
 
-Whoever imports this wants its signals answered at once; so it must itself import next to nothing.
+Importing this must answer signals at once, so it imports next to nothing itself.
 """
 
 import os

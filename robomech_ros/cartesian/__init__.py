@@ -1,9 +1,8 @@
 """Motions of a robot along paths of its tip: how far the joints can follow, and why not farther.
 
 A pose path is followed until the arm has no posture, a joint would jump or leave its limits, or a
-posture is too near to a singularity; what can be followed is timed within the limits of all joints.
-
-Each part is loaded when first asked for.
+posture is too near to a singularity; the part that can be followed is timed within the limits of
+all joints. Each part is loaded on first use.
 """
 
 from typing import TYPE_CHECKING

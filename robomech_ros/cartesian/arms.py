@@ -1,4 +1,4 @@
-"""Chains as the tracking of paths knows them."""
+"""Chains as arms for the tracking of paths."""
 
 import numpy as np
 from numpy.typing import NDArray

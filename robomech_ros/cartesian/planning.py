@@ -1,4 +1,4 @@
-"""Motions along pose paths within the limits of every joint, in as many samples as there may be."""
+"""Motions along pose paths within the limits of every joint, in a limited number of samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

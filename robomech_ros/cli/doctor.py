@@ -1,4 +1,4 @@
-"""``robomech doctor``: what is missing on this machine, and the command that mends it."""
+"""``robomech doctor``: what is missing on this machine, and the command that installs it."""
 
 import argparse
 import importlib.util

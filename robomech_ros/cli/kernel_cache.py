@@ -1,4 +1,4 @@
-"""Says which compiled kernels there are, and takes away those of earlier states of the sources."""
+"""Lists the compiled kernels, and removes those of earlier versions of the sources."""
 
 import contextlib
 import hashlib

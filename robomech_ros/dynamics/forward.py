@@ -1,4 +1,4 @@
-"""Forward dynamics: the accelerations that torques give."""
+"""Forward dynamics: accelerations from torques."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,4 +1,4 @@
-"""What a motion asks of the drives: peaks, energy, and which joint saturates where."""
+"""What a motion demands of the drives: peaks, energy, and which joint saturates where."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How far the robot may be from where the trajectory wants it."""
+"""How far the robot may be from its trajectory."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Trajectories as they arrive: checked word by word before anything is computed from them."""
+"""Trajectories as they arrive: checked field by field before anything is computed from them."""
 
 import math
 from collections.abc import Sequence

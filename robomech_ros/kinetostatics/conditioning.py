@@ -1,4 +1,4 @@
-"""How near to isotropic an arm can be, and the characteristic length for which it is that."""
+"""How near to isotropic an arm can be, and the characteristic length that achieves it."""
 
 import functools
 import math

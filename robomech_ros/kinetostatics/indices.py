@@ -1,4 +1,4 @@
-"""Performance indices of a posture, and their gradients by the joint values."""
+"""Performance indices of a posture, and their gradients with respect to the joint values."""
 
 import functools
 from typing import NamedTuple

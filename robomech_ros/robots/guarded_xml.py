@@ -1,4 +1,4 @@
-"""Read XML from outside without letting it do anything but be read.
+"""Read XML from outside safely: it can only be read.
 
 A document type declaration, and with it every entity, is refused before the parser acts on it;
 size, depth and number of elements are capped.

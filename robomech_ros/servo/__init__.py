@@ -1,1 +1,1 @@
-"""Driving an arm by twists or joint rates: within limits, past singularities, whatever comes in."""
+"""Driving an arm by twists or joint rates, within all limits and past singularities."""

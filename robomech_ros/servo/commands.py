@@ -1,4 +1,4 @@
-"""What a servo may be asked to do."""
+"""The commands of a servo."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

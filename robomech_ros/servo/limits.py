@@ -1,4 +1,4 @@
-"""The limits that a servo keeps, of which it must have velocities."""
+"""The limits that a servo keeps; it needs those of velocity."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Bodies that there can be, as near as possible to what motions have told."""
+"""Possible bodies, as near as possible to what motions have shown."""
 
 from dataclasses import dataclass, replace
 

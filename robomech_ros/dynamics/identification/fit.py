@@ -1,4 +1,4 @@
-"""Identification of bodies and friction from motions and the torques that were measured.
+"""Identification of bodies and friction from motions and measured torques.
 
 Torques are linear in the bodies' parameters; those combinations that any motion shows, the base
 parameters, and viscous and Coulomb friction are found by least squares.

@@ -1,4 +1,4 @@
-"""Simulation: the motion of a chain under torques that are given or computed."""
+"""Simulation: the motion of a chain under given or computed torques."""
 
 import warnings
 from collections.abc import Sequence

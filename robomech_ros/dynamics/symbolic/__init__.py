@@ -1,6 +1,6 @@
 """Closed forms of kinematics and dynamics, as expressions of SymPy.
 
-Needs SymPy, which is loaded when one of these is first asked for.
+Needs SymPy, which is loaded on first use.
 """
 
 from typing import TYPE_CHECKING

@@ -1,1 +1,1 @@
-"""Sends trajectories to a controller, and watches what becomes of them."""
+"""The sender: gives trajectories to a controller and watches their execution."""

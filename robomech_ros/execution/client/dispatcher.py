@@ -1,7 +1,7 @@
 """Sends trajectories to a controller one after the other, and sees whether the robot arrives.
 
-It knows neither ROS nor a clock: a gateway sends and knows the joint states, and whoever owns the
-dispatcher says what time it is.
+It knows neither ROS nor a clock: a gateway sends and knows the joint states, and the owner of the
+dispatcher gives the time.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""How fast the trajectory under way is executed, and what is sent when that changes."""
+"""How fast the present trajectory is executed, and what is sent when that changes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Waypoints of a trajectory that is executed at another pace than planned."""
+"""Waypoints of a trajectory at another pace than planned."""
 
 import math
 

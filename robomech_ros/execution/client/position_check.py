@@ -1,4 +1,4 @@
-"""Where the robot is, beside where a trajectory begins and ends."""
+"""The robot's position, compared with where a trajectory begins and ends."""
 
 import numpy as np
 import numpy.typing as npt

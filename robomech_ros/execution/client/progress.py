@@ -1,4 +1,4 @@
-"""What the joint states tell of a trajectory under way: whether they come, whether it moves."""
+"""What the joint states say of the present trajectory: whether they come, whether it moves."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Where a follower wants, or will want, its joints at some time."""
+"""The desired state of a follower's joints, now or at some time."""
 
 from robomech_ros.execution.controller.follower import Follower, Phase
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal

@@ -1,6 +1,6 @@
 """The state machine that follows trajectories: hold, wait, move, slow down, settle.
 
-It knows neither ROS nor a clock: whoever owns it says what time it is.
+It knows neither ROS nor a clock: its owner gives the time.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """Where the cells of a map are computed: in threads of this process, or by Dask on many machines.
 
-An engine gives the chunks in the order in which they are done; what is in them does not depend on
-who computed them.
+An engine gives the chunks in the order in which they are done; their content does not depend on
+where they were computed.
 """
 
 import asyncio

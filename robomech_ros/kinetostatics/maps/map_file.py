@@ -1,4 +1,4 @@
-"""Maps in files: written so that an interruption leaves the one before, and read with distrust."""
+"""Maps in files: an interrupted write leaves the previous file, and reading checks everything."""
 
 import json
 import os

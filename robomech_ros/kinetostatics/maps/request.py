@@ -1,4 +1,4 @@
-"""What a map is of: the robot, the grid, the orientations, and how postures are judged."""
+"""The subject of a map: the robot, the grid, the orientations, and how postures are judged."""
 
 import hashlib
 import json

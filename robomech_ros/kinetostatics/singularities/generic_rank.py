@@ -1,4 +1,4 @@
-"""What the Jacobian of an arm is in nearly all postures: its rank, and its scale."""
+"""The Jacobian of an arm in nearly all postures: its rank, and its scale."""
 
 import functools
 import math

@@ -1,4 +1,4 @@
-"""One table from what went wrong to the error code on the wire, and the guard of callbacks."""
+"""The error code of every exception, and the guard that turns exceptions into answers."""
 
 import functools
 import inspect

@@ -25,8 +25,8 @@ class StateSettings(RobotSettings):
 
     state_timeout: float = parameter(
         1.0,
-        "How long a request that needs the present state waits for the first joint state; others "
-        "are served meanwhile. 0 = not at all",
+        "How long a request that needs the present state waits for the first joint state, while "
+        "others are served. 0 = not at all",
         0.0,
         60.0,
         "s",

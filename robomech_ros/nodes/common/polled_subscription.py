@@ -1,4 +1,4 @@
-"""Subscriptions that are read when somebody looks, and keep the executor idle until then."""
+"""Subscriptions that are read on demand, and keep the executor idle until then."""
 
 from collections.abc import Callable, Iterator
 from typing import Any

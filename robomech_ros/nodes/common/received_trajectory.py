@@ -1,4 +1,4 @@
-"""Trajectory messages, as the execution takes them."""
+"""Trajectory messages for the execution."""
 
 from trajectory_msgs.msg import JointTrajectory
 

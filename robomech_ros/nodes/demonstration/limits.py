@@ -1,4 +1,4 @@
-"""Limits that a robot's URDF has no place for, assumed where nobody gave them."""
+"""Limits that a URDF cannot hold, assumed where nobody gave them."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What a robot that drives move carries, and how near to its path it has to stay."""
+"""The load of the dynamic robot, and how near to its path it must stay."""
 
 from typing import Any
 

@@ -15,7 +15,7 @@ class DynamicsSettings(StateSettings):
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
         "Acceleration of gravity in the base link of the chain, pointing where things fall; for "
-        "requests that give none",
+        "requests without one",
         -1000.0,
         1000.0,
         "m/s^2",
@@ -31,8 +31,8 @@ class DynamicsSettings(StateSettings):
     )
     summary_period: float = parameter(
         0.002,
-        "Largest time between two instants at which SummarizeTorques looks at a trajectory; longer "
-        "where it would look at more than 100,000",
+        "Largest step of SummarizeTorques in time; longer where there would be more than 100,000 "
+        "steps",
         1e-4,
         1.0,
         "s",

@@ -1,4 +1,4 @@
-"""What joint_trajectory_controller offers by types of control_msgs, where those are installed."""
+"""Interfaces of joint_trajectory_controller with types of control_msgs, where it is installed."""
 
 from rclpy.node import Node
 

@@ -1,4 +1,4 @@
-"""The simulated robot whose drives move it, through its mass, its friction and what it carries."""
+"""The simulated robot moved by its drives, with its mass, its friction and its load."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Publishes /tf and /tf_static of a simulated robot, where nobody else is there to."""
+"""Publishes /tf and /tf_static of a simulated robot, where nobody else does."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""States of joints, as messages of the controller have them."""
+"""States of joints in messages of the controller."""
 
 from typing import Any
 

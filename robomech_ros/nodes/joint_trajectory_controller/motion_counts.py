@@ -1,4 +1,4 @@
-"""What has become of the trajectories of a robot so far."""
+"""How many trajectories of a robot were finished, ended early and refused."""
 
 from dataclasses import dataclass
 

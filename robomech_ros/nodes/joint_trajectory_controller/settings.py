@@ -32,7 +32,7 @@ class ControllerSettings(RobotSettings):
     """Parameters of the node."""
 
     publish_rate: float = parameter(
-        100.0, "How often the robot moves on and joint_states is published", 1.0, 1000.0, "Hz"
+        100.0, "How often the robot moves and joint_states is published", 1.0, 1000.0, "Hz"
     )
     action_monitor_rate: float = parameter(
         20.0, "How often an action gets feedback; at most publish_rate", 0.1, 1000.0, "Hz"
@@ -76,19 +76,18 @@ class ControllerSettings(RobotSettings):
     )
     cmd_timeout: float = parameter(
         0.0,
-        "How long after its end a trajectory may be under way at all; then the robot holds. "
-        "0 = any time",
+        "How long after its end a trajectory may last at all; then the robot holds. 0 = any time",
         0.0,
         3600.0,
         "s",
     )
     allow_partial_joints_goal: bool = parameter(
-        False, "Whether a trajectory may name some of the joints only; the others stay"
+        False, "Whether a trajectory may name only some of the joints; the others hold"
     )
     allow_trajectory_replacement: bool = parameter(
         True,
-        "Whether a trajectory with a stamp in the future lets the present motion go on until then; "
-        "else it takes over when it comes, and the robot moves to its first point in that time",
+        "Whether the present motion continues until the stamp of a new trajectory; otherwise the "
+        "new one takes over on arrival, and the robot moves to its first point until then",
     )
     interpolation_method: str = parameter(
         SPLINES,
@@ -105,21 +104,21 @@ class ControllerSettings(RobotSettings):
     )
     max_duration: float = parameter(
         3600.0,
-        "Longest trajectory, and longest time until one begins; longer ones are refused",
+        "Longest trajectory, and longest wait until one begins; longer ones are refused",
         0.001,
         1e6,
         "s",
     )
     simulation: str = parameter(
         KINEMATIC,
-        "How the robot is simulated: kinematic = the joints are where they are wanted, or behind "
-        "by tracking_lag; dynamic = drives move them, through mass, friction and effort limits",
+        "How the robot is simulated: kinematic = the joints follow exactly, or with tracking_lag; "
+        "dynamic = drives move them, with mass, friction and effort limits",
         choices=(KINEMATIC, DYNAMIC),
     )
     dynamic_control: str = parameter(
         "computed-torque",
-        "Dynamic: what controls the drives: computed-torque, or pd-gravity = PD with the efforts "
-        "that hold the robot against gravity",
+        "Dynamic: the controller of the drives: computed-torque, or pd-gravity = PD with gravity "
+        "compensation",
         choices=("computed-torque", "pd-gravity"),
     )
     dynamic_bandwidth: float = parameter(
@@ -130,22 +129,23 @@ class ControllerSettings(RobotSettings):
     )
     dynamic_observer: float = parameter(
         2000.0,
-        "Dynamic: rate at which the controller learns the efforts that its model does not explain, "
-        "such as those of a payload, and adds them; 0 = not at all",
+        "Dynamic: rate of the observer that compensates efforts which the model does not explain, "
+        "such as those of a payload; 0 = off",
         0.0,
         10_000.0,
         "rad/s",
     )
     gravity: tuple[float, ...] = parameter(
         (0.0, 0.0, -9.81),
-        "Dynamic: acceleration of gravity in the base link of the chain, towards where things fall",
+        "Dynamic: acceleration of gravity in the base link of the chain, pointing where things "
+        "fall",
         -1000.0,
         1000.0,
         "m/s^2",
     )
     payload_mass: float = parameter(
         0.0,
-        "Dynamic: mass at the tip that the controller of the drives does not know of",
+        "Dynamic: mass at the tip, unknown to the controller of the drives",
         0.0,
         1000.0,
         "kg",
@@ -161,15 +161,15 @@ class ControllerSettings(RobotSettings):
     )
     tracking_lag: float = parameter(
         0.0,
-        "Kinematic: time constant with which the joints follow what is wanted; 0 = exactly",
+        "Kinematic: time constant with which the joints follow their commands; 0 = exactly",
         0.0,
         100.0,
         "s",
     )
     publish_frames: str = parameter(
         FRAMES_AUTO,
-        "Whether /tf and /tf_static are published, as far as tf2_msgs is installed; auto = unless "
-        "robot_state_publisher is installed, which does it",
+        "Whether /tf and /tf_static are published, where tf2_msgs is installed; auto = unless "
+        "robot_state_publisher, which does it, is installed",
         choices=(FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER),
     )
     frame_rate: float = parameter(
@@ -182,7 +182,7 @@ class ControllerSettings(RobotSettings):
     )
     fault_delay: float = parameter(
         0.0,
-        "Simulated fault: how long commands take to get to the joints",
+        "Simulated fault: how long commands take to reach the joints",
         0.0,
         10.0,
         "s",
@@ -190,15 +190,15 @@ class ControllerSettings(RobotSettings):
     )
     fault_dropped_commands: float = parameter(
         0.0,
-        "Simulated fault: part of the commands that get lost; joints then keep the one before",
+        "Simulated fault: fraction of the commands that get lost; joints then keep the previous "
+        "one",
         0.0,
         1.0,
         read_only=False,
     )
     fault_offset: tuple[float, ...] = parameter(
         (),
-        "Simulated fault: what the sensors of the joints show too much, base to tip, rad or m. "
-        "Empty = nothing",
+        "Simulated fault: offset that the joint sensors add, base to tip, rad or m. Empty = none",
         -10.0,
         10.0,
         read_only=False,
@@ -212,7 +212,7 @@ class ControllerSettings(RobotSettings):
     )
     fault_seed: int = parameter(
         0,
-        "Seed of the noise, and of which commands get lost",
+        "Seed of the noise, and of the choice of lost commands",
         0,
         2**31 - 1,
         read_only=False,

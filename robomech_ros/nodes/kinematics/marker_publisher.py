@@ -1,4 +1,4 @@
-"""Shows the posture analysed last, and the boundary of the workspace, as markers."""
+"""Shows the posture last analysed, and the boundary of the workspace, as markers."""
 
 from collections.abc import Awaitable, Callable
 from typing import Any

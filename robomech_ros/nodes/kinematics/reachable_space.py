@@ -1,4 +1,4 @@
-"""What a robot reaches at all: found once, in a thread of its own, when it is first asked for."""
+"""What a robot reaches at all: computed once, in a thread of its own, on the first request."""
 
 import math
 from dataclasses import dataclass

@@ -23,8 +23,8 @@ class KinematicsSettings(StateSettings):
     )
     batch_timeout: float = parameter(
         60.0,
-        "How long one request of SolveIKBatch or QueryWorkspace may take; others are served "
-        "meanwhile, and poses that are left then get the code TIMED_OUT",
+        "How long one request of SolveIKBatch or QueryWorkspace may take, while others are "
+        "served; the remaining poses then get the code TIMED_OUT",
         0.001,
         3600.0,
         "s",
@@ -32,7 +32,7 @@ class KinematicsSettings(StateSettings):
     )
     publish_markers: bool = parameter(
         True,
-        "Whether ~/markers shows the posture analysed last, and the boundary of the workspace, "
-        "which is found as soon as somebody listens or calls query_workspace",
+        "Whether ~/markers shows the posture last analysed, and the boundary of the workspace, "
+        "which is computed when somebody first listens or calls query_workspace",
         read_only=False,
     )

@@ -1,4 +1,4 @@
-"""Which of many poses a robot reaches, judged in turns with other work of the node."""
+"""Which of many poses a robot reaches, computed in turns with other work of the node."""
 
 import math
 import time

@@ -1,1 +1,1 @@
-"""What concerns processes: how nodes start, run, pause and end."""
+"""Processes: how nodes start, run and end."""

@@ -1,4 +1,4 @@
-"""What all nodes of a robot are started with, and the command line that this makes for each."""
+"""Options for all nodes of a robot, and the command line of each."""
 
 import json
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """How every node of this package starts, spins, holds and ends.
 
 Exit codes: 0 after SIGINT or SIGTERM, 2 when the node cannot start (with one line on stderr that
-says why), 1 after an unexpected failure (with its traceback).  A node that has done all of its own
-and whose middleware does not let it go is ended by SIGALRM.
+says why), 1 after an unexpected failure (with its traceback).  A node that is done but held by its
+middleware is ended by SIGALRM.
 """
 
 import gc

@@ -1,4 +1,4 @@
-"""Takes commands from the topics of the servo, and refuses what cannot be followed."""
+"""Takes commands from the topics of the servo, and refuses those that cannot be followed."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Watches the joints: where a stream can begin, and whether they do what they are told."""
+"""Watches the joints: where a stream can begin, and whether they follow it."""
 
 from collections.abc import Callable
 from typing import NamedTuple

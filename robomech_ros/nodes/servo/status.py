@@ -1,4 +1,4 @@
-"""What the servo says of itself: each period while it drives, else where something is new."""
+"""The servo's status: every period while it drives, otherwise on changes."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Decoding of PlanCartesian requests, and encoding of what came of them."""
+"""Decoding of PlanCartesian requests, and encoding of their answers."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The latched topic with the way that a plan lets the tip take."""
+"""The latched topic with the path of the tip under the latest plan."""
 
 from typing import Any
 

@@ -18,13 +18,13 @@ class PlannerSettings(StateSettings):
 
     joint_limits: str = parameter(
         "",
-        "Path of a YAML file with limits that the robot's description lacks: MoveIt's "
+        "Path of a YAML file with limits missing from the robot's description: MoveIt's "
         "joint_limits.yaml, or the form of a file beside a URDF. Empty = none",
     )
     sample_period: float = parameter(
         0.01,
-        "Largest time between two points of a planned trajectory, where a request names none; "
-        "longer where a trajectory would otherwise have too many",
+        "Largest time between two points of a planned trajectory, for requests without one; "
+        "longer where a trajectory would have too many",
         SHORTEST_PERIOD,
         10.0,
         "s",
@@ -48,8 +48,8 @@ class PlannerSettings(StateSettings):
     )
     max_waypoints: int = parameter(
         200,
-        "Most via points, or waypoints of a Cartesian path; planning takes up to some 60 ms for "
-        "each of them, in which other such requests wait",
+        "Most via points, or waypoints of a Cartesian path; each takes up to some 60 ms to plan, "
+        "while other such requests wait",
         1,
         100_000,
         "points",
@@ -57,8 +57,8 @@ class PlannerSettings(StateSettings):
     )
     max_step: float = parameter(
         0.01,
-        "Along a Cartesian path, where a request names none: distance of neighbouring poses "
-        "between which no joint may jump",
+        "Along a Cartesian path, for requests without one: distance of neighbouring poses between "
+        "which no joint may jump",
         1e-4,
         1.0,
         "m",
@@ -66,7 +66,7 @@ class PlannerSettings(StateSettings):
     )
     revolute_jump_threshold: float = parameter(
         0.5,
-        "Largest move of a revolute joint between neighbouring poses, where a request names none",
+        "Largest move of a revolute joint between neighbouring poses, for requests without one",
         1e-3,
         10.0,
         "rad",
@@ -74,7 +74,7 @@ class PlannerSettings(StateSettings):
     )
     prismatic_jump_threshold: float = parameter(
         0.1,
-        "Largest move of a prismatic joint between neighbouring poses, where a request names none",
+        "Largest move of a prismatic joint between neighbouring poses, for requests without one",
         1e-4,
         10.0,
         "m",
@@ -83,15 +83,15 @@ class PlannerSettings(StateSettings):
     condition_limit: float = parameter(
         200.0,
         "Condition number of the Jacobian, lengths over the size of the arm, at which a posture "
-        "counts as singular, where a request names none",
+        "counts as singular, for requests without one",
         1.0,
         1e6,
         read_only=False,
     )
     stopped_velocity_tolerance: float = parameter(
         0.01,
-        "How fast a joint may be, rad/s or m/s, where a motion is to start from the present "
-        "state; every plan starts at rest",
+        "Largest speed of a joint, rad/s or m/s, that counts as rest where a plan starts from the "
+        "present state",
         0.0,
         10.0,
         read_only=False,

@@ -1,4 +1,4 @@
-"""Has a dispatcher look at the robot again and again, by the clock of a node."""
+"""Lets a dispatcher check the robot periodically, by the clock of a node."""
 
 from rclpy.node import Node
 

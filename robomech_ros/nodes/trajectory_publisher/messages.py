@@ -1,4 +1,4 @@
-"""Deliveries from the messages that come, and the messages that they are sent as."""
+"""Deliveries from received messages, and the messages in which they are sent."""
 
 import copy
 

@@ -1,4 +1,4 @@
-"""The service run_program: begins the program in the file that a parameter names."""
+"""The service run_program: starts the program in the file named by a parameter."""
 
 from typing import Any
 

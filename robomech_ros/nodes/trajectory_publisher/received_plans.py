@@ -1,4 +1,4 @@
-"""Plans as they come by topic."""
+"""Plans received by topic."""
 
 import time
 from typing import Any

@@ -33,39 +33,39 @@ class PublisherSettings(RobotSettings):
     )
     auto_execute: bool = parameter(
         True,
-        "Whether every newly planned trajectory is executed; else only what ~/execute asks for",
+        "Whether every new plan is executed; otherwise only on request through ~/execute",
         read_only=False,
     )
     program: str = parameter(
         "",
-        "Path of a YAML file with the program that ~/run_program runs. Empty = none",
+        "Path of a YAML file with the program for ~/run_program. Empty = none",
         read_only=False,
     )
     transport: str = parameter(
         Transport.TOPIC.value,
-        "How planned trajectories get to the controller; action = execute_trajectory, which "
-        "~/execute and programs use in any case, unless follow_joint_trajectory is wanted: that "
-        "of control_msgs, which any ros2_control controller serves",
+        "How plans reach the controller: topic, action = execute_trajectory, or "
+        "follow_joint_trajectory of control_msgs, which any ros2_control controller serves; "
+        "~/execute and programs always use an action, by default execute_trajectory",
         choices=tuple(transport.value for transport in Transport),
     )
     controller_path_tolerance: float = parameter(
         0.0,
-        "How far from its path the controller is asked to let a joint be, rad or m; 0 = as it is "
-        "set itself, -1 = any distance. This and the next two hold where an action is used",
+        "Tolerance around the path sent with every goal of an action, rad or m; 0 = the "
+        "controller's default, -1 = any distance",
         -1.0,
         10.0,
     )
     controller_goal_tolerance: float = parameter(
         0.0,
-        "How far from the last point the controller is asked to let a joint be at the end, rad or "
-        "m; 0 = as it is set itself, -1 = any distance",
+        "Tolerance at the last point sent with every goal of an action, rad or m; 0 = the "
+        "controller's default, -1 = any distance",
         -1.0,
         10.0,
     )
     controller_goal_time: float = parameter(
         0.0,
-        "How long after its end the controller is asked to let a trajectory reach its goal; 0 = as "
-        "it is set itself",
+        "Time after the end of a trajectory to reach its goal, sent with every goal of an action; "
+        "0 = the controller's default",
         0.0,
         3600.0,
         "s",
@@ -80,11 +80,11 @@ class PublisherSettings(RobotSettings):
         10.0,
     )
     goal_tolerance: float = parameter(
-        0.01, "How far from the last point the robot has still arrived, rad or m", 1e-9, 10.0
+        0.01, "How far from the last point the robot may arrive, rad or m", 1e-9, 10.0
     )
     controller_timeout: float = parameter(
         3.0,
-        "How long the controller may be away before those who wait for an answer get it",
+        "How long the controller may be absent before it counts as gone",
         0.1,
         3600.0,
         "s",
@@ -94,14 +94,14 @@ class PublisherSettings(RobotSettings):
     )
     standstill_timeout: float = parameter(
         1.0,
-        "How long the robot may stand away from the goal while a trajectory sent by topic should "
-        "move it; then it counts as stopped",
+        "How long the robot may stand still away from the goal while a trajectory sent by topic "
+        "should move it; then it counts as stopped",
         0.1,
         3600.0,
         "s",
     )
     watch_rate: float = parameter(
-        20.0, "How often the joint states are looked at while something moves", 1.0, 1000.0, "Hz"
+        20.0, "How often the joint states are checked during a motion", 1.0, 1000.0, "Hz"
     )
     max_points: int = parameter(
         10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
@@ -132,7 +132,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
     )
     for what, value in (("path", asked.path), ("goal", asked.goal)):
         if -1.0 < value < 0.0:
-            allowed = "-1 (any distance), 0 (as the controller is set), or a number up to 10"
+            allowed = "-1 (any distance), 0 (the controller's default), or a number up to 10"
             raise ParameterError(f"controller_{what}_tolerance", value, allowed)
     return asked
 

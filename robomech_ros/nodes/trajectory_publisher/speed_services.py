@@ -73,9 +73,9 @@ class SpeedServices:
         ran = self._cancel_program(f"program {text}")
         count = self._dispatcher.cancel(text, self._loop.clock.now())
         self._loop.watch()
-        what = f"{count} trajectories given up; the robot stops on its path"
+        what = f"{count} trajectories dropped; the robot stops on its path"
         if not count:
-            what = "the program is given up" if ran else "nothing was under way or waiting"
+            what = "the program is dropped" if ran else "nothing was under way or waiting"
         return _said(response, True, what)
 
     def _set_speed(self, request: Any, response: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Curves made slower or faster as a whole, until they fill the limits or last as long as wanted."""
+"""Curves made slower or faster as a whole, to fill the limits or to last a given time."""
 
 import math
 

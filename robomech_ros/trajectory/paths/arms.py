@@ -1,4 +1,4 @@
-"""What tracking needs to know of an arm, and serial arms made of three functions."""
+"""What tracking needs of an arm, and serial arms made from three functions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

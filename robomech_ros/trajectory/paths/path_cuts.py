@@ -1,4 +1,4 @@
-"""Where joint paths must end: the last place before something is wrong with the joint values."""
+"""Where joint paths must end: the last place with acceptable joint values."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Plans of no more samples and seconds than there may be: sampled coarser where they must."""
+"""Plans within the allowed number of samples and seconds, sampled more coarsely where needed."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Plans whose samples, too, are verified: what a controller makes of them keeps to the limits."""
+"""Plans verified as samples too: the curve that a controller makes of them keeps the limits."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

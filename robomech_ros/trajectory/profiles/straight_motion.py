@@ -1,4 +1,4 @@
-"""What the motions have in common that go from rest to rest on a straight line in joint space."""
+"""The common part of motions from rest to rest on a straight line in joint space."""
 
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, TypeVar

@@ -1,4 +1,4 @@
-"""The largest speed at which a path can be passed within limits, on a grid that refines itself."""
+"""The largest speed along a path within limits, on a grid that refines itself."""
 
 import numpy as np
 import numpy.typing as npt

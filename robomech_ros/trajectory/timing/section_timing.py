@@ -1,4 +1,4 @@
-"""How fast the parts of a joint path between two rests are run through, by profile."""
+"""The timing of a joint path between two rests, by profile."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

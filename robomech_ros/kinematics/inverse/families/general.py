@@ -1,4 +1,4 @@
-"""Any other arm of six joints: its closure equations, made once for a chain.
+"""Any other arm of six joints: its closure equations, made once for each chain.
 
 A form of elimination (see ``_kernels.general_layout``) needs nothing of the target in its left
 side where the target is one of the two links next to joint FIRST.  Four of the twelve forms are

@@ -1,4 +1,4 @@
-"""Which solver an arm gets: decided once for a chain, by its geometry."""
+"""Which solver an arm gets: decided once for each chain, by its geometry."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
