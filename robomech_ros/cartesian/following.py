@@ -83,7 +83,7 @@ class FollowedPath:
 
     @property
     def joints(self) -> JointPath | None:
-        """The joint path, as far as it goes; None where it does not even begin."""
+        """The joint path, as far as possible; None where it does not even begin."""
         return self.tracking.path
 
     @property

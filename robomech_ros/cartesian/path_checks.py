@@ -116,7 +116,7 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
     chain : SerialChain
         Of n joints.
     step : float
-        Distance of neighbouring poses (m); at least ten steps are looked at.
+        Distance of neighbouring poses (m); at least ten steps are examined.
     factor : float
         How many times the mean move a step may be; infinite for any.
 
@@ -161,7 +161,7 @@ def broken_condition(broken: Callable[[Array], str], step: float) -> PathCheck:
     broken : callable
         Says for joint values (n,), rad or m, what is broken; an empty text where nothing is.
     step : float
-        Largest distance (m) of the places looked at; there are 500 at least.
+        Largest distance (m) between examined places; there are at least 500.
 
     Returns
     -------

@@ -126,7 +126,7 @@ def plan_along(
     MissingLimitsError
         A joint lacks a limit that the profile needs.
     BadValueError, WrongSizeError, NonFiniteError
-        An argument that is none, or a motion that takes too long or too many samples.
+        An invalid argument, or a motion that takes too long or too many samples.
 
     See Also
     --------

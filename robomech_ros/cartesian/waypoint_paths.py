@@ -46,7 +46,7 @@ def path_through(
     WrongSizeError
         No waypoints, or arcs with half a pair.
     BadValueError
-        An unknown kind, or poses that are none or between which there is no such path; the message
+        An unknown kind, invalid poses, or poses without such a path between them; the message
         names the waypoints.
 
     See Also

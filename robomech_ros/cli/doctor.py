@@ -20,7 +20,7 @@ SET_UP = "make setup"
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at.
+    """The result of one check.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ def compiled(cache: Path) -> set[str]:
 
 
 def prune(cache: Path, installation: Path, digests: Iterable[str]) -> list[Path]:
-    """Take away the kernels of earlier states of the same sources, but for the latest.
+    """Remove the kernels of earlier versions of the sources, except the latest.
 
     All installations share a cache, whatever state their sources are in. Each has a note there
     with the digests of its modules, a line for every state, and what a note names stays. So does

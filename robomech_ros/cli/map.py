@@ -136,7 +136,7 @@ def _orientations(args: argparse.Namespace) -> Array:
 
 @contextmanager
 def _bar() -> Iterator[Callable[[int, int], None]]:
-    """Show a bar while the map grows, where somebody looks at it."""
+    """Show a progress bar on a terminal while the map grows."""
     columns = (
         TextColumn("points"),
         BarColumn(),

@@ -72,7 +72,7 @@ class Joints:
 
     @cached_property
     def acceleration(self) -> FloatArray:
-        """Acceleration limits; a guess from the velocity limit where there is none."""
+        """Acceleration limits; estimated from the velocity limit where there is none."""
         speed = np.where(np.isfinite(self.limits.velocity), self.limits.velocity, USUAL_SPEED)
         given = self.limits.acceleration
         return np.where(np.isfinite(given), given, speed / TIME_TO_SPEED)

@@ -33,7 +33,7 @@ class ReceivedPoint(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ReceivedTrajectory:
-    """A trajectory as somebody sent it; nothing about it is certain.
+    """A trajectory as received; nothing about it has been checked.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Joint paths through lists of poses, on one branch of solutions as far as that goes."""
+"""Joint paths through lists of poses, on one branch of solutions as far as possible."""
 
 from dataclasses import dataclass
 
@@ -65,7 +65,7 @@ def branch_path(
     revolute_jump: float | None = None,
     prismatic_jump: float | None = None,
 ) -> BranchPath:
-    """Choose a joint path through a list of poses, on one branch of solutions as far as that goes.
+    """Choose a joint path through a list of poses, on one branch of solutions as far as possible.
 
     Where all solutions of every pose are known, the path with the fewest jumps between branches is
     chosen among all, then that with the fewest between windings, then the one whose joints move
@@ -93,7 +93,7 @@ def branch_path(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Poses, a start or thresholds that are none.
+        Invalid poses, start or thresholds.
     SeedOutsideLimitsError
         A joint of the start is outside its limits.
     """

@@ -90,7 +90,7 @@ def global_conditioning_index(
     Raises
     ------
     BadValueError
-        An argument that is none of those, or an arm that is singular in every posture.
+        An invalid argument, or an arm that is singular in every posture.
     MissingLimitsError
         A prismatic joint without limits.
 

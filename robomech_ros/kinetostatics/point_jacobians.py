@@ -15,7 +15,7 @@ __all__ = ["TIP", "as_point", "point_jacobian", "rotation_of"]
 
 Array = NDArray[np.float64]
 
-# The origin of the tip, where nobody says another point.
+# The origin of the tip, the default point.
 TIP = (0.0, 0.0, 0.0)
 _ORIGIN = np.zeros(3)
 

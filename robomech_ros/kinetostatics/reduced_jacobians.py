@@ -54,7 +54,7 @@ def task_jacobian(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError, UnknownLinkError
-        As for :func:`point_jacobian`, or a mask that is none or leaves nothing.
+        As for :func:`point_jacobian`, or a mask that is invalid or leaves nothing.
 
     See Also
     --------

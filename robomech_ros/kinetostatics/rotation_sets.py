@@ -85,7 +85,7 @@ def even_turns(count: int, axis: ArrayLike, first: ArrayLike | None = None) -> A
 
 
 def as_orientations(orientations: ArrayLike) -> Array:
-    """Check orientations (k, 3, 3), or spread so many evenly where a number is given.
+    """Check orientations (k, 3, 3), or spread this many evenly where a number is given.
 
     Raises
     ------

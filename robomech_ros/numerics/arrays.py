@@ -20,7 +20,7 @@ def real_array(what: str, value: ArrayLike) -> Array:
     what : str
         Name of the quantity in messages.
     value : array_like
-        Real numbers; truth values, text and complex numbers are none.
+        Real numbers; truth values, text and complex numbers do not count.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def real_array(what: str, value: ArrayLike) -> Array:
 
 
 def real_number(what: str, value: object, expected: str) -> float:
-    """Give one real number, finite or not; truth values and text are none.
+    """Give one real number, finite or not; truth values and text do not count.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def plot_postures(
     PlottingUnavailableError
         matplotlib is not installed.
     BadValueError, WrongSizeError, NonFiniteError
-        No posture or too many, or values that are none of the chain.
+        No posture or too many, or values that do not fit the chain.
     """
     postures = np.asarray(q, dtype=np.float64)
     if postures.ndim != 2 or postures.shape[1] != chain.n:

@@ -82,7 +82,7 @@ class Body:
         """Say why no body has these numbers; empty where one has.
 
         The mass and the principal moments are positive, and none of the moments is above the sum
-        of the two others, but for rounding of published numbers.  A point has a mass and no
+        of the two others, except for rounding of published numbers.  A point has a mass and no
         moments.
         """
         if self.mass <= 0.0:

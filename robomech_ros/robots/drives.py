@@ -10,7 +10,7 @@ __all__ = ["Drive"]
 
 @dataclass(frozen=True)
 class Drive:
-    """The drive of a joint, seen from the joint's side of its gear but for the rotor.
+    """The drive of a joint, at the joint's side of its gear, except for the rotor.
 
     The friction opposes the rate v with ``viscous v + coulomb sign(v)``, and while the joint
     breaks away with ``(static - coulomb) exp(-(v / stribeck_velocity)^2) sign(v)`` besides.

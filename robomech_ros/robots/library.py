@@ -186,7 +186,7 @@ def _from_file(path: Path) -> RobotDescription:
 
 
 def _read(path: Path, largest: int) -> bytes:
-    """Read a regular file of at most so many bytes."""
+    """Read a regular file of at most this many bytes."""
     try:
         if not path.exists():
             raise RobotDescriptionError(str(path), "no such file")

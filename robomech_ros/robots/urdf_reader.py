@@ -42,7 +42,7 @@ class ElementReader:
         return found[0] if found else None
 
     def numbers(self, element: XmlElement, attribute: str, count: int) -> list[float] | None:
-        """Read so many finite numbers; None where there is no such attribute."""
+        """Read this many finite numbers; None where there is no such attribute."""
         text = element.attributes.get(attribute)
         if text is None:
             return None

@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 # Vectors of some numbers: Python's arithmetic is faster on them than numpy's.
 Numbers = list[float]
 
-# Changes of acceleration in a period that are the same but for this part of its limit are the same.
+# Changes of acceleration in a period that differ by less than this part of its limit count as
+# equal.
 _SAME = 1e-9
 
 

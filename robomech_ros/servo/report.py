@@ -71,7 +71,7 @@ def motion_report(
     limits : ServoLimits
         Of n joints.
     found : Resolution
-        The rates that were looked for.
+        The resulting rates.
     share : tuple of float and int
         How much of them the velocity limits allow, and which joint needs that most.
     advance : Advance

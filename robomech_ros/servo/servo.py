@@ -149,7 +149,7 @@ class Servo:
         if isinstance(command, JointCommand):
             resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
         else:
-            # The velocity that is looked for is that at the next knot.
+            # The wanted velocity is that at the next knot.
             position = motion.position + self._period * motion.velocity
             axes = command.axes(position)
             twist = command.twist if axes is None else _turned(axes, command.twist)

@@ -26,7 +26,7 @@ def all_finite(array: Array) -> bool:
 
 
 def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
-    """Give the entries of a list; text, mappings and sets are none.
+    """Give the entries of a list; text, mappings and sets do not count.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class ConsistentFit:
         Of the base parameters from those found, in their standard errors: about 1 where the data
         allow these bodies.
     converged : bool
-        The deviation is the least that bodies can have, but for a part of 1e-4 or of an error;
+        The deviation is the least that bodies can have, except for a part of 1e-4 or of an error;
         otherwise they are consistent, but not the best.
     """
 

@@ -128,7 +128,7 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
     directions = np.empty((len(Y), 0))
     for k, size in enumerate(scale):
         if size <= BASE_PARAMETER * scale.max():
-            continue  # zero but for rounding
+            continue  # zero except for rounding
         rest = Y[:, k] / size
         for _ in range(2):
             rest = rest - directions @ (directions.T @ rest)

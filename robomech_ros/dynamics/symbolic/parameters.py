@@ -289,7 +289,7 @@ def _exact(value: float) -> sympy.Rational:
 
 
 def _exact_pose(pose: Array) -> sympy.Matrix:
-    """Make a pose of numbers, whole where they are but for rounding."""
+    """Make a pose of numbers, whole where they are, except for rounding."""
 
     def entry(value: float) -> sympy.Rational:
         whole = round(value)

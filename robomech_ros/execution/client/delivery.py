@@ -12,7 +12,7 @@ __all__ = ["Delivery", "DeliveryReport", "Stage", "Transport"]
 
 
 class Transport(Enum):
-    """How a trajectory gets to the controller."""
+    """How a trajectory reaches the controller."""
 
     TOPIC = "topic"
     ACTION = "action"
@@ -120,7 +120,7 @@ class Delivery:
             self.delay = self.due - now
 
     def clock_jumped(self, by: float) -> None:
-        """Take note that the time of stamps jumped by so much (s)."""
+        """Note that the time of stamps jumped by this much (s)."""
         if self.due is not None:
             self.due -= by
 

@@ -95,7 +95,7 @@ class DeliveryQueue:
         return self._waiting.popleft()
 
     def clock_jumped(self, by: float) -> None:
-        """Take note that the time of stamps jumped by `by` (s)."""
+        """Note that the time of stamps jumped by `by` (s)."""
         for each in self._waiting:
             each.clock_jumped(by)
 

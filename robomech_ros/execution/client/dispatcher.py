@@ -137,7 +137,7 @@ class Dispatcher:
         self.step(now)
 
     def clock_jumped(self, by: float, now: float) -> None:
-        """Take note that the time of stamps jumped by `by` (s), and that of motions did not.
+        """Note that the time of stamps jumped by `by` (s), and that of motions did not.
 
         What is under way goes on; what waits for its stamp begins that much earlier.
         """

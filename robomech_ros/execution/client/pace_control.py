@@ -16,7 +16,7 @@ from robomech_ros.trajectory.waypoints import Waypoints
 __all__ = ["PaceControl", "too_slow"]
 
 # What changes the pace takes over this long after it is sent (s), for it to arrive in time.  The
-# pace stays for a while after that (s), in which the controller makes the way to the first point
+# pace stays for a while after that (s), in which the controller moves to the first point
 # from where the robot really is.
 LEAD = 0.2
 APPROACH = 0.05
@@ -71,7 +71,7 @@ class PaceControl:
         return not self._scaling.pace
 
     def postpone(self, begin: float) -> None:
-        """Take note that what has not begun begins at another time (s)."""
+        """Note that what has not begun begins at another time (s)."""
         self._scaling = replace(self._scaling, begin=begin)
 
     def change(self, now: float, target: float, limit: FloatArray | None) -> bool:

@@ -55,7 +55,7 @@ class Progress:
         return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
 
     def look(self, now: float, position: FloatArray | None, heard: int) -> None:
-        """Take note of the present positions.
+        """Note the present positions.
 
         Parameters
         ----------

@@ -163,7 +163,7 @@ class Follower:
             self._step(span)
 
     def clock_jumped(self, by: float) -> None:
-        """Take note that the time of stamps jumped by `by` (s), and that of motions did not.
+        """Note that the time of stamps jumped by `by` (s), and that of motions did not.
 
         The motion under way goes on from where it is, and says so; what waits keeps to its stamp.
         """

@@ -27,7 +27,7 @@ NO_STEP = 1e-9
 # without velocities as it is given, corners included, as ros2_control does.
 STANDING = 1e-6
 # So many points of a late trajectory that cannot be reached in time are passed over, of those that
-# come within LATENCY: a robot farther behind would leave the way that was planned.
+# come within LATENCY: a robot farther behind would leave the planned path.
 _PASSED_OVER = 64
 # Without interpolation the last point is commanded this long (s) before the trajectory is over.
 _INSTANT = 1e-9

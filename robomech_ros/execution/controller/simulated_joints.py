@@ -29,7 +29,7 @@ class Faults:
     stuck : ndarray of bool, shape (n,)
         Which joints do not move.
     delay : float
-        How long commands take to get to the joints, s.
+        How long commands take to reach the joints, s.
     dropped : float
         Part of the commands, 0 to 1, that get lost; a joint then keeps the one before.
     offset : ndarray, shape (n,)

@@ -74,7 +74,7 @@ def inverse_kinematics(
     metric : {"linf", "l2"}, optional
         Distance from the seed: the largest move of a joint, or the root of the sum of squares.
     max_solutions : int, optional
-        Keep at most so many, the nearest.
+        Keep at most this many, the nearest.
     task_mask : sequence of six bool, optional
         Which of x, y, z, rx, ry, rz matter, along and about the axes of the target pose; default
         (and all False) the full pose. A partial task is searched iteratively.
@@ -90,7 +90,7 @@ def inverse_kinematics(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A target or option that is none, or more windings than can be listed.
+        An invalid target or option, or more windings than can be listed.
     SeedOutsideLimitsError
         A joint of the seed is outside its limits, and limits are respected.
 

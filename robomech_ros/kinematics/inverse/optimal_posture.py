@@ -46,7 +46,7 @@ def optimal_posture(
 ) -> InverseKinematicsResult:
     """Find the posture of a seven-joint arm that reaches a pose and is best by a criterion.
 
-    The whole self-motion inside the joint limits is looked at, and its best places are refined.
+    The whole self-motion inside the joint limits is searched, and its best places are refined.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def optimal_posture(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         An unknown criterion, a limit margin of a chain without limits, a chain with another number
-        of joints, or a target that is none.
+        of joints, or an invalid target.
 
     See Also
     --------

@@ -57,8 +57,8 @@ class Findings:
         Which of x, y, z, rx, ry, rz, along and about the axes of the target, count as errors.
     nearest : ndarray, shape (n,), or None
         Of an arm with fewer joints than conditions, where there is no solution: the posture inside
-        the limits that misses the pose least in the sense of least squares (rad or m); by how much
-        says the reason.
+        the limits that misses the pose least in the sense of least squares (rad or m); the reason
+        says by how much.
     """
 
     family: str
@@ -171,7 +171,7 @@ class InverseKinematicsResult:
 
     @property
     def nearest(self) -> Array | None:
-        """The posture (n,) that misses the pose least; None where that has not been looked for."""
+        """The posture (n,) that misses the pose least; None where it was not searched."""
         return self.findings.nearest
 
     @cached_property
@@ -201,7 +201,7 @@ class InverseKinematicsResult:
 
     @cached_property
     def branches(self) -> tuple[str, ...]:
-        """Names of the postures, all different but for windings and samples of a self-motion.
+        """Names of the postures, all different except for windings and samples of a self-motion.
 
         They are empty strings where the family has none.
         """

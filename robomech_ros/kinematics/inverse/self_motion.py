@@ -95,7 +95,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A chain with another number of joints or without such six, or a target that is none.
+        A chain with another number of joints or without such six, or an invalid target.
 
     See Also
     --------

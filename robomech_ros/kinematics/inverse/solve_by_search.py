@@ -90,7 +90,7 @@ def _ranked(
     search: IterativeSearch,
     complete: bool,
 ) -> InverseKinematicsResult:
-    """Order the solutions that a search has found, perhaps all there are."""
+    """Order the solutions that a search has found, perhaps all of them."""
     ranked = np.empty((MAX_SOLUTIONS, chain.n))
     names = np.zeros(MAX_SOLUTIONS, np.int64)
     distances = np.empty(MAX_SOLUTIONS)

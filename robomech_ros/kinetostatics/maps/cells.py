@@ -38,7 +38,7 @@ _CHUNK, _CHUNK_SAMPLED, _CHUNK_ITERATIVE = 1 << 15, 1 << 11, 1 << 6
 
 
 def chunk_cells(chain: SerialChain, orientations: int) -> int:
-    """Choose how many cells a worker gets at once, for so many orientations each."""
+    """Choose how many cells a worker gets at once, by the number of orientations of each."""
     family = family_of(chain)
     poses = _CHUNK if family.lists_all else _CHUNK_SAMPLED
     if not family.closed_form:

@@ -206,7 +206,7 @@ def reach_map(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        An argument that is none of those.
+        An invalid argument.
     NotEnoughMemoryError
         A grid that does not fit.
     MapFileError
@@ -296,7 +296,7 @@ def _begun(path: Path | None, request: MapRequest) -> NDArray:
 
 
 def _unfinished(cells: NDArray, count: int) -> Iterator[Chunk]:
-    """Give the chunks of so many cells of which one is not finished."""
+    """Give the chunks of this many cells with at least one unfinished."""
     for first in range(0, len(cells), count):
         last = min(first + count, len(cells))
         if (cells["reached"][first:last] == UNFINISHED).any():

@@ -50,7 +50,7 @@ class SingularityFree:
     posture : ndarray, shape (n,), or None
         A singular one (rad or m), where one was found.
     boxes : int
-        Parts of the intervals that were looked at.
+        Parts of the intervals that were examined.
     """
 
     proven: bool
@@ -82,9 +82,9 @@ def singularity_free(
         Of one joint to eight.
     lower, upper : array_like, shape (n,), optional
         Ends of the intervals (rad or m), slides' finite; default the position limits.  Angles
-        without a limit are all looked at.
+        without a limit are all examined.
     most_boxes : int, optional
-        Parts that are looked at before it is left undecided, one at least.
+        Parts that are examined before it is left undecided, at least one.
 
     Returns
     -------

@@ -228,7 +228,7 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
         four and five joints whose later axes pass through one point; planar arms of two joints, or
         of three of which the last turns.
     respect_limits : bool, optional
-        Whether the limits of turning joints count; those of slides always do, but for the one
+        Whether the limits of turning joints count; those of slides always do, except for the one
         that moves a section.
 
     Returns

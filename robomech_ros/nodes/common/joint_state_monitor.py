@@ -28,7 +28,7 @@ _DEPTH = 50
 _QOS = QoSProfile(
     depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
 )
-# How often somebody who waits for the first state looks for it, s.
+# How often a waiting request looks for the first state, s.
 _LOOK = 0.02
 # Joints that are remembered, whoever publishes them.
 _MOST_JOINTS = 1000

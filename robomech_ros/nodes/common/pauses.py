@@ -19,7 +19,7 @@ _T = TypeVar("_T")
 _STEADY = ClockType.STEADY_TIME
 # How often it is looked whether work done beside is over, s.
 _LOOK = 0.02
-# How long work that nobody waits for any more may go on at the end, s.
+# How long abandoned work may go on at the end, s.
 _LAST_WORK = 1.0
 # Others are served after so long at the most, s, and one step of the work.
 _TURN = 0.005

@@ -16,7 +16,7 @@ class Unattended(CallbackGroup):
     Attributes
     ----------
     attended : bool
-        Whether the executor looks after it all the same.
+        Whether the executor still takes care of it.
     """
 
     def __init__(self, attended: bool = False) -> None:
@@ -38,7 +38,7 @@ class Unattended(CallbackGroup):
 class Inbox:
     """The latest messages of a topic, however fast they come.
 
-    It is read by hand while somebody looks again and again; else the executor says when there is
+    While somebody reads it repeatedly it is read by hand; otherwise the executor says when there is
     a message.
 
     Parameters

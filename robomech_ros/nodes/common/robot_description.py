@@ -117,7 +117,7 @@ def when_robot_known(
     on_robot: Callable[[RobotModel], None],
     supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
 ) -> None:
-    """Call back with the robot: at once when the parameter names it, else when the topic has it.
+    """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ class NodeCondition:
     summary : str
         In one line.
     warning : bool
-        Whether somebody should look at it.
+        Whether it needs attention.
     values : mapping
         Further facts by name.
     """

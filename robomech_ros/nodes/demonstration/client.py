@@ -138,7 +138,7 @@ class DemoClient:
         Raises
         ------
         DemoFailedError
-            They do not get there in time; the worst joint is named.
+            They do not arrive in time; the worst joint is named.
         """
 
         def arrived() -> bool:

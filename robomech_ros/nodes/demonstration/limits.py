@@ -13,7 +13,7 @@ from robomech_ros.robots import SerialChain, load_robot
 
 __all__ = ["robot_with_limits"]
 
-# A joint comes to full speed, and to full acceleration, in so many seconds.
+# A joint comes to full speed, and to full acceleration, in this many seconds.
 _TO_SPEED = 0.25
 _TO_ACCELERATION = 0.1
 

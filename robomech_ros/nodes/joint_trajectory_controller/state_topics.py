@@ -22,7 +22,7 @@ _DEPTH = 10
 
 
 class ControllerState:
-    """Publishes where the joints should be and where they are, while somebody listens.
+    """Publishes desired and actual joint states while somebody subscribes.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ async def solve_in_turns(
 
 
 def _next_size(size: int, seconds: float) -> int:
-    """Choose how many poses to solve next, after so many took so long (s)."""
+    """Choose how many poses to solve next, from how long the last ones took (s)."""
     if seconds < _SHORT:
         return min(2 * size, _LARGEST)
     return max(size // 2, 1) if seconds > _LONG else size

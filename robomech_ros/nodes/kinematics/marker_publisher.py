@@ -35,7 +35,7 @@ class MarkerPublisher:
     base : str
         First link of the chain.
     on_watched : callable
-        Coroutine that is run when somebody listens.
+        Coroutine that runs when somebody subscribes.
     """
 
     def __init__(self, node: Node, base: str, on_watched: Callable[[], Awaitable[object]]) -> None:

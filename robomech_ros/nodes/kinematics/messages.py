@@ -213,7 +213,7 @@ def workspace_cloud(frame: str, T: Array, count: NDArray[np.int64], distance: Ar
 
 
 def answer_in_time(response: Any, done: int, poses: int, allowed: float) -> Any:
-    """Finish the answer about so many poses, of which some were done in the time allowed (s)."""
+    """Finish the answer about many poses, of which some were done in the allowed time (s)."""
     if done == poses:
         return answer(response)
     text = f"{poses - done} of {poses} poses were left after {allowed:g} s"

@@ -147,7 +147,7 @@ class _Found:
 
 
 def _solved(question: CartesianQuestion, settings: Any) -> _Found:
-    """Lay the path, follow it as far as it goes, and plan; raise a RobomechError otherwise."""
+    """Lay the path, follow it as far as possible, and plan; raise a RobomechError otherwise."""
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         start = forward_kinematics(question.chain, question.start)
         path = path_through(start, question.waypoints)

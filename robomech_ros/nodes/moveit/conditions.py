@@ -54,7 +54,7 @@ class Conditions:
     RefusedError
         One that this node cannot judge.
     RobomechError
-        A joint, link or frame that the robot does not have, or a number that is none.
+        A joint, link or frame that the robot does not have, or an invalid number.
     """
 
     def __init__(self, constraints: Any, robot: WholeRobot, what: str = "constraints") -> None:

@@ -35,7 +35,7 @@ __all__ = ["Spinner", "run_node", "run_nodes"]
 
 EXIT_FAILED = 1
 
-# How long the nodes get to hold and to say goodbye to their clients.
+# How long the nodes may take to hold and to answer their clients.
 _STOP_SECONDS = 3.0
 _DELIVERY_SECONDS = 0.1
 # Threads of Fast DDS may wait for each other when peers leave at the same time (its issue 6502).

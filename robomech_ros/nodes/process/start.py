@@ -88,7 +88,7 @@ def _run(node: str, argv: Sequence[str]) -> NoReturn:
     gc.enable()
     code = int(module.main(argv))
     for stream in (sys.stdout, sys.stderr):
-        # Who read it may have gone, or there is none.
+        # The reader may have gone, or there is none.
         with suppress(OSError, AttributeError):
             stream.flush()
     # All is done and said.  To take the interpreter and its libraries apart would take longer than

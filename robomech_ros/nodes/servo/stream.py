@@ -21,7 +21,7 @@ _IN_TIME = 0.2
 
 
 class StreamPublisher:
-    """Keeps the stream of a servo so many periods ahead of the time, and publishes it.
+    """Keeps the stream of a servo some periods ahead of time, and publishes it.
 
     Parameters
     ----------

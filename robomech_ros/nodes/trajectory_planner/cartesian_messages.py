@@ -64,7 +64,7 @@ class PathRequest:
 
 
 def read_path_request(request: Any, model: RobotModel, settings: PlannerSettings) -> PathRequest:
-    """Read a PlanCartesian request but for its start.
+    """Read a PlanCartesian request except its start.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.fl
     Raises
     ------
     RobomechError
-        More than ``most``, a frame that the base does not know, or a pose that is none.
+        More than ``most``, a frame that the base does not know, or an invalid pose.
     """
     check_waypoints("waypoints", len(request.waypoints), most)
     poses = np.empty((len(request.waypoints), 4, 4))
@@ -125,7 +125,7 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
     Raises
     ------
     BadValueError, NonFiniteError
-        A number that is none or negative, or an unknown value of at_singularity.
+        An invalid or negative number, or an unknown value of at_singularity.
     """
     _named("at_singularity", request.at_singularity, _AT_SINGULARITY)
     numbers = [
@@ -148,7 +148,7 @@ def _tip_speeds(request: Any) -> TipSpeeds:
     Raises
     ------
     BadValueError, NonFiniteError
-        A number that is none or negative.
+        An invalid or negative number.
     """
     linear, angular = (
         _positive(request, name) or math.inf for name in ("max_linear_speed", "max_angular_speed")

@@ -64,7 +64,7 @@ class PlanRequest:
 
 
 def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -> PlanRequest:
-    """Read a PlanJoint request but for its start and goal.
+    """Read a PlanJoint request except its start and goal.
 
     Parameters
     ----------
@@ -78,7 +78,8 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
     Raises
     ------
     RobomechError
-        An unknown profile, via points it does not take or that are none, a value out of range.
+        An unknown profile, via points that it does not take or that are invalid, a value out of
+        range.
     """
     options = _plan_options(request, settings.max_duration)
     via = _via_points(request, limits, settings.max_waypoints)

@@ -57,7 +57,7 @@ class PlannedPath:
         self._send_if_heard(matched.current_count)
 
     def _send_if_heard(self, listeners: int) -> None:
-        """Publish the latest path, if that is not done, once somebody has listened."""
+        """Publish the latest path, if not done yet, once somebody subscribes."""
         self._heard = self._heard or listeners > 0
         if self._heard and self._unsent is not None:
             self._publisher.publish(self._along(self._unsent))

@@ -48,7 +48,7 @@ class ControllerLink:
         self._clock = clock
 
     def know_robot(self, model: RobotModel) -> None:
-        """Take note of the joints that turn without limits, and of acceleration limits."""
+        """Note the joints that turn without limits, and acceleration limits."""
         self._continuous = frozenset(
             joint.name
             for joint in model.description.joints

@@ -51,7 +51,7 @@ class ExecuteService:
     link : ControllerLink
         Knows where the robot is.
     transport : Transport
-        How what is asked for gets to the controller.
+        How trajectories reach the controller.
     """
 
     def __init__(

@@ -44,7 +44,7 @@ class DeliveryReader:
         self._max_duration = max_duration
 
     def read(self, message: JointTrajectory, transport: Transport) -> Delivery:
-        """Check a trajectory that somebody sent, and make a delivery of it.
+        """Check a received trajectory, and make a delivery of it.
 
         Raises
         ------

@@ -32,7 +32,7 @@ class ProgramRunner:
     offer : callable
         Queues a delivery.
     transport : Transport
-        How moves get to the controller.
+        How moves reach the controller.
     limits : tuple of int and float
         Most points of a trajectory, and how long it may be (s).
 

@@ -83,7 +83,7 @@ def knots_at(at: npt.ArrayLike, count: int) -> FloatArray:
     Raises
     ------
     WrongSizeError, BadValueError
-        If they are none.
+        If they are invalid.
     """
     parts = real_array("at", at)
     if parts.shape != (count - 2,):

@@ -164,7 +164,7 @@ def helix(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A radius or angle that is not above 0, or a pose that is none.
+        A radius or angle that is not above 0, or an invalid pose.
 
     See Also
     --------
@@ -220,7 +220,7 @@ def viviani(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        A radius that is not above 0, angles that do not increase, or a pose that is none.
+        A radius that is not above 0, angles that do not increase, or an invalid pose.
 
     See Also
     --------
@@ -285,7 +285,7 @@ def cylinder_intersection(
     ------
     BadValueError, WrongSizeError, NonFiniteError
         Radii that are not above 0, a smaller pipe that does not end on the larger one all
-        round (r + abs(d) must be below R), or a pose that is none.
+        round (r + abs(d) must be below R), or an invalid pose.
 
     See Also
     --------

@@ -68,7 +68,7 @@ class FunctionCurve:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Breaks or a pose that are none, or a function that is not callable.  What the function
+        Invalid breaks or pose, or a function that is not callable.  What the function
         returns is checked whenever it is called.
     """
 

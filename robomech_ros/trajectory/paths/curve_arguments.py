@@ -36,7 +36,7 @@ def as_breaks(what: str, value: npt.ArrayLike) -> FloatArray:
 
 
 def as_points(what: str, value: npt.ArrayLike, least: int) -> FloatArray:
-    """Check points (m), shape (k, 3), at least so many, neighbours apart from each other."""
+    """Check points (m), shape (k, 3), at least this many, neighbours apart from each other."""
     points = real_array(what, value)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
         raise WrongSizeError(what, points.shape, f"(k, 3) with k at least {least}")

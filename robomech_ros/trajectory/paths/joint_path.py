@@ -28,7 +28,7 @@ class JointPath:
     Attributes
     ----------
     pieces : PiecewisePolynomial
-        Joint values (rad or m) over s.  Two derivatives are continuous, but for the second where
+        Joint values (rad or m) over s.  Two derivatives are continuous, except for the second where
         the rate of the followed path's twist steps, and both at the stops.
     stops : ndarray, shape (k,)
         Coordinates (m) at which the first derivative steps: a motion must rest there.

@@ -176,7 +176,7 @@ def _followed(
     tolerance: float,
     limit: float,
 ) -> _Nodes:
-    """Follow the part of a path between two breaks as far as it goes."""
+    """Follow the part of a path between two breaks as far as possible."""
     low, high = part
     at, here = low, posture(arm, q, path.sample(low))
     places, postures = [at], [here]

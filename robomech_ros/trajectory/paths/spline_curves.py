@@ -64,7 +64,7 @@ def spline_curve(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Points, knots or rates that are none or too few, neighbours that coincide, a curve that
+        Points, knots or rates that are invalid or too few, neighbours that coincide, a curve that
         should close and does not, or an unknown degree or kind of ends.
 
     See Also

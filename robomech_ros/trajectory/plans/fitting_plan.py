@@ -39,7 +39,7 @@ def fitting_plan(
         Largest time between two points (s) that was asked for; 0 = the usual one, or a longer one
         where the points would be too many.  Between points the curve is the same.
     usual_period : float
-        Largest time between two points (s) where nobody asked for one.
+        Default of the largest time between two points (s).
     max_points : int
         Most points.
     max_duration : float

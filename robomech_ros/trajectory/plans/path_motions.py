@@ -124,7 +124,7 @@ def along_path(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        If the path, the arm, the start, or an option is none.
+        If the path, the arm, the start or an option is invalid.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.
     DurationTooShortError

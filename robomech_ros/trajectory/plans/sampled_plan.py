@@ -153,7 +153,7 @@ def sampled_point_to_point(
     Parameters
     ----------
     q0, q1, limits, profile, duration
-        As for `point_to_point`, but for profiles whose acceleration steps.
+        As for `point_to_point`, except for profiles whose acceleration steps.
     velocity_scale, acceleration_scale, jerk_scale, start_velocity
         As for `point_to_point`.
     period, max_points

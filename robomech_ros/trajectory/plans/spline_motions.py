@@ -143,7 +143,7 @@ def spline_through(
     Raises
     ------
     WrongSizeError, NonFiniteError, BadValueError
-        If points, times or options are none.
+        If points, times or options are invalid.
     MissingLimitsError
         If a joint lacks a limit that is needed.
     SeedOutsideLimitsError, LimitExceededError
@@ -226,7 +226,7 @@ def _slopes(slopes: npt.ArrayLike | None, ends: str, n: int, timed: bool) -> Flo
     if slopes is None:
         return np.zeros((2, n))
     if ends != "clamped" or not timed:
-        raise BadValueError("slopes", slopes, "none, but for clamped ends with times")
+        raise BadValueError("slopes", slopes, "none, except for clamped ends with times")
     rates = real_array("slopes", slopes)
     if rates.shape != (2, n):
         raise WrongSizeError("slopes", rates.shape, (2, n))

@@ -186,7 +186,7 @@ def sampled_through_points(
     Parameters
     ----------
     points, limits, profile, at, duration, velocity_scale, acceleration_scale, jerk_scale
-        As for `through_points`, but for profiles whose acceleration steps.
+        As for `through_points`, except for profiles whose acceleration steps.
     period, max_points
         As for `sampled_motion`.
 

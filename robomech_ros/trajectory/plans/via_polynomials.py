@@ -76,7 +76,7 @@ def via_polynomial(
     Raises
     ------
     WrongSizeError, NonFiniteError, BadValueError
-        If points or options are none.
+        If points or options are invalid.
     MissingLimitsError
         If a joint lacks a velocity or acceleration limit.
     SeedOutsideLimitsError, LimitExceededError

@@ -151,7 +151,8 @@ def _passes(
     where = np.zeros(1, np.int64)
     status = time_optimal.speed_profile(*rows, begin, end, lowest, highest, squares, where)
     for wanted, node, coefficients in ((begin, 0, rows[0][0]), (end, -1, rows[1][-1])):
-        # The range from which the end can be reached begins at the wanted square but for rounding.
+        # The range from which the end can be reached begins at the wanted square except for
+        # rounding.
         change = abs(squares[node] - wanted) * np.abs(coefficients).max(initial=0.0)
         if wanted >= 0.0 and change <= ROW_SLACK:
             squares[node] = wanted

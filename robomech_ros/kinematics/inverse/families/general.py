@@ -38,7 +38,7 @@ _OTHER_WALKS = tuple((start, sense) for start in range(1, 5) for sense in (1, -1
 # Added to the angles of joints THIRD and FOURTH: irrational parts of a turn.
 _OFFSETS = {at.THIRD: 1.0, at.FOURTH: 0.7}
 _TRIALS = 24
-# A form that solves none of so many is given up.
+# A form that solves none of this many is dropped.
 _HOPELESS = 3
 
 
