@@ -164,6 +164,17 @@ def test_jumps_of_each_kind_of_joint_end_the_path():
     assert found.stop.joint == stanford.joint_names[2]
 
 
+def test_a_posture_that_is_only_reached_by_a_jump_ends_the_path_with_the_joint():
+    """A line of UR5e up to a singularity of its wrist, beyond which another branch is nearest."""
+    arm, q = load_robot("ur5e"), np.array([-0.0062, 0.0703, 0.6859, -0.2048, 0.5628, 0.5067])
+    here = forward_kinematics(arm, q)
+    path = path_through(here, shifted([0.2592, -0.231, 0.1374], of=here))
+    found = follow_path(arm, path, q, bounds=ANY)
+    assert (found.stop.kind, found.stop.joint) == (PathTrackingStatus.JUMP, "wrist_2_joint")
+    assert "joint 'wrist_2_joint' would have to jump by 2.8" in found.stop.text
+    assert found.stop.kind.code == Code.JUMP and 0.2 < found.fraction < 0.3
+
+
 def test_checks_of_the_caller_end_the_path():
     path = path_through(HERE, shifted([0.2, 0.0, 0.0]))
     whole = follow_path(PUMA, path, START, bounds=ANY).joints
