@@ -253,7 +253,7 @@ def servo_steps(
     share : float
         Of what the model does not explain of a period, that is learned in it, 0 to 1.
     around : (15,)
-        As ``dynamics_layout`` says.
+        As ``dynamics.layout`` says.
     wanted : (m, 3, n)
         Joint values, rates and accelerations at the beginning of each period.
     period : float

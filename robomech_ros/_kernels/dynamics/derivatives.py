@@ -9,17 +9,7 @@ import math
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT3, OUT4, i8, kernel, lean, scratch
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS, SURROUNDINGS, TIP_WRENCH
-from robomech_ros._kernels.dynamics.mass import (
-    NO_BODY,
-    NO_MOTION,
-    NO_RATE,
-    momentum_rate,
-    rate_times,
-    rates_joined,
-    times_rate,
-)
-from robomech_ros._kernels.dynamics.placed import (
+from robomech_ros._kernels.dynamics.base_frame import (
     base_motion,
     dot,
     force_cross,
@@ -33,6 +23,16 @@ from robomech_ros._kernels.dynamics.placed import (
     six,
     wrench_seen,
     write_six,
+)
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS, SURROUNDINGS, TIP_WRENCH
+from robomech_ros._kernels.dynamics.mass import (
+    NO_BODY,
+    NO_MOTION,
+    NO_RATE,
+    momentum_rate,
+    rate_times,
+    rates_joined,
+    times_rate,
 )
 
 __all__ = ["derivatives_body", "inverse_derivatives", "inverse_derivatives_one"]

@@ -9,10 +9,7 @@ import math
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, OUT2, i8, kernel, lean, scratch
-from robomech_ros._kernels.dynamics.inverse import inverse_body
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
-from robomech_ros._kernels.dynamics.mass import NO_MOTION, mass_body
-from robomech_ros._kernels.dynamics.placed import (
+from robomech_ros._kernels.dynamics.base_frame import (
     base_motion,
     dot,
     force_cross,
@@ -26,6 +23,9 @@ from robomech_ros._kernels.dynamics.placed import (
     wrench_seen,
     write_six,
 )
+from robomech_ros._kernels.dynamics.inverse import inverse_body
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
+from robomech_ros._kernels.dynamics.mass import NO_MOTION, mass_body
 
 __all__ = [
     "SINGULAR",

@@ -5,7 +5,7 @@ Systems, Measurement and Control 102, 1980; Angeles, Fundamentals of Robotic Mec
 ed., section 7.4.  The equations of a body are taken at the origin of its frame instead of its mass
 centre, where they are linear in its mass, first moment and moments of inertia.
 
-The layout of ``model`` and ``around`` is that of ``dynamics_layout``.  Status: 0, or 1 where a
+The layout of ``model`` and ``around`` is that of ``dynamics.layout``.  Status: 0, or 1 where a
 number is not finite, or the result is not.
 """
 

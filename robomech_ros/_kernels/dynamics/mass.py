@@ -10,8 +10,7 @@ import math
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT2, OUT3, i8, kernel, lean, scratch
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
-from robomech_ros._kernels.dynamics.placed import (
+from robomech_ros._kernels.dynamics.base_frame import (
     dot,
     inertia_times,
     joined,
@@ -23,6 +22,7 @@ from robomech_ros._kernels.dynamics.placed import (
     six,
     write_six,
 )
+from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 
 __all__ = [
     "NO_BODY",

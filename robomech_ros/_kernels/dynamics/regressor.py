@@ -1,6 +1,6 @@
 """The matrix by which the bodies' parameters give the torques.
 
-The torques are linear in the ten numbers of each body that ``dynamics_layout`` names.  Source:
+The torques are linear in the ten numbers of each body that ``dynamics.layout`` names.  Source:
 Atkeson, An, Hollerbach, Estimation of inertial parameters of manipulator loads and links, Int. J.
 Robotics Research 5, 1986.
 """
@@ -9,9 +9,9 @@ import math
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE, OK
 from robomech_ros._kernels.compiling.jit import IN2, OUT3, i8, kernel, lean, scratch
+from robomech_ros._kernels.dynamics.base_frame import place_frames, placed_axis, six, write_six
 from robomech_ros._kernels.dynamics.inverse import step_between
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
-from robomech_ros._kernels.dynamics.placed import place_frames, placed_axis, six, write_six
 
 __all__ = ["torque_regressor"]
 

@@ -52,6 +52,33 @@ def _scaled_down(first, second, x, y):
     return x / largest
 
 
+@inline
+def _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where):
+    """Fill the ranges of x from which the end can be reached; False where there is none."""
+    cells = first.shape[0]
+    drift = rest.shape[0] == cells
+    lowest[cells] = min(max(end, 0.0), bounds[cells])
+    highest[cells] = min(end, bounds[cells]) if end >= 0.0 else bounds[cells]
+    for k in range(cells - 1, -1, -1):
+        box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
+        row = rest[k if drift else 0]
+        found = farthest(first[k], second[k], row, order, box, 1.0)
+        where[0] = k
+        free = not drift and lowest[k + 1] == 0.0
+        if free and not found > 0.0:
+            found = _scaled_down(first[k], second[k], bounds[k], highest[k + 1])
+        if not found >= 0.0:
+            return False
+        highest[k] = found
+        lowest[k] = 0.0
+        if not free:
+            found = farthest(first[k], second[k], row, order, box, -1.0)
+            if not found >= 0.0:
+                return False
+            lowest[k] = min(found, highest[k])
+    return True
+
+
 @kernel(i8(IN2, IN2, IN2, IN1, f8, f8, OUT1, OUT1, OUT1, IOUT1))
 def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, where):
     """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
@@ -82,25 +109,8 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
     cells, rows = first.shape
     drift = rest.shape[0] == cells
     order = np.arange(rows)
-    lowest[cells] = min(max(end, 0.0), bounds[cells])
-    highest[cells] = min(end, bounds[cells]) if end >= 0.0 else bounds[cells]
-    for k in range(cells - 1, -1, -1):
-        box = (0.0, bounds[k], lowest[k + 1], highest[k + 1])
-        row = rest[k if drift else 0]
-        found = farthest(first[k], second[k], row, order, box, 1.0)
-        where[0] = k
-        free = not drift and lowest[k + 1] == 0.0
-        if free and not found > 0.0:
-            found = _scaled_down(first[k], second[k], bounds[k], highest[k + 1])
-        if not found >= 0.0:
-            return BLOCKED
-        highest[k] = found
-        lowest[k] = 0.0
-        if not free:
-            found = farthest(first[k], second[k], row, order, box, -1.0)
-            if not found >= 0.0:
-                return BLOCKED
-            lowest[k] = min(found, highest[k])
+    if not _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where):
+        return BLOCKED
     if begin < 0.0:
         # The largest next x counts; where x_0 binds as well, less of it may allow more of that.
         row = rest[0]

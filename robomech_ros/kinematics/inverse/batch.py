@@ -128,7 +128,7 @@ def solve_many(
 ) -> tuple[Array, NDArray[np.int64], tuple[int, ...]]:
     """Solve poses (m, 4, 4) in one loop; give solutions, counts and the state of the last pose.
 
-    Counts below 1 are those of ``_kernels.inverse.solve``.
+    Counts below 1 are those of ``_kernels.inverse.solutions.solve``.
     """
     q = np.empty((len(targets), room, chain.n))
     count = np.empty(len(targets), np.int64)

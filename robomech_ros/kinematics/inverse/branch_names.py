@@ -32,7 +32,7 @@ def branch_name(branch: int) -> str:
     Parameters
     ----------
     branch : int
-        Bits of ``_kernels.branch_bits``.
+        Bits of ``_kernels.inverse.branch_bits``.
 
     Returns
     -------

@@ -37,7 +37,7 @@ _NAMES = {
 
 
 class NamedParts(NamedTuple):
-    """What ``_kernels.posture_factors`` wants to know of an arm, the same in every posture.
+    """What the kernel ``posture_factors`` needs to know of an arm, the same in every posture.
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 
 In the direction of solution ``c = J_1(x) A J_2(y) B J_3(z) w``; J is a rotation about z or a
 translation along it, A and B are constant.  Each kind has one function; the reverse of a kind is
-solved from the tip.  Notation as in :mod:`arm_revolute`; p is where the last joints put w.
+solved from the tip.  Notation as in :mod:`.arm_revolute`; p is where the last joints put w.
 """
 
 import math

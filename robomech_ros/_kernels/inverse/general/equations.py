@@ -297,6 +297,25 @@ def _complex_equation(K, X, E):
 
 
 @inline
+def _without_constants(K, X, slide, W):
+    """Write the equations without joint 2 to W (6, 27), the constant spread over monomials.
+
+    1 is the sum of the first and the last monomial of either joint, of a slide the last one.
+    """
+    for i in range(6):
+        for j in range(at.N_COLUMNS):
+            W[i, j] = K[8 + i, j]
+        constant = X[8 + i, 2]
+        if slide != at.THIRD:
+            W[i, 20] -= constant
+            if slide != at.FOURTH:
+                W[i, 18] -= constant
+        if slide != at.FOURTH:
+            W[i, 24] -= constant
+        W[i, 26] -= constant
+
+
+@inline
 def _real_equations(K, X, slide, E, W, Z):
     """Write the four equations free of joint 1 among those without joint 2 to rows 2 .. 5 of E.
 
@@ -315,18 +334,7 @@ def _real_equations(K, X, slide, E, W, Z):
     if squares < 0.0:
         for i in range(6):
             Z[i, 0], Z[i, 1] = Z[i, 1], Z[i, 0]
-    for i in range(6):
-        for j in range(at.N_COLUMNS):
-            W[i, j] = K[8 + i, j]
-        # 1 is the sum of the first and the last monomial of either joint, of a slide the last one.
-        constant = X[8 + i, 2]
-        if slide != at.THIRD:
-            W[i, 20] -= constant
-            if slide != at.FOURTH:
-                W[i, 18] -= constant
-        if slide != at.FOURTH:
-            W[i, 24] -= constant
-        W[i, 26] -= constant
+    _without_constants(K, X, slide, W)
     pivots = 1.0
     for c in range(2):
         square = 0.0

@@ -3,7 +3,7 @@
 A simple zero of the determinant has a posture of its own.  Where zeros crowd together the matrix
 tells: if it has lost one rank, and no other by a wide margin, all of them belong to one posture,
 or to several that have merged into it, as at a fold; if two, to the two at most that
-:mod:`general_pencil` finds.
+:mod:`.pencil` finds.
 """
 
 import math
@@ -24,7 +24,7 @@ from robomech_ros._kernels.inverse.general.equations import (
 from robomech_ros._kernels.inverse.general.pencil import MOST_VECTORS, pencil_vectors
 from robomech_ros._kernels.inverse.general.posture import half_angles, remaining_joints
 from robomech_ros._kernels.inverse.general.roots import MAX_ROOTS, isolate, near_zeros, sample
-from robomech_ros._kernels.inverse.general.settling import (
+from robomech_ros._kernels.inverse.general.singular_postures import (
     distance,
     is_between,
     is_in_continuum,

@@ -6,7 +6,7 @@ so fixes the parts that the joints play: FIRST and SECOND are eliminated linearl
 unknown of the determinant, THIRD and FOURTH are eliminated with it, LAST turns about an axis that
 no equation sees.  A slide plays FIRST, THIRD or FOURTH.
 
-With two or three slides (see ``general_slides``) a form is a revolute joint to begin the loop at.
+With two or three slides (see ``slides``) a form is a revolute joint to begin the loop at.
 """
 
 FIRST = 0

@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import IN2, OUT2, b1, f8, i8, inline, part
+from robomech_ros._kernels.compiling.jit import IN2, OUT2, b1, f8, i8, inline, lean, part
 from robomech_ros._kernels.inverse.general.circle_tables import (
     ARC_COSINES,
     ARC_SINES,
@@ -244,6 +244,33 @@ def _angle(arc, t):
     return CENTRES[arc] + 2.0 * math.atan(ARC_TANGENT * t)
 
 
+@lean
+def _tolerance(noise, level):
+    """Give the rounding of coefficients after so many halvings; -1 before the first one."""
+    if level >= 0:
+        return noise * _FROM_INTERVAL[min(level, _LAST)]
+    return noise * _FROM_CIRCLE
+
+
+@lean
+def _entered(start, end, roots, count):
+    """Enter an interval while there is room; return how many there are."""
+    if count < MAX_ROOTS:
+        roots[count, 0], roots[count, 1] = start, end
+        count += 1
+    return count
+
+
+@lean
+def _joined(start, end, roots, count):
+    """Enter an interval, or lengthen the last one that it continues; return how many there are."""
+    continues = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH
+    if continues and roots[count - 1, 1] > roots[count - 1, 0]:
+        roots[count - 1, 1] = end
+        return count
+    return _entered(start, end, roots, count)
+
+
 @part(types.Tuple((i8, b1, i8))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
 def isolate(E, form, noise, most, A, B, K, roots):
     """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
@@ -270,19 +297,15 @@ def isolate(E, form, noise, most, A, B, K, roots):
         while top >= 0:
             b = stack[top]
             level = int(spans[top, _LEVEL])
-            tolerance = spans[top, _NOISE] * _FROM_CIRCLE
-            if level >= 0:
-                tolerance = spans[top, _NOISE] * _FROM_INTERVAL[min(level, _LAST)]
+            tolerance = _tolerance(spans[top, _NOISE], level)
             changes, vague, lowest, highest = _signs(b, tolerance)
             low, high = spans[top, _LOW], spans[top, _HIGH]
             if lowest > tolerance or highest < -tolerance:
                 top -= 1
                 continue
             if changes == 1 and not vague:
-                if count < MAX_ROOTS:
-                    roots[count, 0] = _angle(arc, low + (high - low) * _only_root(b))
-                    roots[count, 1] = roots[count, 0]
-                    count += 1
+                zero = _angle(arc, low + (high - low) * _only_root(b))
+                count = _entered(zero, zero, roots, count)
                 top -= 1
                 continue
             spent = halvings >= GENERAL_HALVINGS or top + 2 >= _DEPTH
@@ -292,13 +315,7 @@ def isolate(E, form, noise, most, A, B, K, roots):
             done = most > 0 and rounding and known and level >= _LAST - 1
             if high - low < GENERAL_WIDTH or spent or done:
                 whole = whole and not spent
-                start, end = _angle(arc, low), _angle(arc, high)
-                joined = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH
-                if joined and roots[count - 1, 1] > roots[count - 1, 0]:
-                    roots[count - 1, 1] = end
-                elif count < MAX_ROOTS:
-                    roots[count, 0], roots[count, 1] = start, end
-                    count += 1
+                count = _joined(_angle(arc, low), _angle(arc, high), roots, count)
                 top -= 1
                 continue
             if unsure and (level < 0 or level >= _LAST) and samplings < most:

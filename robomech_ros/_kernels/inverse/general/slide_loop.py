@@ -1,6 +1,6 @@
 """The loop of a six-joint arm with two or three slides and its target: directions, then places.
 
-Joints a, b, c, d are the revolute ones in the order of a form, as in ``general_slides``.  Angles
+Joints a, b, c, d are the revolute ones in the order of a form, as in ``slides``.  Angles
 are given as cosine and sine, complex where a joint has no real value.
 """
 

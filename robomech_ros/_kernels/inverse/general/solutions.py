@@ -55,8 +55,12 @@ from robomech_ros._kernels.inverse.general.forms import (
     solve_form,
     solve_slides,
 )
-from robomech_ros._kernels.inverse.general.nudges import N_NUDGED, nudged
-from robomech_ros._kernels.inverse.general.settling import distance, is_in_continuum, regularity
+from robomech_ros._kernels.inverse.general.nearby_poses import N_NUDGED, nudged
+from robomech_ros._kernels.inverse.general.singular_postures import (
+    distance,
+    is_in_continuum,
+    regularity,
+)
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR
 
@@ -227,7 +231,7 @@ def _cleared(state):
 def try_forms(data, T, seed):
     """Solve for the pose T (4, 4) without neighbours; is a form clean, and what was the effort.
 
-    The effort is counted as ``general_forms.EFFORT`` is, so that it is the same on every machine.
+    The effort is counted as ``forms.EFFORT`` is, so that it is the same on every machine.
     """
     state = _cleared(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)

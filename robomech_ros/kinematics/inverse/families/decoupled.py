@@ -44,7 +44,7 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_decoupled`` reads; None where the last three joints
+        The constants that ``_kernels.inverse.decoupled`` reads; None where the last three joints
         are not revolute with axes through one point, or the arm cannot move in all directions.
     """
     if chain.n != 6 or chain.types[3:].any():
@@ -93,7 +93,7 @@ def _size(C: Array, height4: float) -> float:
 
 
 def wrist_constants(link: Array, following: Array) -> Array | None:
-    """Give a spherical joint's angles as ``_kernels.decoupled_layout`` has them from ANGLES on.
+    """Give a spherical joint's angles as ``decoupled.layout`` has them from ANGLES on.
 
     None where neighbouring axes are parallel.
 
@@ -190,7 +190,7 @@ def _enter_arm(data: Array, types: NDArray[np.int64], links: Array) -> bool:
 
 
 def _separated(link: Array) -> tuple[list[float], float]:
-    """Combine the two linear equations of :mod:`_kernels.arm_revolute` for a link.
+    """Combine the two linear equations of ``decoupled.arm_revolute`` for a link.
 
     Returns e_M, e_N, g_M, g_N, g_x, g_y, eta, and how far the link's axes are from being parallel
     (a sine) or from meeting (a distance over the size), whichever is less.

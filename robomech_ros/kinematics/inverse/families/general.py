@@ -52,7 +52,7 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_general`` reads; None for other chains, arms that
+        The constants that ``_kernels.inverse.general`` reads; None for other chains, arms that
         cannot move in all directions, and arms for which no form of elimination works.
     """
     if chain.n != 6:

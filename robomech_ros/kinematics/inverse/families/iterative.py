@@ -78,7 +78,7 @@ def iterative_data(
     Returns
     -------
     ndarray
-        See ``_kernels.iterative_layout``.
+        See ``_kernels.inverse.iterative.layout``.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def task_data(
     Returns
     -------
     data : ndarray
-        See ``_kernels.iterative_layout``.
+        See ``_kernels.inverse.iterative.layout``.
     target : ndarray, shape (4, 4)
         The target in the base as it was turned (m).
     """

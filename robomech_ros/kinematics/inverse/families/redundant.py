@@ -61,7 +61,7 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_redundant`` reads; None for fewer than seven joints
+        The constants that ``_kernels.inverse.redundant`` reads; None for fewer than seven joints
         and where no six neighbouring joints are solved completely.  Of long chains only six near
         the base are solved by elimination.
     """

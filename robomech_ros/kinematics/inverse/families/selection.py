@@ -62,7 +62,7 @@ class Family:
 
     @cached_property
     def arm(self) -> Array:
-        """The arm as ``_kernels.inverse.solve`` reads it."""
+        """The arm as ``_kernels.inverse.solutions.solve`` reads it."""
         return np.concatenate(([self.number], self.turns, self.limits.ravel(), self.data))
 
     @property

@@ -49,7 +49,7 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_short`` reads; None where no completion moves in all
+        The constants that ``_kernels.inverse.short`` reads; None where no completion moves in all
         directions.
     """
     if not 1 <= chain.n <= 5:

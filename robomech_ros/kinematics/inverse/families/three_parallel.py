@@ -41,7 +41,7 @@ def match(chain: SerialChain) -> Array | None:
     Returns
     -------
     ndarray or None
-        The constants that ``_kernels.inverse_parallel`` reads; None where there are no three such
+        The constants that ``_kernels.inverse.parallel`` reads; None where there are no three such
         axes, or the arm cannot move in all directions.
     """
     arm = find_parallel_axes(chain)

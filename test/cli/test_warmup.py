@@ -1,0 +1,40 @@
+"""What ``robomech warmup`` compiles, and in which order."""
+
+from numba.core.compiler import Flags
+from numba.core.targetconfig import TargetConfig
+
+from robomech_ros._kernels.compiling.sources import sources
+from robomech_ros.cli import warmup
+
+
+def test_only_what_is_stale_is_compiled(monkeypatch):
+    digests = {name: sources().digest(name) for name in warmup.kernel_modules()}
+    stale = ["inverse.one_pose", "timing.peaks"]
+    known = {digest for name, digest in digests.items() if name not in stale}
+    asked, kept = [], []
+    monkeypatch.setattr(warmup, "compiled", lambda place: known)
+    monkeypatch.setattr(warmup, "_compiled_in_parallel", lambda names: asked.extend(names) or [])
+    monkeypatch.setattr(warmup, "prune", lambda place, home, digests: kept.extend(digests))
+    warmup.warm(silent=True)
+    assert asked == stale
+    assert sorted(kept) == sorted(digests.values())
+
+
+def test_what_most_wait_for_comes_first():
+    modules = warmup.kernel_modules()
+    needs = {name: sources().imported(name).intersection(modules) for name in modules}
+    remaining = warmup._remaining(needs)
+    for name, others in needs.items():
+        assert all(remaining[other] > remaining[name] for other in others)
+    assert remaining["chain.serial"] > remaining["timing.peaks"]
+    assert remaining["timing.peaks"] == sources().path("timing.peaks").stat().st_size
+
+
+def test_options_hash_as_numba_has_them(monkeypatch):
+    flags = Flags()
+    flags.nrt = True
+    before, values = (flags.values(), hash(flags)), TargetConfig.values
+    monkeypatch.setattr(TargetConfig, "values", values)
+    warmup._hash_options_faster()
+    assert TargetConfig.values is not values
+    assert (flags.values(), hash(flags)) == before
