@@ -26,20 +26,26 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so that each core runs some of them, whole files where
-# processes are started; but not those of moving robots, whose time is that of the clock.
+# Tests share no files and no ROS domain, so that each core runs some of them. Those of moving robots,
+# whose time is that of the clock, need little of the processor: two processes run them, and what
+# computes beside them is nice, so that it takes what they leave.
 PARALLEL := -n auto --maxprocesses 8
 COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
 ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes
-MOVING := test/nodes/motion
-INSTALLED := $(PARALLEL) --dist loadfile test/installed
+MOVING := -n 2 test/nodes/motion
+INSTALLED := $(PARALLEL) --dist loadgroup test/installed
+NICE := nice -n 19
+# Each prints when it has ended.
+AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget
+# Options of pytest that choose tests.
+CHOSEN :=
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other environments notice demo test test-fast lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -61,23 +67,29 @@ compat: notice ## add the message types of compat/ to .venv: those of moveit_msg
 compat-other: notice
 	@$(call set_up,$(VENV_$(OTHER)),--distribution $(OTHER) --compat)
 
-environments:
-	@$(MAKE) --no-print-directory -j2 compat compat-other
-
 demo: setup ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
 
-test: environments lint ## everything: lint, all tests, colcon, the other distribution
-	$(RUN) NUMBA_DISABLE_JIT=1 $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
-	$(PYTEST) $(COMPUTING)
+test: compat ## everything: lint, all tests, colcon, the other distribution
+	@echo "test: robots move while lint, the other distribution and what computes take the rest"
+	@$(AT_ONCE) moving beside
 	$(PYTEST) $(ANSWERING)
-	$(PYTEST) $(MOVING)
 	$(PYTEST) $(INSTALLED)
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
-	$(PYTEST) -q -m "not slow" $(COMPUTING)
+	@$(AT_ONCE) CHOSEN='-q -m "not slow"' moving computing
 	$(PYTEST) -q -m "not slow" $(ANSWERING)
-	$(PYTEST) -q -m "not slow" $(MOVING)
+
+moving:
+	$(PYTEST) $(CHOSEN) $(MOVING)
+
+computing:
+	$(RUN) $(NICE) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
+
+beside:
+	@$(NICE) $(MAKE) --no-print-directory lint compat-other
+	$(RUN) NUMBA_DISABLE_JIT=1 $(NICE) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
+	@$(MAKE) --no-print-directory computing
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+# One process runs these, so that the workspace is built once.
+pytestmark = pytest.mark.xdist_group("colcon")
+
 NODES = {
     "dynamics_node",
     "joint_state_simulator_node",

@@ -50,12 +50,13 @@ def make(*arguments: str, env: dict[str, str]) -> subprocess.CompletedProcess[st
 def test_a_sourced_distribution_stays_outside(shell_environment, output_of):
     env = shell_environment(**SOURCED)
     env["PATH"] = f"/opt/ros/jazzy/bin:{env['PATH']}:/opt/roster/bin"
+    env["PYTHONDONTWRITEBYTECODE"] = "1"
     seen = dict(
         line.split("=", 1)
         for line in output_of("sh", "tools/run.sh", "OWN=1", "env", env=env).splitlines()
         if "=" in line
     )
-    assert set(SOURCED) & set(seen) == {"LD_LIBRARY_PATH"}
+    assert {*SOURCED, "PYTHONDONTWRITEBYTECODE"} & set(seen) == {"LD_LIBRARY_PATH"}
     assert seen["LD_LIBRARY_PATH"] == "/usr/local/own/lib"
     assert "/opt/ros/jazzy" not in seen["PATH"]
     assert seen["PATH"].endswith("/opt/roster/bin")

@@ -97,7 +97,7 @@ def test_ends_at_rest(degree, count):
     first, last = spline.sample(times[0]), spline.sample(times[-1])
     # Rounding of the accelerations on the way, which differs between processors.
     largest = np.abs(spline.sample(np.linspace(0.0, times[-1], 500)).acceleration).max()
-    rounding = 1e-13 * max(100.0, largest)
+    rounding = 1e-12 * max(10.0, largest)
     np.testing.assert_allclose([first.velocity, first.acceleration], 0.0, atol=rounding)
     np.testing.assert_array_equal(last.position, points[-1])
     np.testing.assert_array_equal([last.velocity, last.acceleration], 0.0)
