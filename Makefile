@@ -27,14 +27,14 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
 # Tests share no files and no ROS domain, so that each core runs some of them. Those of moving robots,
-# whose time is that of the clock, need little of the processor: two processes run them, and what
-# computes beside them is nice, so that it takes what they leave.
+# whose time is that of the clock, leave most of the processor: what computes runs beside them, and
+# only where they do not.
 PARALLEL := -n auto --maxprocesses 8
 COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
 ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes
-MOVING := -n 2 test/nodes/motion
+MOVING := test/nodes/motion
 INSTALLED := $(PARALLEL) --dist loadgroup test/installed
-NICE := nice -n 19
+LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
 AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget
 # Options of pytest that choose tests.
@@ -84,11 +84,11 @@ moving:
 	$(PYTEST) $(CHOSEN) $(MOVING)
 
 computing:
-	$(RUN) $(NICE) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
+	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
 
 beside:
-	@$(NICE) $(MAKE) --no-print-directory lint compat-other
-	$(RUN) NUMBA_DISABLE_JIT=1 $(NICE) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
+	@$(LEFT) $(MAKE) --no-print-directory lint compat-other
+	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	@$(MAKE) --no-print-directory computing
 
 lint: setup ## ruff, mypy and import-linter
