@@ -23,6 +23,7 @@ def test_eigenvalues_give_the_same_solutions(apart, name):
             assert apart(chain, ours.q, q).min() < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ("diestro", "random-0"))
 def test_contours_give_the_same_solutions(apart, name):
     chain = general_arm(name)

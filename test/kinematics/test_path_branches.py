@@ -27,6 +27,7 @@ def squares(q):
     return np.square(np.diff(q, axis=0)).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["puma560", "ur5e", "irb120", "panda", "iiwa14", "vx300", "scara"])
 def test_a_joint_path_is_followed_from_its_start(name, pose_errors):
     chain = load_robot(name)

@@ -58,6 +58,7 @@ def test_isotropic_designs_are_found(designs):
     assert best.condition_number == pytest.approx(1.0, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["ur5e", "panda", "scara", "stanford"])
 def test_no_posture_is_better_conditioned(robot):
     chain = load_robot(robot)
@@ -75,6 +76,7 @@ def test_no_posture_is_better_conditioned(robot):
             assert values.min() >= best.condition_number * (1 - 1e-6)
 
 
+@pytest.mark.slow
 def test_the_index_of_positioning_of_orientation_and_of_both(designs):
     """100 % for the isotropic designs; for others no posture has a better condition number."""
     two = chain_from_dh([designs["planar2R"]["l1_over_l2"], 1.0], [0.0, 0.0], [0.0, 0.0])

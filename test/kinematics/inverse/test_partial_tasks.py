@@ -73,6 +73,7 @@ def test_all_solutions_of_random_poses(name):
     assert max(counts) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_nothing_is_missing(name):
     chain, task = ARMS[name]

@@ -99,6 +99,7 @@ def test_the_determinant_is_the_product_of_its_factors(robot):
     np.testing.assert_allclose(ratios, ratios[0], rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda", "gen3", "scara", "general6r"])
 def test_regular_postures(robot):
     chain = load_robot(robot)

@@ -48,6 +48,7 @@ def test_a_hundred_thousand_points_are_too_many_by_default(arm, long_trajectory)
     assert arm.execute(arm.trajectory((0.3, MOVE)))[0] == GoalStatus.STATUS_SUCCEEDED
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_points_are_executed_where_they_may_be(drive, long_trajectory):
     arm = drive(max_points=COUNT)
     start = arm.position
@@ -56,6 +57,7 @@ def test_a_hundred_thousand_points_are_executed_where_they_may_be(drive, long_tr
     assert_no_jump(arm)
 
 
+@pytest.mark.slow
 def test_a_flood_of_replacements(arm):
     start, since = arm.position, len(arm.states)
     before, last = arm.send(arm.trajectory((20.0, MOVE))), None
@@ -131,6 +133,7 @@ def test_two_trajectory_publishers_at_once(graph):
     assert second.get_name() == "second"
 
 
+@pytest.mark.slow
 def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
     controllers = [process(JointTrajectoryControllerNode, robot_description=ROBOT)]
     arm = Suite(graph, with_controller=False, controller_timeout=1.0)
@@ -159,6 +162,7 @@ def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
     assert (answer.error_code, answer.error_msg) == (ErrorCode.NONE, "")
 
 
+@pytest.mark.slow
 def test_a_client_of_a_controller_that_dies_is_not_moved_again(graph, process):
     started = []
     arm = Driver(graph, lambda *args, **given: started.append(process(*args, **given)))

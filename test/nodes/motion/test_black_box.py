@@ -35,6 +35,7 @@ def test_success_multi_point_sendgoal(follower):
     arm.until_at(FAR)
 
 
+@pytest.mark.slow
 def test_time_from_start_populated(follower):
     arm, seen = follower(), []
     trajectory = arm.points((1.0, NEAR, ZERO), (2.0, FAR, ZERO))
@@ -174,6 +175,7 @@ def test_a_goal_of_one_action_preempts_that_of_the_other(follower):
     assert arm.result(second)[0] == SUCCEEDED
 
 
+@pytest.mark.slow
 def test_blend_action_replaces_action_with_future_stamp(follower):
     arm = follower()
     first = arm.send_goal(arm.points((SLOWLY, FAR, ZERO, ZERO)))
@@ -359,6 +361,7 @@ def test_ignore_partial_old_trajectory(follower):
     assert min(state.position[0] for state in arm.states) >= START[0] - 1e-9
 
 
+@pytest.mark.slow
 def test_execute_partial_traj_in_future(follower):
     arm = follower()
     arm.publish(arm.points((0.4, NEAR, ZERO)))

@@ -99,6 +99,7 @@ def test_topic_during_an_action(follower):
     arm.until_at(START)
 
 
+@pytest.mark.slow
 def test_an_empty_topic_message_is_refused(follower):
     arm = follower()
     handle = arm.send_goal(arm.points((2.0, NEAR, ZERO, ZERO)))
@@ -130,6 +131,7 @@ def test_query_state_outside_the_range(follower):
     assert arm.outcome(handle)[0] == CANCELED
 
 
+@pytest.mark.slow
 def test_scaling_execution_time_succeeds(follower):
     arm = follower()
     factors = arm.graph.client.create_publisher(

@@ -102,6 +102,7 @@ def test_the_publisher_waits_for_what_is_under_way(graph, simulated_time, jump):
     assert_no_jump(arm)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transport", ["topic", "action"])
 def test_the_publisher_waits_for_a_stamp_that_the_clock_jumped_away_from(
     graph, simulated_time, transport

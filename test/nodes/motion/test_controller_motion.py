@@ -87,6 +87,7 @@ def test_topic(arm):
     assert values["trajectories accepted"] == "1"
 
 
+@pytest.mark.slow
 def test_action_with_feedback(arm):
     seen = []
     goal = arm.position + MOVE
@@ -148,6 +149,7 @@ def test_cancel_stops_smoothly_on_the_path(arm):
     assert_smooth(arm, 0)
 
 
+@pytest.mark.slow
 def test_a_second_goal_preempts_the_first(arm):
     start = arm.position
     first = arm.send(arm.trajectory((SLOWLY, 4 * MOVE)))
@@ -163,6 +165,7 @@ def test_a_second_goal_preempts_the_first(arm):
     assert_smooth(arm, 0)
 
 
+@pytest.mark.slow
 def test_a_goal_from_a_position_just_passed_is_taken_over_smoothly(arm):
     first = arm.send(arm.trajectory((SLOWLY, 10 * MOVE)))
     arm.until(lambda: arm.velocity[0] > 0.1)
@@ -209,6 +212,7 @@ def test_reset(arm):
     arm.until_at(initial)
 
 
+@pytest.mark.slow
 def test_stamps(arm):
     start = arm.position
     past = arm.trajectory((0.5, MOVE), (3.0, 2 * MOVE))
@@ -270,6 +274,7 @@ def test_a_client_that_disappears(arm):
     assert {entry.key: entry.value for entry in status.values}["goals reached"] == "1"
 
 
+@pytest.mark.slow
 def test_ten_motions_in_a_row(arm):
     start = arm.position
     for k in range(10):

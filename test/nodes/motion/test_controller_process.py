@@ -91,6 +91,7 @@ def go(arm, x, y, z, seconds=0.6):
     assert np.linalg.norm(place - [x, y, z]) < PLACED
 
 
+@pytest.mark.slow
 def test_payloads_that_the_controller_does_not_know(dynamic_arm):
     """Pick and place of 2 kg is tracked; 40 kg are not, and what gives way is told."""
     arm = dynamic_arm

@@ -169,6 +169,7 @@ def test_the_topic_says_why_in_diagnostics_and_goes_on(limited):
     arm.diagnosis(lambda status: status.level == status.OK and status.message == "holding")
 
 
+@pytest.mark.slow
 def test_a_refused_goal_does_not_disturb_the_one_that_runs(arm):
     goal = arm.position + MOVE
     running = arm.send(arm.trajectory((3.0, MOVE)))

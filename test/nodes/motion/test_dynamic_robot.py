@@ -149,6 +149,7 @@ def test_a_payload_is_observed_and_made_up_for(drive):
     assert abs(arm.position[0]) < 1e-6
 
 
+@pytest.mark.slow
 def test_saturation_is_told(drive):
     arm = drive(robot_description=rod(), simulation="dynamic", initial_positions=[0.0])
     # It weighs 5.9 N m there; its drive has 7 N m, and is asked for 9 and more.

@@ -122,6 +122,7 @@ def set_parameter(arm, name, **value):
     return arm.graph.call(SetParameters, f"{NAME}/set_parameters", request).results[0]
 
 
+@pytest.mark.slow
 def test_a_joint_gets_stuck_while_it_moves(drive):
     arm = drive(path_tolerance=0.05)
     start = arm.position

@@ -41,6 +41,7 @@ def started(suite, path):
     return arm, said
 
 
+@pytest.mark.slow
 def test_two_cycles(suite, tmp_path):
     arm, said = started(suite, written(tmp_path))
     assert said == "3 steps, 2 cycles"

@@ -39,6 +39,7 @@ def test_in_a_namespace(suite):
     assert (answer.error_code, answer.error_msg) == DONE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transport", ["topic", "action"])
 def test_ten_plans_at_once_none_lost(suite, transport):
     arm = suite(transport=transport)
@@ -54,6 +55,7 @@ def test_ten_plans_at_once_none_lost(suite, transport):
     assert arm.value("arrived", idle) == "10"
 
 
+@pytest.mark.slow
 def test_ten_rounds_of_plan_and_execute(suite):
     arm = suite()
     changes = [(k % 2) * MOVE for k in range(11)]
@@ -96,6 +98,7 @@ def test_a_plan_from_before_this_node_is_ignored(graph, suite):
     assert "nothing came on '/right/planned_trajectory' or '/traj" in answer.error_msg
 
 
+@pytest.mark.slow
 def test_execute_joins_the_plan_that_is_being_executed(suite):
     arm = suite()
     arm.plan(0.0, MOVE, duration=2.0)

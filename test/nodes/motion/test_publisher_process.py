@@ -12,6 +12,7 @@ MOVE = np.full(6, 0.1)
 TIMEOUT = 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_in_mid_motion(suite, process, number):
     arm = suite(start=process)
@@ -26,6 +27,7 @@ def test_a_signal_in_mid_motion(suite, process, number):
     arm.until_at(arm.home + MOVE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transport", ["topic", "action"])
 def test_a_controller_that_is_killed(suite, drive_process, transport):
     _, controller = drive_process

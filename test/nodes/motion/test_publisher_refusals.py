@@ -67,6 +67,7 @@ def test_joints_are_checked_at_once_where_the_robot_is_known(suite):
     assert "unknown joint 'thumb'" in answer.error_msg and "wrist_swivel" in answer.error_msg
 
 
+@pytest.mark.slow
 def test_the_node_serves_while_it_waits(suite):
     arm = suite()
     slow = arm.start_execute(arm.trajectory(0.0, MOVE, duration=2.5))
@@ -94,6 +95,7 @@ def test_a_plan_refused_by_the_controller_is_reported(suite):
     assert "the robot has not moved, the controller's log may say why" in status.message
 
 
+@pytest.mark.slow
 def test_a_motion_stopped_by_hold_is_reported_at_once(suite):
     arm = suite()
     arm.plan(0.0, 5 * MOVE, duration=10.0)
@@ -154,6 +156,7 @@ def test_too_many_points(suite):
     assert answer.error_msg == "points has size 22, expected at most 20"
 
 
+@pytest.mark.slow
 def test_stopping_answers_those_who_wait(suite):
     arm = suite()
     waiting = arm.start_execute(arm.trajectory(0.0, MOVE, duration=2.5))

@@ -62,6 +62,7 @@ def stays(arm, cycles=40):
     return bool((np.abs(arm.position - place) < 1e-12).all())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("transport", "robot"), [*((way, ROBOT) for way in TRANSPORTS), ("topic", "")]
 )
@@ -97,6 +98,7 @@ def test_pause_makes_the_queue_wait(suite):
     assert_on_the_path(arm)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transport", TRANSPORTS)
 def test_speed_changes_on_the_way(suite, transport):
     arm = suite(transport=transport)
@@ -113,6 +115,7 @@ def test_speed_changes_on_the_way(suite, transport):
     assert arm.value("arrived", lambda status: status.message == "idle") == "1"
 
 
+@pytest.mark.slow
 def test_speed_of_what_comes(suite):
     arm = suite()
     answer = set_speed(arm, 0.5)
@@ -160,6 +163,7 @@ def test_cancel_of_an_execution(suite):
     assert trigger(arm, "cancel") == (True, "nothing was under way or waiting")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("transport", "paused"),
     [("topic", False), ("action", True), ("follow_joint_trajectory", False), ("topic", True)],

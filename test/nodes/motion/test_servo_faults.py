@@ -25,6 +25,7 @@ def has_lost(hand, joint):
     return hand.has_code(ServoStatus.NO_STATE, f"joint '{joint}' is ")
 
 
+@pytest.mark.slow
 def test_a_stuck_joint_stops_the_stream_which_begins_again_where_the_robot_is(operator):
     hand = operator(arm={"goal_time": 0.2}, tracking_tolerance=0.05)
     send = hand.speeds(["waist", "elbow"], [0.4, -0.4])
@@ -96,6 +97,7 @@ def test_a_clock_that_jumps_while_the_robot_moves(simulated_time, operator, jump
         assert not any(message.points[-1].velocities)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_on_the_way_brakes_the_robot(drive, graph, process, number):
     child = []

@@ -96,6 +96,7 @@ def test_via_points_that_are_start_and_goal_make_no_motion(profile):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["cubic_spline", "ruckig"])
 def test_many_points_take_bounded_time(profile):
     points, limits = random_case(3, 120)

@@ -180,6 +180,7 @@ def test_a_path_that_turns_back_on_itself():
     assert motion.duration == pytest.approx(2.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_two_hundred_random_paths():
     durations = dict(np.loadtxt(TOPPRA, delimiter=","))
     assert len(durations) == 200

@@ -125,6 +125,7 @@ def test_every_pose_in_reach_is_answered_from_any_seed(name, pose_errors):
 SEVEN = ("panda", "iiwa14", "gen3", "xarm7", "skew", "general7r")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SEVEN)
 def test_postures_at_right_angles(name, pose_errors):
     """Joints at multiples of 90 degrees: shoulder, elbow and wrist singular, alone and together."""
