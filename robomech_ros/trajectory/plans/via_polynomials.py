@@ -5,7 +5,6 @@ References
 J. Angeles, *Fundamentals of Robotic Mechanical Systems*, 4th ed., section 6.5.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.knots import knots_at, spaced_knots
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -20,13 +20,31 @@ from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
 __all__ = ["MOST_VIAS", "ViaPolynomial", "via_polynomial"]
 
-# Derivatives that vanish at both ends.
+# The motion from 0 to 1 without via points, by powers of the part of the duration that is over, and
+# the derivatives that vanish at both ends.
+_LAWS = {
+    "poly345": np.array([0.0, 0.0, 0.0, 10.0, -15.0, 6.0]),
+    "poly4567": np.array([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0]),
+}
 _RESTING = {"poly345": 2, "poly4567": 3}
 # Through more points polynomials swing too far out.
 MOST_VIAS = 2
+# Free instants are sought by logarithms of the spans between points over the last one: on a grid of
+# so many values for one and for two of them, up to this one, then on grids around the best so far,
+# each finer than the one before by this factor, down to a part in 1e4 of a span.
+_GRID = {1: 49, 2: 19}
+_FARTHEST = 9.0
+# More (s) than any duration within limits.
+_OUTSIDE = 1e100
+# Coefficients up to so many times the largest distance lose no more than four digits of it; those
+# of fast motions are below a hundred times.
+_LARGEST_SWING = 1e4
+_FINER = 0.45
+_REFINEMENTS = 11
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +83,7 @@ def via_polynomial(
         either).
     at : array_like, shape (m - 2,), optional
         Which part of the duration is over at each via point, strictly between 0 and 1 and
-        increasing; default by the roots of the distances.
+        increasing; default where the motion is fastest, among those inside the position limits.
     duration : float, optional
         Wanted duration in s; None for the shortest within the limits.
 
@@ -100,33 +118,87 @@ def via_polynomial(
     >>> motion.sample(2.0).position.round(6)
     array([0.7])
     """
-    resting = _RESTING[as_choice("profile", profile, tuple(_RESTING))]
+    as_choice("profile", profile, tuple(_LAWS))
     allowed = Limits.of(limits)
     places = joint_points(points, len(allowed.joint_names), MOST_VIAS + 2)
     allowed.require("velocity", "acceleration")
     allowed.check_start(places[0])
-    if at is None:
-        knots = spaced_knots(places, "centripetal", allowed.velocity)
-    else:
-        knots = knots_at(at, len(places))
-    unit = _through(places, knots, resting)
+    knots = _fastest(places, profile, allowed) if at is None else knots_at(at, len(places))
+    unit = _through(places, knots[None], profile)
     pieces = fitted(unit, allowed, checked_duration(duration))
     check_positions(pieces, places[0], allowed)
     return ViaPolynomial(places[-1], pieces, knots * pieces.duration)
 
 
-def _through(places: FloatArray, knots: FloatArray, resting: int) -> PiecewisePolynomial:
-    """Solve for the coefficients over a duration of 1."""
-    degree = 2 * resting + len(places) - 1
-    powers = np.arange(degree + 1)
-    rows = [knots[:, None] ** powers]
-    right = [places - places[0]]
-    for order in range(1, resting + 1):
-        falling = np.array([math.perm(int(i), order) for i in powers], dtype=np.float64)
-        exponents = np.maximum(powers - order, 0)
-        rows.append(falling * np.array([[0.0], [1.0]]) ** exponents)
-        right.append(np.zeros((2, places.shape[1])))
-    solved = np.linalg.solve(np.concatenate(rows), np.concatenate(right))
-    solved[: resting + 1] = 0.0
+def _fastest(places: FloatArray, profile: str, limits: Limits) -> FloatArray:
+    """Find the knots (m,), from 0 to 1, of the fastest polynomial inside the position limits."""
+    vias = len(places) - 2
+    best = spaced_knots(places, "centripetal", limits.velocity)
+    if vias == 0 or not (places != places[0]).any():
+        return best
+    axis = np.linspace(-_FARTHEST, _FARTHEST, _GRID[vias])
+    centre, grid = np.zeros(vias), _grid(axis, vias)
+    shortest = _costs(places, best[None], profile, limits)[0]
+    for round_ in range(_REFINEMENTS):
+        spans = np.exp(np.append(centre + grid, np.zeros((len(grid), 1)), axis=1))
+        knots = np.append(np.zeros((len(grid), 1)), np.cumsum(spans, axis=1), axis=1)
+        knots /= knots[:, -1:]
+        costs = _costs(places, knots, profile, limits)
+        k = int(np.argmin(costs))
+        if costs[k] < shortest:
+            best, shortest = knots[k], costs[k]
+        # The last spans are equal to none: centripetal knots are a start like any other.
+        centre = np.log(np.diff(best)[:-1] / (1.0 - best[-2]))
+        step = (axis[1] - axis[0]) * _FINER**round_
+        grid = _grid(step * np.linspace(-1.0, 1.0, 5), vias)
+    return best
+
+
+def _grid(axis: FloatArray, dimensions: int) -> FloatArray:
+    """Give all points with coordinates of an axis, shape (k, dimensions)."""
+    return np.stack(np.meshgrid(*[axis] * dimensions), axis=-1).reshape(-1, dimensions)
+
+
+def _costs(places: FloatArray, knots: FloatArray, profile: str, limits: Limits) -> FloatArray:
+    """Shortest durations (k,) in s by k choices of knots (k, m).
+
+    Behind all of them come those that leave the position limits, the farther the later, and those
+    that rounding would lead past the points.
+    """
+    unit = _through(places, knots, profile)
+    low, high = (values.reshape(4, len(knots), -1) for values in extremes(unit))
+    ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / limits.rates[:, None]
+    costs = (ratios ** (1.0 / np.arange(1.0, 4.0))[:, None, None]).max(axis=(0, 2))
+    below = np.minimum(limits.lower, places[0]) - low[0]
+    outside = np.maximum(below, high[0] - np.maximum(limits.upper, places[0])).max(axis=1)
+    swing = np.abs(unit.coefficients[1:]).reshape(-1, *low.shape[1:]).max(axis=(0, 2))
+    swing /= np.abs(places - places[0]).max()
+    outside = np.maximum(outside, np.where(swing > _LARGEST_SWING, swing, 0.0))
+    return np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
+
+
+def _through(places: FloatArray, knots: FloatArray, profile: str) -> PiecewisePolynomial:
+    """Lay polynomials over a duration of 1 through places (m, n), for k choices of knots (k, m).
+
+    Their joints stand side by side, k n of them.  To the motion without via points a product is
+    added, of a polynomial that vanishes at the ends with its derivatives, and of one, by Newton's
+    differences, that corrects the values at the via points.
+    """
+    law, resting = _LAWS[profile], _RESTING[profile]
+    choices, vias = len(knots), len(places) - 2
+    way = places[-1] - places[0]
+    inner = knots[:, 1:-1, None]
+    straight = inner ** (resting + 1) * np.polynomial.polynomial.polyval(inner, law[resting + 1 :])
+    vanishing = (inner * (1.0 - inner)) ** (resting + 1)
+    needed = (places[1:-1] - places[0] - straight * way) / vanishing
+    solved = np.zeros((len(law) + vias, choices, places.shape[1]))
+    solved[: len(law)] = law[:, None, None] * way
+    ends = np.polynomial.polynomial.polypow([0.0, 1.0, -1.0], resting + 1)
+    slope = 0.0
+    if vias == 2:
+        slope = (needed[:, 1] - needed[:, 0]) / (inner[:, 1] - inner[:, 0])
+        solved[1 : len(ends) + 1] += ends[:, None, None] * slope
+    if vias:
+        solved[: len(ends)] += ends[:, None, None] * (needed[:, 0] - slope * inner[:, 0])
     solved[0] = places[0]
-    return PiecewisePolynomial(np.array([0.0, 1.0]), solved[:, None, :])
+    return PiecewisePolynomial(np.array([0.0, 1.0]), solved.reshape(len(solved), 1, -1))

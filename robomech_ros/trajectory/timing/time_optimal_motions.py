@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from robomech_ros.errors import LimitExceededError
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.knots import spaced_knots
@@ -13,6 +14,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import (
     MotionToRest,
     check_positions,
 )
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
@@ -32,6 +34,9 @@ _RAMP = 0.02
 # Points nearer to each other than this (rad or m, and in parts of the largest) are one: rounding
 # would take the way between them for a zigzag.
 _SAME = 1e-7
+# A segment of the path's parameter is at least this part of its neighbours: the spline would take a
+# bend between them in no time otherwise.
+_SHORTEST_BESIDE = 0.03
 # Corrections of the instants at which via points are passed; convergence is quadratic.
 _CORRECTIONS = 4
 
@@ -130,8 +135,7 @@ def time_optimal_through(
         straight = TimeOptimalMotion.plan(places[0], places[1], smooth, duration)
         knots = np.array([0.0, straight.duration])
         return TimeOptimalThrough(places[1], straight.pieces, knots[owners])
-    parameters = spaced_knots(places, "centripetal", limits.velocity)
-    path = cubic_spline(parameters, places, "natural")
+    parameters, path = _path_through(places, limits)
     timed = time_optimal(path, smooth, jerk_smoothing=True)
     knots = _passed(timed, parameters, places)
     pieces = with_fewer_pieces(timed.pieces, smooth)
@@ -163,6 +167,37 @@ def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
     else:
         kept.append(last)
     return kept, [*owners, len(kept) - 1]
+
+
+def _path_through(places: FloatArray, limits: Limits) -> tuple[FloatArray, PiecewisePolynomial]:
+    """Lay the natural spline; give its parameters (m,) at the places (m, n), too."""
+    centripetal = spaced_knots(places, "centripetal", limits.velocity)
+    parameters = _without_kinks(centripetal)
+    path = cubic_spline(parameters, places, "natural")
+    if parameters is centripetal:
+        return centripetal, path
+    try:
+        check_positions(path, places[0], limits)
+    except LimitExceededError:
+        # A kink takes time, but swings out less.
+        return centripetal, cubic_spline(centripetal, places, "natural")
+    return parameters, path
+
+
+def _without_kinks(knots: FloatArray) -> FloatArray:
+    """Lengthen segments that are short beside a neighbour; knots go from 0 to 1 again."""
+    spans = np.diff(knots)
+    if (
+        not (spans[1:] < _SHORTEST_BESIDE * spans[:-1]).any()
+        and not (spans[:-1] < _SHORTEST_BESIDE * spans[1:]).any()
+    ):
+        return knots
+    for order in (range(1, len(spans)), range(len(spans) - 1, 0, -1)):
+        for k in order:
+            a, b = spans[k - 1], spans[k]
+            spans[k - 1 : k + 1] = max(a, _SHORTEST_BESIDE * b), max(b, _SHORTEST_BESIDE * a)
+    longer: FloatArray = np.concatenate([[0.0], np.cumsum(spans)]) / spans.sum()
+    return longer
 
 
 def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> FloatArray:

@@ -11,7 +11,13 @@ from robomech_ros.errors import (
     NonFiniteError,
     WrongSizeError,
 )
-from robomech_ros.trajectory import Limits, point_to_point, verify, via_polynomial
+from robomech_ros.trajectory import (
+    Limits,
+    point_to_point,
+    through_points,
+    verify,
+    via_polynomial,
+)
 
 LIMITS = Limits(("x", "y", "z"), velocity=1.0, acceleration=5.0, jerk=90.0)
 # Pick, lift off, set down, place.
@@ -82,3 +88,41 @@ def test_bad_requests_are_refused(changes, error, text):
     request = {"points": POINTS, "limits": LIMITS} | changes
     with pytest.raises(error, match=text):
         via_polynomial(request.pop("points"), **request)
+
+
+@pytest.mark.parametrize("near", [1e-3, 1e-6, 0.0])
+@pytest.mark.parametrize("profile", ["poly345", "poly4567", "cubic_spline", "time_optimal"])
+def test_issue_12_a_via_point_near_an_end_costs_no_time(profile, near):
+    limits = Limits(("x", "y"), velocity=1.0, acceleration=2.0, jerk=20.0)
+    for points in ([[0, 0], [near, 0], [1, 1]], [[1, 1], [1 - near, 1], [0, 0]]):
+        motion = through_points(points, limits=limits, profile=profile)
+        # By poly4567 it took 37.5 s where 2.4 s do, and 29,954 s for 1e-6.
+        direct = point_to_point(points[0], points[-1], limits=limits, profile="poly4567")
+        assert motion.duration < 1.2 * direct.duration
+        np.testing.assert_allclose(motion.sample(motion.knots).position, points, atol=1e-9)
+        assert verify(motion, limits, start=points[0]).ok
+
+
+@pytest.mark.parametrize("profile", ["poly345", "poly4567"])
+def test_issue_12_free_instants_are_the_best_of_all(profile):
+    rng = np.random.default_rng(12)
+    for vias in (1, 1, 1, 2, 2, 2):
+        points = rng.uniform(-1.0, 1.0, (vias + 2, 3))
+        best = via_polynomial(points, limits=LIMITS, profile=profile).duration
+        tried = np.sort(rng.uniform(0.01, 0.99, (400, vias)), axis=1)
+        durations = [
+            via_polynomial(points, limits=LIMITS, profile=profile, at=at).duration for at in tried
+        ]
+        assert best <= min(durations)
+
+
+def test_issue_12_free_instants_keep_inside_position_limits():
+    points = np.array([[0.0, 0.0], [0.9, 0.3], [0.9, 1.0]])
+    bounds = {"velocity": 1.0, "acceleration": 5.0, "jerk": 90.0}
+    swing = via_polynomial(points, limits=Limits(("x", "y"), **bounds))
+    highest = swing.sample(np.linspace(0.0, swing.duration, 500)).position[:, 0].max()
+    assert highest > 0.91
+    tight = Limits(("x", "y"), **bounds, upper=[0.5 * (0.9 + highest), 2.0])
+    inside = via_polynomial(points, limits=tight)
+    assert verify(inside, tight, start=points[0]).ok
+    assert swing.duration < inside.duration < 1.3 * swing.duration
