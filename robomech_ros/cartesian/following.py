@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.cartesian.arms import serial_arm
+from robomech_ros.cartesian.dead_ends import dead_end
 from robomech_ros.cartesian.path_checks import PathBounds, PathCheck, jump_cut, singular_cut
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
@@ -166,14 +167,16 @@ def follow_path(
     poses = None if waypoints is None else _as_poses(waypoints)
     allowed.check_start(values)
     tracking = track_path(path, serial_arm(chain), values, limits=allowed)
-    tracking = _cut(tracking, chain, most, others)
+    end = dead_end(tracking, chain, allowed)
+    tracking = _cut(tracking if end is None else tracking.cut(end), chain, most, others)
     if tracking.status is PathTrackingStatus.COMPLETE:
         return FollowedPath(chain, path, values, tracking, None)
     joint = None if tracking.joint is None else chain.joint_names[tracking.joint]
     index = 0
     if tracking.path is not None:
         index = _on_the_way_to(path, poses, tracking.reached)
-    stop = StopReason(index, joint, tracking.status, tracking.reason)
+    text = tracking.reason if poses is None else f"before waypoints[{index}], {tracking.reason}"
+    stop = StopReason(index, joint, tracking.status, text)
     return FollowedPath(chain, path, values, tracking, stop)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero
+from robomech_ros.cartesian.dead_ends import joint_unit, singular_part
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.mobility import arm_size
@@ -81,6 +82,8 @@ def singular_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> P
     if s is None:
         return None
     text = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
+    part = singular_part(chain, joints.until(s)) if s > 0.0 else ""
+    text += f", {part.replace(' is ', ' is nearly ')}" if part else ""
     return PathCut(s, PathTrackingStatus.SINGULAR, text)
 
 
@@ -93,9 +96,11 @@ def jump_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathC
         return None
     k = int(far[0])
     joint = int(np.argmax(moves[k] / largest))
+    unit = joint_unit(chain, joint)
     text = (
-        f"joint '{chain.joint_names[joint]}' would move by {moves[k, joint]:.3g} in "
-        f"{places[k + 1] - places[k]:.3g} m, over the threshold of a jump, {largest[joint]:.3g}"
+        f"joint '{chain.joint_names[joint]}' would move by {moves[k, joint]:.3g} {unit} in "
+        f"{places[k + 1] - places[k]:.3g} m, over the threshold of a jump, "
+        f"{largest[joint]:.3g} {unit}"
     )
     return PathCut(float(places[k]), PathTrackingStatus.JUMP, text, joint)
 

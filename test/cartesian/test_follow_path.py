@@ -63,9 +63,11 @@ def test_out_of_reach_ends_where_the_arm_does():
     assert (stop.index, stop.joint) == (1, None)
     assert 0.1 < found.fraction < 0.9
     assert found.fraction == found.tracking.reached / path.length == found.joints.length / 2.0
-    assert stop.text.startswith(f"at s = {found.joints.length:.6g} of 2 m: ")
+    assert stop.text.startswith(
+        f"before waypoints[1], at s = {found.joints.length:.6g} of 2 m: the elbow is straight"
+    )
     # At its end the wrist centre is as far from the shoulder as it can be: the elbow is stretched.
-    assert np.linalg.cond(jacobian(PUMA, found.joints.derivatives(found.joints.length)[0])) > 1e3
+    assert np.linalg.cond(jacobian(PUMA, found.joints.derivatives(found.joints.length)[0])) > 400
     part = waypoint_fraction(found, waypoints)
     assert part == pytest.approx(0.5 + 0.5 * (2.0 * found.fraction - 0.1) / 1.9, rel=1e-9)
 

@@ -262,7 +262,7 @@ def _cut_short(
 ) -> PathTracking:
     """Say why a path is not followed to its end."""
     reached, here = parts[-1].at[-1], parts[-1].postures[-1]
-    status, joint = PathTrackingStatus.SINGULAR, None
+    status, joint, jump = PathTrackingStatus.SINGULAR, None, 0.0
     if parts[-1].beyond > limit:
         reason = f"the condition number rises to {parts[-1].beyond:.3g}, over {limit:.3g}"
     else:
@@ -276,10 +276,11 @@ def _cut_short(
             reason = f"joint values change too fast, condition number {here.condition:.3g}"
             if move.max() > JUMP:
                 status, joint = PathTrackingStatus.JUMP, int(np.argmax(move))
-                name = joint if limits is None else f"'{limits.joint_names[joint]}'"
-                reason = f"joint {name} would have to jump by {move[joint]:.3g} (rad or m)"
+                jump = float(move[joint])
+                name = f"number {joint}" if limits is None else f"'{limits.joint_names[joint]}'"
+                reason = f"joint {name} would have to jump by {jump:.3g} (rad or m)"
     reason = f"at s = {reached:.6g} of {path.length:.6g} m: {reason}"
-    return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint)
+    return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint, jump)
 
 
 def _start(path: PosePath, arm: Arm, near: FloatArray, limits: Limits | None) -> FloatArray | None:

@@ -78,6 +78,8 @@ class PathTracking:
         Length of the whole pose path (m).
     joint : int or None
         Number of the joint that ends the path, where it is one.
+    move : float
+        Where a joint would have to jump, by how much (rad or m).
     """
 
     path: JointPath | None
@@ -86,6 +88,7 @@ class PathTracking:
     reason: str
     length: float
     joint: int | None = None
+    move: float = 0.0
 
     @property
     def fraction(self) -> float:

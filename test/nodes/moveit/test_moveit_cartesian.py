@@ -196,7 +196,7 @@ def test_fraction_counts_waypoints_and_a_part_is_no_success(puma):
     points, poses = checked(response, MoveItErrorCodes.NO_IK_SOLUTION)
     reached = np.linalg.norm(poses[-1][:3, 3] - HERE[:3, 3]) - 0.02
     assert response.fraction == pytest.approx(0.5 + 0.5 * reached / 1.98, abs=1e-3)
-    assert "% of the waypoints: at s = " in response.error_code.message
+    assert "% of the waypoints: before waypoints[" in response.error_code.message
     assert points.times[-1] > 0.0
 
 
