@@ -10,6 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.outcomes import Code, name_of
 
@@ -31,13 +32,22 @@ class Commands:
         What executes.
     on_reset : callable
         Called when the robot was put elsewhere at once; the robot's lock is held.
+    on_refused : callable
+        Called when a trajectory of the topic was refused, whose sender gets no answer.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot, on_reset: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        robot: SimulatedRobot,
+        on_reset: Callable[[], None],
+        on_refused: Callable[[], None],
+    ) -> None:
         self._logger = node.get_logger()
         self._robot = robot
         self._on_reset = on_reset
-        node.create_subscription(JointTrajectory, "~/joint_trajectory", self._execute, _DEPTH)
+        self._on_refused = on_refused
+        subscribe_reliably(node, JointTrajectory, "~/joint_trajectory", self._execute, _DEPTH)
         node.create_service(Trigger, "~/hold", self._hold)
         node.create_service(Trigger, "~/reset", self._reset)
 
@@ -48,6 +58,7 @@ class Commands:
         except RobomechError as error:
             code = code_of(error)
             self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")
+            self._on_refused()
 
     def _log_end(self, result: GoalResult) -> None:
         if result.code:

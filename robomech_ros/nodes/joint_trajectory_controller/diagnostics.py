@@ -1,6 +1,7 @@
 """How the simulated robot is, for the diagnostics."""
 
 from robomech_ros.execution.controller.follower import Phase
+from robomech_ros.nodes.common.refusals import refusal_values
 from robomech_ros.nodes.common.status_report import NodeCondition
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
@@ -19,19 +20,18 @@ def robot_condition(robot: SimulatedRobot) -> NodeCondition:
             "trajectories accepted": counts.accepted,
             "goals reached": counts.reached,
             "ended early": counts.ended_early,
-            "refused": counts.refused,
             "last end": counts.last_end,
-            "last refusal": counts.last_refusal,
+            **refusal_values(counts.refusal),
         }
         saturation = robot.saturation()
         if robot.dynamic:
             values["at effort limits"] = saturation
         summary = "; ".join(part for part in (_summary(robot), saturation) if part)
-        return NodeCondition(summary, bool(counts.last_refusal or saturation), values)
+        return NodeCondition(summary, bool(counts.refusal.text or saturation), values)
 
 
 def _summary(robot: SimulatedRobot) -> str:
-    follower, refusal = robot.follower, robot.counts.last_refusal
+    follower, refusal = robot.follower, robot.counts.refusal.text
     if refusal:
         return f"{follower.phase.value}; refused: {refusal}"
     if follower.phase is Phase.MOVING and follower.active is not None:

@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 
 from robomech_ros.execution.controller.trajectory_goal import GoalResult
+from robomech_ros.nodes.common.refusals import Refusal
 
 __all__ = ["MotionCounts"]
+
+NOTHING = Refusal(0, 0, "", "")
 
 
 @dataclass
@@ -14,19 +17,17 @@ class MotionCounts:
     accepted: int = 0
     reached: int = 0
     ended_early: int = 0
-    refused: int = 0
-    last_refusal: str = ""
+    refusal: Refusal = NOTHING
     last_end: str = ""
 
     def accept(self) -> None:
         """Count a trajectory that was accepted."""
         self.accepted += 1
-        self.last_refusal = ""
+        self.refusal = NOTHING._replace(count=self.refusal.count)
 
-    def refuse(self, text: str) -> None:
-        """Count a trajectory that was refused, for a reason."""
-        self.refused += 1
-        self.last_refusal = text
+    def refuse(self, code: int, text: str, label: str) -> None:
+        """Count a trajectory that was refused, with its label, for a reason."""
+        self.refusal = Refusal(self.refusal.count + 1, int(code), text, label)
 
     def end(self, result: GoalResult) -> None:
         """Count a motion that has ended."""

@@ -52,9 +52,9 @@ class JointTrajectoryControllerNode(Node):
         self._control_cycle = ControlCycle(
             self, robot, model, settings, control, self._servers, self._shutdown.look
         )
-        Commands(self, robot, self._control_cycle.publish_joint_states)
         hardware = f"{model.chain.name} (simulated)"
-        StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
+        report = StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
+        Commands(self, robot, self._control_cycle.publish_joint_states, report.publish)
         self._cycles = Cycles(self, clock, settings.publish_rate, self._control_cycle.run)
         self._log_start(robot)
 

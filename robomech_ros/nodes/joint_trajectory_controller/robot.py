@@ -17,8 +17,10 @@ from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
+from robomech_ros.nodes.common.refusals import trajectory_label
 from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
@@ -167,7 +169,7 @@ class SimulatedRobot:
                 return goal
         except RobomechError as error:
             with self.lock:
-                self.counts.refuse(str(error))
+                self.counts.refuse(code_of(error), str(error), trajectory_label(trajectory))
             raise
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:

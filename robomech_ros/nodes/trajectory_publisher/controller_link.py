@@ -14,6 +14,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
+from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -35,10 +36,20 @@ class ControllerLink:
         The time of deliveries.
     action : ActionLink
         The way by action.
+    refusals : ControllerRefusals
+        What the controller says of trajectories sent by topic.
     """
 
-    def __init__(self, node: Node, controller: str, clock: MotionClock, action: ActionLink) -> None:
+    def __init__(
+        self,
+        node: Node,
+        controller: str,
+        clock: MotionClock,
+        action: ActionLink,
+        refusals: ControllerRefusals,
+    ) -> None:
         self._action = action
+        self._refusals = refusals
         self._monitor = JointStateMonitor(node)
         self._publisher = node.create_publisher(
             JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
@@ -91,6 +102,7 @@ class ControllerLink:
         """Send by the transport of the delivery."""
         message = message_from_delivery(delivery, self._clock.stamp(delivery.sent_at))
         if delivery.transport is Transport.TOPIC:
+            self._refusals.expect(delivery, message)
             self._publisher.publish(message)
             return
         start = self.positions(delivery.names)

@@ -13,6 +13,7 @@ from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.diagnostics import execution_condition
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
@@ -47,7 +48,8 @@ class TrajectoryPublisherNode(Node):
             asked_tolerances(settings),
             self._take_result,
         )
-        self._link = ControllerLink(self, settings.controller, clock, action)
+        refusals = ControllerRefusals(self, settings.controller, self._take_result)
+        self._link = ControllerLink(self, settings.controller, clock, action, refusals)
         self._loop = DispatchLoop(self, clock, self._link, settings)
         self._reader = DeliveryReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)

@@ -12,6 +12,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
@@ -84,12 +85,12 @@ class ReceivedPlans:
     def _listen(self, planner_topic: str) -> str:
         """Subscribe to plans, to none twice; returns the topics in words."""
         node = self._node
-        plain = node.create_subscription(JointTrajectory, TOPIC, self._take, _DEPTH)
+        plain = subscribe_reliably(node, JointTrajectory, TOPIC, self._take, _DEPTH)
         if not planner_topic or node.resolve_topic_name(planner_topic) == plain.topic_name:
             return f"'{plain.topic_name}'"
         latched = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        planner = node.create_subscription(
-            JointTrajectory, planner_topic, self._take_latched, latched
+        planner = subscribe_reliably(
+            node, JointTrajectory, planner_topic, self._take_latched, latched
         )
         return f"'{plain.topic_name}' or '{planner.topic_name}'"
 

@@ -5,7 +5,11 @@ import time
 import numpy as np
 import pytest
 from drivers import ended
+from rcl_interfaces.msg import Log
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
@@ -31,6 +35,10 @@ def five_joints(trajectory):
 
 def unknown_joint(trajectory):
     trajectory.joint_names[5] = "thumb"
+
+
+def facts(status):
+    return {entry.key: entry.value for entry in status.values}
 
 
 def unchanged(trajectory):
@@ -89,10 +97,40 @@ def test_execute_without_a_controller(suite):
 
 
 def test_a_plan_refused_by_the_controller_is_reported(suite):
-    arm = suite(arrival_timeout=0.2)
+    """Without what the controller says on /diagnostics it was said not to move, 1 s later."""
+    arm = suite(standstill_timeout=TIMEOUT, arrival_timeout=TIMEOUT)
+    reason = "at t = 0.005 s the velocity of joint 'shoulder' is -9.375, over its limit -2 by 7.37"
+    expected = f"trajectory failed (213 LIMIT): {reason}"
     arm.plan(0.0, MOVE, duration=0.01)
-    status = arm.condition(lambda status: "off its goal" in status.message)
-    assert "the robot has not moved, the controller's log may say why" in status.message
+    latched = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    arm.graph.receive(Log, "/rosout", latched, lambda line: line.msg == expected)
+    # The same plan again gets a refusal of its own.
+    for count in ("2", "3"):
+        arm.plan(0.0, MOVE, duration=0.01)
+        failed = arm.condition(lambda status, n=count: facts(status)["failed"] == n)
+        assert failed.message == f"idle; {reason}"
+    # A refusal of somebody else's trajectory is not ours.
+    arm.plan(0.0, 3 * MOVE, duration=2.0)
+    waiting = arm.start_execute()
+    arm.until_moving()
+    foreign = arm.graph.client.create_publisher(
+        JointTrajectory, "joint_trajectory_controller/joint_trajectory", 10
+    )
+    arm.until(foreign.get_subscription_count)
+    foreign.publish(arm.trajectory(0.0, MOVE, names=["thumb"] * 6))
+    arm.controller_condition(lambda status: "thumb" in status.message)
+    assert ended(waiting).error_code == ErrorCode.NONE
+
+
+def test_who_publishes_best_effort_is_told(suite):
+    arm = suite()
+    sender = Node("hasty", context=arm.graph.context)
+    qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    sender.create_publisher(JointTrajectory, "joint_trajectory_controller/joint_trajectory", qos)
+    expected = "messages on '/joint_trajectory_controller/joint_trajectory' by /hasty do not arrive"
+    latched = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    arm.graph.receive(Log, "/rosout", latched, lambda line: expected in line.msg)
+    sender.destroy_node()
 
 
 @pytest.mark.slow

@@ -1,0 +1,62 @@
+"""What a controller says on /diagnostics of a trajectory that it refused, and who sent that."""
+
+import zlib
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from trajectory_msgs.msg import JointTrajectory
+
+__all__ = ["Refusal", "read_refusal", "refusal_values", "trajectory_label"]
+
+_COUNT, _TEXT = "refused", "last refusal"
+_CODE, _LABEL = "last refusal code", "last refused trajectory"
+
+
+class Refusal(NamedTuple):
+    """The trajectory that a controller refused last.
+
+    Attributes
+    ----------
+    count : int
+        How many were refused so far.
+    code : int
+        One of `Code`; 0 where none was refused since the last that was accepted.
+    text : str
+        The reason; empty likewise.
+    label : str
+        That of the trajectory, by `trajectory_label`; empty likewise.
+    """
+
+    count: int
+    code: int
+    text: str
+    label: str
+
+
+def refusal_values(refusal: Refusal) -> dict[str, object]:
+    """Give a refusal as facts of a status."""
+    return {
+        _COUNT: refusal.count,
+        _TEXT: refusal.text,
+        _CODE: refusal.code,
+        _LABEL: refusal.label,
+    }
+
+
+def read_refusal(values: Mapping[str, str]) -> Refusal | None:
+    """Read a refusal from the facts of a status; None where it does not have them."""
+    try:
+        return Refusal(int(values[_COUNT]), int(values[_CODE]), values[_TEXT], str(values[_LABEL]))
+    except (KeyError, ValueError):
+        return None
+
+
+def trajectory_label(message: JointTrajectory) -> str:
+    """Give a text by which a trajectory is known again: stamp, size, and a sum of its ends."""
+    stamp, points = message.header.stamp, message.points
+    total = zlib.crc32("\n".join(message.joint_names).encode())
+    for point in points[:1] + points[-1:]:
+        total = zlib.crc32(np.asarray(point.positions, dtype=np.float64).tobytes(), total)
+        total = zlib.crc32(f"{point.time_from_start}".encode(), total)
+    return f"{stamp.sec}.{stamp.nanosec:09d} {len(points)} {total:08x}"

@@ -1,0 +1,50 @@
+"""Subscriptions that need reliable publishers, and say so to those that are not."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+
+__all__ = ["subscribe_reliably"]
+
+
+def subscribe_reliably(
+    node: Node, kind: Any, topic: str, callback: Callable[..., None], qos: QoSProfile | int
+) -> Subscription:
+    """Subscribe to messages that must not be lost; log who publishes them best effort.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    kind : type
+        Of the messages.
+    topic : str
+    callback : callable
+        Takes the messages.
+    qos : QoSProfile or int
+        Reliable; a depth alone is that.
+    """
+
+    def log(event: Any) -> None:
+        name = node.resolve_topic_name(topic)
+        senders = sorted(
+            {
+                f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+                for info in node.get_publishers_info_by_topic(name)
+                if info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+            }
+        )
+        by = f" by {', '.join(senders)}" if senders else ""
+        text = (
+            f"messages on '{name}'{by} do not arrive: they are published best effort, or volatile "
+            "where a latched topic is needed; publish them reliably, as the default of ROS is "
+            "(ros2 topic pub --qos-reliability reliable)"
+        )
+        node.get_logger().error(text)
+
+    events = SubscriptionEventCallbacks(incompatible_qos=log)
+    return node.create_subscription(kind, topic, callback, qos, event_callbacks=events)

@@ -1,0 +1,57 @@
+"""Why the controller refuses trajectories sent by topic, as it says on /diagnostics."""
+
+from collections.abc import Callable
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.nodes.common.refusals import read_refusal, trajectory_label
+from robomech_ros.nodes.common.status_report import TOPIC
+
+__all__ = ["ControllerRefusals"]
+
+_DEPTH = 10
+
+
+class ControllerRefusals:
+    """Finds the refusal of what was sent last; a controller that says nothing has none.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    controller : str
+        Name of the controller.
+    on_refused : callable
+        Called with a delivery, the controller's code and its reason.
+    """
+
+    def __init__(
+        self, node: Node, controller: str, on_refused: Callable[[Delivery, int, str], None]
+    ) -> None:
+        self._name = f"{node.resolve_service_name(controller).lstrip('/')}: motion"
+        self._on_refused = on_refused
+        self._count = 0
+        self._sent: tuple[Delivery, str, int] | None = None
+        node.create_subscription(DiagnosticArray, TOPIC, self._take, _DEPTH)
+
+    def expect(self, delivery: Delivery, message: JointTrajectory) -> None:
+        """Note the message that is sent now."""
+        self._sent = delivery, trajectory_label(message), self._count
+
+    def _take(self, array: DiagnosticArray) -> None:
+        for status in array.status:
+            if status.name != self._name:
+                continue
+            refusal = read_refusal({entry.key: entry.value for entry in status.values})
+            if refusal is None:
+                continue
+            self._count = refusal.count
+            if self._sent is None:
+                continue
+            delivery, label, before = self._sent
+            if refusal.label == label and refusal.count > before and refusal.code:
+                self._sent = None
+                self._on_refused(delivery, refusal.code, refusal.text)
