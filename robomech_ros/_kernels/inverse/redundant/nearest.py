@@ -1,7 +1,7 @@
 """The posture of a redundant arm nearest to a seed, along the self-motion of one posture.
 
-Every step goes along the self-motion as far as the linearised distance asks, stops at joint
-limits, and corrects the pose by the shortest move of the joints.
+Every step corrects the pose by the shortest move of the joints, and goes along the self-motion as
+far as the linearised distance asks, inside the joint limits.
 """
 
 import math
@@ -26,10 +26,22 @@ NEAREST_ERROR = 1e-12
 # Damping over the squared error, which keeps steps beside a singular posture short and hinders no
 # other.
 NEAREST_DAMPING = 1e-2
-# and steps at most, half of them along the self-motion: those that go well need four to seven.
+# and steps at most, all but the last along the self-motion: those that go well need four to seven.
 NEAREST_ITERATIONS = 20
+# Error of the pose (rad, m) from which on no step is tried.
+NEAREST_FARTHEST = 10.0
 
+# Longest change of a joint (rad or m) in a step along the self-motion, and in one that corrects.
 _LONGEST = 0.5
+_LONGEST_CORRECTION = 1.0
+# A joint that moves less than this part of what others do is not moved into its limits.
+_STANDING = 1e-6
+# Where the farthest joint moves less than this part of a wish, the self-motion is found by another.
+_HARDLY = 0.1
+_ANY = (0.6, -0.5, 0.4, 0.7, -0.4, 0.5, 0.6)
+# Beside singular postures a correction may lead back: if by this part of a step, that was too long,
+# for the next by this factor.
+_MUCH_UNDONE, _SHORTER = 0.25, 0.4
 # Cuts that find the least of some dozen lines' largest value; a few do.
 _CUTS = 32
 _ROUNDING = 1e-12
@@ -72,7 +84,7 @@ def _minimax(q, seed, t, low, high):
                 b, fb, gb = s, value, slope
     here, _ = _largest_after(q, seed, t, 0.0)
     there, _ = _largest_after(q, seed, t, s)
-    return s if there < here or not low <= 0.0 <= high else 0.0
+    return s if there < here - _ROUNDING or not low <= 0.0 <= high else 0.0
 
 
 @lean
@@ -93,22 +105,23 @@ def _wish(q, seed, metric, g):
 
 @lean
 def _length(q, seed, metric, t, lower, upper, bounded):
-    """How far to go along t, inside the limits; the step is at most _LONGEST in every joint."""
+    """How far to go along t, into the limits; the step is at most _LONGEST in every joint."""
     largest = 0.0
     for i in range(q.shape[0]):
         largest = max(largest, abs(t[i]))
     if largest < ON_BOUNDARY:
         return 0.0
-    high = _LONGEST / largest
-    low = -high
+    longest = _LONGEST / largest
+    low, high = -longest, longest
     if bounded:
         for i in range(q.shape[0]):
-            if t[i] != 0.0:
+            if abs(t[i]) > _STANDING * largest:
                 one, other = (lower[i] - q[i]) / t[i], (upper[i] - q[i]) / t[i]
                 low = max(low, min(one, other))
                 high = min(high, max(one, other))
         if low > high:
-            return 0.0
+            # What is outside cannot all come inside: by half for both.
+            return min(max(0.5 * (low + high), -longest), longest)
     if metric == LINF:
         return _minimax(q, seed, t, low, high)
     return min(max(1.0, low), high)
@@ -123,6 +136,87 @@ def _inside(q, lower, upper):
     for i in range(q.shape[0]):
         q[i] = min(max(q[i], lower[i]), upper[i])
     return True
+
+
+@lean
+def _correct(J, y, before, q):
+    """Add J^T y to q, the shortest move that corrects the pose, or the first part of a long one.
+
+    Returns how far that undoes the step ``before`` (n,) along the self-motion, as a part of it.
+    """
+    longest = 0.0
+    for k in range(q.shape[0]):
+        value = 0.0
+        for i in range(6):
+            value += J[i, k] * y[i]
+        longest = max(longest, abs(value))
+    share = min(1.0, _LONGEST_CORRECTION / longest) if longest > 0.0 else 1.0
+    back = squares = 0.0
+    for k in range(q.shape[0]):
+        value = 0.0
+        for i in range(6):
+            value += J[i, k] * y[i]
+        q[k] += share * value
+        back -= share * value * before[k]
+        squares += before[k] * before[k]
+    return back / squares if squares > 0.0 else 0.0
+
+
+@lean
+def _project(J, A, y, g):
+    """Take from g (n,) what moves the tip; A (6, 6) is factored.  Returns the largest rest."""
+    n = g.shape[0]
+    for i in range(6):
+        y[i] = 0.0
+        for k in range(n):
+            y[i] += J[i, k] * g[k]
+    cholesky_again(A, y, 6)
+    largest = 0.0
+    for k in range(n):
+        for i in range(6):
+            g[k] -= J[i, k] * y[i]
+        largest = max(largest, abs(g[k]))
+    return largest
+
+
+@lean
+def _direction(J, A, y, q, seed, metric, g):
+    """Write the direction along the self-motion in which the distance from the seed shrinks."""
+    _wish(q, seed, metric, g)
+    largest = _project(J, A, y, g)
+    if q.shape[0] == 7 and metric == LINF and largest < _HARDLY:
+        # The farthest joint hardly moves: there is one direction, which another wish shows better.
+        for k in range(7):
+            g[k] = _ANY[k]
+        _project(J, A, y, g)
+
+
+@lean
+def _held_back(s, q, seed, metric, g, before, fall, undone):
+    """Shorten the step s along g where it leads back, to where the slopes of both meet zero.
+
+    ``fall`` is how fast the distance fell along the step ``before`` (n,), of which the correction
+    has ``undone`` a part: where that is much, the next step is shorter.  Returns the step, and how
+    fast the distance falls along g.
+    """
+    back = squares = lengths = 0.0
+    for k in range(g.shape[0]):
+        back += s * g[k] * before[k]
+        squares += g[k] * g[k]
+        lengths += before[k] * before[k]
+    if squares == 0.0:
+        return 0.0, 0.0
+    size = math.sqrt(squares)
+    now = size
+    if metric == LINF:
+        _, slope = _largest_after(q, seed, g, 0.0)
+        now = abs(slope) / size
+    most = math.inf
+    if back < 0.0 and now + fall > 0.0:
+        most = math.sqrt(lengths) / size * now / (now + fall)
+    if undone > _MUCH_UNDONE:
+        most = min(most, _SHORTER * math.sqrt(lengths) / size)
+    return min(max(s, -most), most), now
 
 
 @lean
@@ -149,6 +243,8 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
     y = scratch(6)
     A = scratch(6, 6)
     g = np.empty(n)
+    before = np.zeros(n)
+    fall = 0.0
     settled = nearest = False
     for iteration in range(NEAREST_ITERATIONS):
         jacobian_body(packed, q, J, current)
@@ -160,7 +256,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             if not bounded or _inside(q, lower, upper):
                 return distance_from(q, seed, metric), nearest or there
             settled = False
-        if not error < 1.0:
+        if not error < NEAREST_FARTHEST:
             return math.inf, False
         for i in range(6):
             for j in range(i + 1):
@@ -171,25 +267,17 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             A[i, i] += NEAREST_DAMPING * error * error
         if not cholesky_solve(A, e, 6):
             return math.inf, False
+        undone = _correct(J, e, before, q)
         if not settled:
-            _wish(q, seed, metric, g)
-            for i in range(6):
-                y[i] = 0.0
-                for k in range(n):
-                    y[i] += J[i, k] * g[k]
-            cholesky_again(A, y, 6)
-            for k in range(n):
-                for i in range(6):
-                    g[k] -= J[i, k] * y[i]
+            _direction(J, A, y, q, seed, metric, g)
             s = _length(q, seed, metric, g, lower, upper, bounded)
+            s, fall = _held_back(s, q, seed, metric, g, before, fall, undone)
             largest = 0.0
             for k in range(n):
-                largest = max(largest, abs(s * g[k]))
-                q[k] += s * g[k]
+                before[k] = s * g[k]
+                largest = max(largest, abs(before[k]))
+                q[k] += before[k]
             short = max(largest, error) < NEAREST_STEP
-            settled = short or iteration == NEAREST_ITERATIONS // 2
+            settled = short or iteration == NEAREST_ITERATIONS - 5
             nearest = short and not (bounded and _is_at_limit(q, lower, upper))
-        for k in range(n):
-            for i in range(6):
-                q[k] += J[i, k] * e[i]
     return math.inf, False

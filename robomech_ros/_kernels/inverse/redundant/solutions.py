@@ -47,6 +47,13 @@ APPROACHED_WITHIN = 0.8
 # but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
 # would only lead there.
 APPROACHED_AGAIN = 0.03
+# Where steps from the seed come no nearer than FROM (rad or m), others begin beside it, with some
+# joints away from it by this part of the distance, of MOST at most; so many of them, the last two
+# only where no posture is nearer than that.
+BESIDE = 4
+BESIDE_FROM = 0.1
+BESIDE_BY = 0.9
+BESIDE_MOST = 0.6
 
 NONE_EXISTS = -1
 # Typed, since numba compiles a function anew for a literal.
@@ -168,6 +175,34 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
     return _locked_body(data, T, seed, locked, q, branch)
 
 
+@lean
+def _approach_from_seed(packed, T, request, low, high, beside, q):
+    """Write to q (n,) the nearest posture to which steps from the seed and beside it lead.
+
+    ``beside`` (n,) is working space.  Returns what :func:`approach` does.
+    """
+    _, lower, upper, seed, metric, bounded = request
+    n = seed.shape[0]
+    for i in range(n):
+        q[i] = seed[i]
+    distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, q)
+    for k in range(BESIDE):
+        if distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST):
+            break
+        # First two joints to one side and to the other, then all of them.
+        away = BESIDE_BY * min(distance, BESIDE_MOST) * (1.0 if k % 2 == 0 else -1.0)
+        for i in range(n):
+            side = 0.0 if k < 2 and i != 0 and i != 2 else away
+            alternate = i == 2 if k < 2 else i % 2 == 1
+            beside[i] = min(max(seed[i] - side if alternate else seed[i] + side, low[i]), high[i])
+        found, sure = approach(packed, T, lower, upper, seed, metric, bounded, beside)
+        if found < distance:
+            distance, settled = found, sure
+            for i in range(n):
+                q[i] = beside[i]
+    return distance, settled
+
+
 @inline
 def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
     """Rank the postures of all samples; return how many are inside the limits, and how many exist.
@@ -186,9 +221,7 @@ def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
     bare = ZERO
     steps = int(data[at.SAMPLES])
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
-    for i in range(n):
-        placed[i] = seed[i]
-    distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, placed)
+    distance, settled = _approach_from_seed(packed, T, request, low, high, locked, placed)
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, rows, names, distances)

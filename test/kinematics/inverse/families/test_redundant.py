@@ -256,3 +256,20 @@ def test_limits_that_exclude_all_are_told():
     held = inverse_kinematics(chain, T)
     assert len(free) and not len(held)
     assert held.status is Status.LIMITS_EXCLUDE_ALL and not held.complete
+
+
+@pytest.mark.parametrize("name", ("panda", "iiwa14", "gen3", "general7r"))
+def test_issue_12_hardly_ever_is_a_known_posture_nearer_than_the_first(name):
+    """Every posture is within 0.5 rad of the seed; of 400 seeds 8 to 22 had a farther answer."""
+    chain = load_robot(name)
+    rng = np.random.default_rng(12)
+    low, high = np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi)
+    farther = 0
+    for posture in rng.uniform(low, high, (400, 7)):
+        seed = np.clip(posture + rng.uniform(-0.5, 0.5, 7), chain.lower, chain.upper)
+        T = forward_kinematics(chain, posture)
+        best = inverse_kinematics(chain, T, seed=seed, max_solutions=1)
+        assert best.position_error[0] < 1e-9 and best.orientation_error[0] < 1e-9
+        assert best.limit_margin[0] >= 0.0
+        farther += best.seed_distance[0] > np.abs(posture - seed).max() + 1e-6
+    assert farther <= 5
