@@ -148,12 +148,17 @@ class ActiveDelivery:
         return changed
 
     def _confirmed(self, text: str, since: float, now: float) -> Verdict | None:
-        """Give the controller's success once the joint states confirm it or take too long."""
+        """Give the controller's success once the joint states confirm it.
+
+        A controller also reports success of what a trajectory from the topic has replaced.
+        """
         off = self._watch.off
         if off and now - since <= CONFIRMATION:
             return None
-        unconfirmed = off and f"the controller reports success, but {off}"
-        return Verdict(Code.NONE, text or unconfirmed)
+        if not off:
+            return Verdict(Code.NONE, text)
+        said = f"the controller reports success, but {off}"
+        return Verdict(Code.PREEMPTED, f"{said}; something else has taken over, or moves it")
 
     def _stopped(self, now: float) -> Verdict | None:
         """See that the robot stands where it was sent, and end what was cancelled."""

@@ -77,7 +77,8 @@ class ArrivalWatch:
             self.off = f"no joint states of {', '.join(delivery.names)}"
         else:
             continuous = gateway.continuous(delivery.names)
-            self.off = off_goal(delivery, positions, continuous, self._settings.goal_tolerance)
+            tolerance, moved = self._settings.goal_tolerance, self._progress.moved
+            self.off = off_goal(delivery, positions, continuous, tolerance, moved)
 
     def lost(self, patience: float) -> Verdict | None:
         """Give the verdict where controller or joint states are gone for `patience` (s)."""

@@ -68,9 +68,26 @@ def off_start(
 
 
 def off_goal(
-    delivery: Delivery, positions: FloatArray, continuous: npt.NDArray[np.bool_], tolerance: float
+    delivery: Delivery,
+    positions: FloatArray,
+    continuous: npt.NDArray[np.bool_],
+    tolerance: float,
+    moved: bool = False,
 ) -> str:
-    """Say how a robot is off the goal of a delivery; parameters as of `off_start`."""
+    """Say how a robot is off the goal of a delivery.
+
+    Parameters
+    ----------
+    delivery, positions, continuous, tolerance
+        As of `off_start`.
+    moved : bool, optional
+        Whether the robot was seen elsewhere since the delivery was sent.
+
+    Returns
+    -------
+    str
+        Joint and amount; empty if the robot is there.
+    """
     distance = apart(delivery.goal, positions, continuous)
     worst = int(np.argmax(distance))
     if distance[worst] <= tolerance:
@@ -81,5 +98,6 @@ def off_goal(
     )
     start = delivery.start
     if start is not None and np.max(apart(start, positions, continuous)) <= STILL:
-        text += "; the robot has not moved, the controller's log may say why"
+        still = "the robot has not moved, the controller's log may say why"
+        text += f"; {'the robot is back at its start' if moved else still}"
     return text

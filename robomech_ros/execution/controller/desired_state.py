@@ -6,7 +6,17 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.execution.stopping import slowed_down
 
-__all__ = ["desired_state"]
+__all__ = ["desired_state", "past_the_end"]
+
+
+def past_the_end(follower: Follower, ahead: float) -> float:
+    """Give how long (s) after the end of its trajectory a time from now is; 0 if it is not."""
+    waiting, goal = follower.waiting, follower.active
+    if waiting is not None and follower.now + ahead >= waiting.begin:
+        return max(follower.now + ahead - waiting.begin - waiting.curve.duration, 0.0)
+    if goal is None or follower.phase is Phase.STOPPING:
+        return 0.0
+    return max(goal.time + follower.motion.pace * ahead - goal.curve.duration, 0.0)
 
 
 def desired_state(follower: Follower, ahead: float) -> State:

@@ -18,7 +18,7 @@ class Refusal(NamedTuple):
 
     Attributes
     ----------
-    count : int
+    number : int
         How many were refused so far.
     code : int
         One of `Code`; 0 where none was refused since the last that was accepted.
@@ -28,7 +28,7 @@ class Refusal(NamedTuple):
         That of the trajectory, by `trajectory_label`; empty likewise.
     """
 
-    count: int
+    number: int
     code: int
     text: str
     label: str
@@ -37,7 +37,7 @@ class Refusal(NamedTuple):
 def refusal_values(refusal: Refusal) -> dict[str, object]:
     """Give a refusal as facts of a status."""
     return {
-        _COUNT: refusal.count,
+        _COUNT: refusal.number,
         _TEXT: refusal.text,
         _CODE: refusal.code,
         _LABEL: refusal.label,

@@ -23,11 +23,11 @@ class MotionCounts:
     def accept(self) -> None:
         """Count a trajectory that was accepted."""
         self.accepted += 1
-        self.refusal = NOTHING._replace(count=self.refusal.count)
+        self.refusal = NOTHING._replace(number=self.refusal.number)
 
     def refuse(self, code: int, text: str, label: str) -> None:
         """Count a trajectory that was refused, with its label, for a reason."""
-        self.refusal = Refusal(self.refusal.count + 1, int(code), text, label)
+        self.refusal = Refusal(self.refusal.number + 1, int(code), text, label)
 
     def end(self, result: GoalResult) -> None:
         """Count a motion that has ended."""

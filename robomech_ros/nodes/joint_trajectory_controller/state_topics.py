@@ -8,7 +8,7 @@ from control_msgs.srv import QueryTrajectoryState
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.desired_state import desired_state
+from robomech_ros.execution.controller.desired_state import desired_state, past_the_end
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
@@ -111,22 +111,26 @@ class StateQuery:
     def _answer(self, request: Any, response: Any) -> Any:
         response.name = self._robot.joint_names
         try:
-            state = self._desired_at(request.time)
+            state, over = self._desired_at(request.time)
         except RobomechError as error:
             response.message = str(error)
             return response
-        response.success = True
+        response.success = not over
+        if over:
+            end = f"{over:.6g} s after the end of the trajectory"
+            response.message = f"{end}: position is its last point, where the robot holds"
         response.position = floats(state.position)
         response.velocity = floats(state.velocity)
         response.acceleration = floats(state.acceleration)
         return response
 
-    def _desired_at(self, stamp: Time) -> State:
-        """Give where the joints should be at a time."""
+    def _desired_at(self, stamp: Time) -> tuple[State, float]:
+        """Give where the joints should be at a time, and how long (s) past the end that is."""
         robot = self._robot
         if robot.refuse_all:
             raise TrajectoryRefusedError(robot.refuse_all)
         with robot.lock:
             robot.advance()
             ahead = self._clock.until(stamp, robot.follower.now)
-            return desired_state(robot.follower, ahead)
+            follower = robot.follower
+            return desired_state(follower, ahead), past_the_end(follower, ahead)

@@ -132,8 +132,10 @@ class TrajectoryPlannerNode(Node):
         wanted = read_path_request(request, self._model, settings)
         start = await self._start(request.start, settings)
         path = wanted.path_from(forward_kinematics(self._chain, start))
+        kept = 1.0 - settings.limit_margin
+        limits = self._limits.scaled(velocity=kept, acceleration=kept, jerk=kept)
         options = {**wanted.options, **settings.most, "period": settings.sample_period}
-        plan = partial(plan_along, self._chain, path, start, limits=self._limits, **options)
+        plan = partial(plan_along, self._chain, path, start, limits=limits, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()
         encode_path_plan(found, wanted, self._chain.joint_names, self._points, response)

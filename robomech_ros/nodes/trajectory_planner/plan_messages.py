@@ -73,7 +73,7 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
     limits : Limits
         Of n joints.
     settings : PlannerSettings
-        Whose max_duration and max_waypoints count.
+        Whose max_duration, max_waypoints and limit_margin count.
 
     Raises
     ------
@@ -82,6 +82,7 @@ def read_plan_request(request: Any, limits: Limits, settings: PlannerSettings) -
         range.
     """
     options = _plan_options(request, settings.max_duration)
+    options |= {name: options[name] * (1.0 - settings.limit_margin) for name in _SCALES}
     via = _via_points(request, limits, settings.max_waypoints)
     return PlanRequest(via, options | {"wanted_period": _wanted_period(request)})
 

@@ -30,6 +30,14 @@ class PlannerSettings(StateSettings):
         "s",
         read_only=False,
     )
+    limit_margin: float = parameter(
+        0.0,
+        "How far planned motions stay below the limits of velocity, acceleration and jerk, as a "
+        "part of them; such as 0.01 for a controller whose own limiter complains of rounding",
+        0.0,
+        0.5,
+        read_only=False,
+    )
     max_points: int = parameter(
         10_000,
         "Most points of a planned trajectory; a request that needs more is refused",

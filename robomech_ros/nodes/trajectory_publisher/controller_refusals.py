@@ -48,10 +48,10 @@ class ControllerRefusals:
             refusal = read_refusal({entry.key: entry.value for entry in status.values})
             if refusal is None:
                 continue
-            self._count = refusal.count
+            self._count = refusal.number
             if self._sent is None:
                 continue
             delivery, label, before = self._sent
-            if refusal.label == label and refusal.count > before and refusal.code:
+            if refusal.label == label and refusal.number > before and refusal.code:
                 self._sent = None
                 self._on_refused(delivery, refusal.code, refusal.text)

@@ -28,8 +28,25 @@ def test_success_that_the_joint_states_do_not_confirm(robot, dispatcher):
     dispatcher.conclude(one, 0, "", 1.0)
     assert one.report is None
     dispatcher.step(2.1)
-    assert one.report.code == 0
+    assert one.report.code == 222
     assert "reports success, but joint 'shoulder'" in one.report.text
+    assert "the robot has not moved, the controller's log may say why" in one.report.text
+
+
+def test_success_of_what_a_topic_has_replaced(robot, dispatcher):
+    """The real controller reports success at the end of what took over: 0, with a warning."""
+    one = delivery(transport=Transport.ACTION)
+    dispatcher.offer(one, 0.0)
+    move_along(robot, dispatcher, lambda now: one.waypoints.curve.sample(now).position, 0.05, 0.5)
+    back = robot.at.copy()
+    move_along(robot, dispatcher, lambda now: back * max(1.0 - 2.0 * (now - 0.5), 0.0), 0.5, 1.05)
+    dispatcher.conclude(one, 0, "", 1.05)
+    for time in np.arange(1.1, 2.2, 0.05):
+        dispatcher.step(time)
+    assert one.report.code == 222
+    assert "the controller reports success, but joint 'shoulder' is at 0," in one.report.text
+    assert "the robot is back at its start; something else has taken over" in one.report.text
+    assert "has not moved" not in one.report.text
 
 
 def test_a_controller_that_disappears(robot, dispatcher):

@@ -122,9 +122,10 @@ def test_query_state_outside_the_range(follower):
     answer = arm.query(-100.0)
     assert not answer.success
     assert "the trajectory under way began" in answer.message
-    # After the end the robot holds there.
+    # After the end the robot holds there; the query fails, as that of joint_trajectory_controller.
     answer = arm.query(100.0)
-    assert (answer.success, answer.message) == (True, "")
+    assert not answer.success
+    assert "s after the end of the trajectory: position is its last point" in answer.message
     np.testing.assert_allclose(answer.position, FAR, atol=1e-12)
     np.testing.assert_array_equal(answer.velocity, ZERO)
     handle.cancel_goal_async()

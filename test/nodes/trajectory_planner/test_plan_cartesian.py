@@ -135,6 +135,14 @@ def test_limits_of_a_trajectory_are_told(graph):
     assert "expected at most 3 s, the parameter max_duration" in long.error_msg
 
 
+def test_a_margin_below_the_limits_is_kept_along_paths(graph):
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", limit_margin=0.1)
+    response = plan(graph, shifted([0.2, 0.0, 0.0]), profile=PlanCartesian.Request.TIME_OPTIMAL)
+    points = waypoints(response.trajectory)
+    report = verify(points, PUMA, start=START, start_tolerance=1e-6)
+    assert 0.85 < max(report.peak_velocity_ratio.max(), report.peak_acceleration_ratio.max()) <= 0.9
+
+
 def test_the_tool_keeps_its_speed(puma):
     response = plan(puma, shifted([0.2, 0.0, 0.0]), max_linear_speed=0.05)
     points, poses = dense(response)

@@ -423,3 +423,14 @@ def test_period_and_number_of_points_are_parameters(graph):
     response = plan(graph, sample_period=0.01)
     assert response.error_code == ErrorCode.BAD_VALUE
     assert "may have 50 points" in response.error_msg
+
+
+def test_a_margin_below_the_limits_is_kept_by_every_plan(graph):
+    """RUCKIG at full speed takes a joint to its limit, where samples are over it by rounding."""
+    graph.start(TrajectoryPlannerNode, robot_description="puma560", limit_margin=0.01)
+    response = plan(graph, profile=PROFILES["ruckig"])
+    check(response)
+    assert max(response.peak_velocity_ratio) <= 0.99
+    assert max(response.peak_acceleration_ratio) <= 0.99
+    assert max(response.peak_jerk_ratio) <= 0.99
+    assert max(*response.peak_velocity_ratio, *response.peak_jerk_ratio) > 0.98
