@@ -75,19 +75,12 @@ class Motion:
         Time between knots (s).
     position, velocity : ndarray, shape (n,)
         At first (rad or m, and per s).  A joint outside its limits can only move inwards.
-    lead : int
-        How many knots before the latest are shown.
     """
 
     def __init__(
-        self,
-        limits: ServoLimits,
-        period: float,
-        position: Array,
-        velocity: Array,
-        lead: int = 1,
+        self, limits: ServoLimits, period: float, position: Array, velocity: Array
     ) -> None:
-        self._names, self._period, self._lead = limits.names, period, lead
+        self._names, self._period = limits.names, period
         self._plan = StopPlan(limits, period)
         self._same = _SAME * limits.acceleration * period * (1.0 - RATE_ROUNDING)
         fastest = limits.velocity * (1.0 - RATE_ROUNDING)
@@ -96,7 +89,7 @@ class Motion:
         self._window = limits.smoothing(period)
         # The mean lags behind by half its window.
         ahead = position + 0.5 * self._window * period * speed
-        before = period * np.arange(self._window + lead, -1, -1.0)[:, None]
+        before = period * np.arange(self._window, -1, -1.0)[:, None]
         # Positions and velocities of the last knots, the latest last.
         self._positions: Array = ahead - before * speed
         self._velocities: Array = np.repeat(speed[None], len(before), axis=0)
@@ -104,6 +97,48 @@ class Motion:
         self._velocity: Numbers = speed.tolist()
         self._resting = 0 if speed.any() else len(before)
         self._plan.begin(self._position, self._velocity)
+
+    @classmethod
+    def joining(
+        cls, limits: ServoLimits, period: float, knot: tuple[Array, Array], acceleration: Array
+    ) -> "Motion | None":
+        """Go on from a knot that was reached otherwise, if there is a plan to stop from there.
+
+        Parameters
+        ----------
+        limits, period
+            As above.
+        knot : tuple of ndarray
+            Position and velocity (rad or m, and per s).
+        acceleration : ndarray, shape (n,)
+            There (rad/s^2 or m/s^2).
+        """
+        (position, velocity), window = knot, limits.smoothing(period)
+        # Of the motions with this mean that of constant acceleration.
+        times: Array = period * (np.arange(window + 1.0) - 0.5 * window)[:, None]
+        middle = position - acceleration * (period * window) ** 2 / 24.0
+        positions = middle + times * (velocity + 0.5 * times * acceleration)
+        velocities = velocity + times * acceleration
+        most = limits.acceleration * (1.0 - RATE_ROUNDING)
+        fastest = limits.velocity * (1.0 - RATE_ROUNDING)
+        harder = window > 0 and bool((np.abs(acceleration) > most).any())
+        if harder or (np.abs(velocities) > fastest).any():
+            return None
+        motion = cls(limits, period, positions[-1], np.zeros_like(velocity))
+        motion._positions, motion._velocities = positions, velocities
+        motion._velocity = velocities[-1].tolist()
+        motion._resting = 0 if velocities.any() else len(positions)
+        motion._plan.begin(motion._position, motion._velocity)
+        end = positions[-1] + 0.5 * period * motion._plan.periods * velocities[-1]
+        lower, upper = limits.inside
+        ways = np.vstack((positions, end))
+        return motion if ((lower <= ways) & (ways <= upper)).all() else None
+
+    @property
+    def knot(self) -> tuple[Array, Array]:
+        """Position and velocity of the latest knot (rad or m, and per s)."""
+        samples = self.samples()
+        return samples.positions[0], samples.velocities[0]
 
     @property
     def position(self) -> Array:
@@ -176,18 +211,15 @@ class Motion:
             rows[-1] = row
 
     def samples(self) -> Samples:
-        """Give the stream from the first knot shown on, at rest at the end."""
-        first = len(self._positions) - 1 - self._lead
+        """Give the stream from the latest knot to rest."""
         if self._window:
             return self._means()
-        q, v = self._positions[first:].copy(), self._velocities[first:].copy()
-        times: Array = self._period * np.arange(float(len(q)))
-        stop = self._plan.periods
+        q, v, stop = self._positions.copy(), self._velocities.copy(), self._plan.periods
         if not stop:
-            return Samples(times, q, v)
-        end = q[-1] + 0.5 * self._period * stop * v[-1]
-        times = np.append(times, self._period * (self._lead + stop))
-        return Samples(times, np.vstack((q, end)), np.vstack((v, np.zeros_like(end))))
+            return Samples(np.zeros(1), q, v)
+        time = self._period * stop
+        end = q + 0.5 * time * v
+        return Samples(np.array([0.0, time]), np.vstack((q, end)), np.vstack((v, 0.0 * end)))
 
     def _planned(self) -> tuple[Array, Array]:
         """Give positions and velocities of all knots known, as of the latest position.
@@ -221,7 +253,6 @@ class Motion:
         bends = change[2:] - 2.0 * change[1:-1] + change[:-2]
         told = np.ones(len(positions), dtype=bool)
         told[1:-1] = (np.abs(bends) > self._same).any(axis=1)
-        told[1 : 1 + self._lead] = True
         shown = told.nonzero()[0]
         times: Array = h * shown.astype(np.float64)
         return Samples(times, positions[shown], velocities[shown])

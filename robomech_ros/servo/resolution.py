@@ -27,7 +27,7 @@ from robomech_ros.kinematics.joint_values import raise_not_finite
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["Resolution", "TwistResolver"]
+__all__ = ["Heading", "Resolution", "TwistResolver"]
 
 Array = NDArray[np.float64]
 
@@ -70,6 +70,30 @@ class Resolution(NamedTuple):
     possible: bool
 
 
+class Heading(NamedTuple):
+    """Where a twist leads from a posture.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (n,)
+        Of the joints (rad/s or m/s).
+    gain : ndarray, shape (n, 6)
+        Joint rates for any twist, angular first, less than it needs beyond the hard stop.
+    condition : float
+        Condition number over the characteristic length.
+    possible : bool
+        Whether the arm can carry out the whole twist.
+    pose : ndarray, shape (4, 4)
+        Of the tip in the base (m).
+    """
+
+    rates: Array
+    gain: Array
+    condition: float
+    possible: bool
+    pose: Array
+
+
 @dataclass(frozen=True, eq=False)
 class _Posture:
     """The Jacobian of a posture by its singular values, lengths over the characteristic length."""
@@ -97,6 +121,11 @@ class TwistResolver:
     length : float, optional
         By which linear motions are divided (m); default the characteristic length.
 
+    Attributes
+    ----------
+    slow_from, stop_at : float
+        As given.
+
     Raises
     ------
     BadValueError
@@ -112,7 +141,7 @@ class TwistResolver:
         length: float | None = None,
     ) -> None:
         self._chain, self._approach = chain, approach
-        self._slow_from, self._stop_at = slow_from, stop_at
+        self.slow_from, self.stop_at = slow_from, stop_at
         self._per_length = 1.0 / scaling_length(chain, length)
         self._scale = np.repeat((1.0, self._per_length), 3)
         self._pose = np.empty((4, 4))
@@ -135,7 +164,7 @@ class TwistResolver:
         rank = self._rank
         left, values, right = np.linalg.svd(self._jacobian(q))
         condition = _condition(values, rank)
-        lower, least = values[0] / self._slow_from, values[0] / self._stop_at
+        lower, least = values[0] / self.slow_from, values[0] / self.stop_at
         posture = _Posture(q, left[:, :rank], values[:rank], right, lower, least)
         scaled = self._scale * twist
         parts = posture.left.T @ scaled
@@ -150,6 +179,30 @@ class TwistResolver:
         rates = _without_rounding(sound + lost)
         scale, falling = self._slowed(posture, parts, needed, lost, rates)
         return Resolution(rates, scale, not falling, condition, possible)
+
+    def heading(self, q: Array, twist: Array) -> Heading:
+        """Find where a twist leads that is carried out wholly, but for what is lost.
+
+        Unlike the rates of :meth:`resolve`, these are smooth where singular values change their
+        sign.
+
+        Parameters
+        ----------
+        q : ndarray, shape (n,)
+            Where the joints are (rad or m).
+        twist : ndarray, shape (6,)
+            Of the tip in base axes, angular first (rad/s and m/s).
+        """
+        rank = self._rank
+        left, values, right = np.linalg.svd(self._jacobian(q))
+        condition = _condition(values, rank)
+        left, values = left[:, :rank], values[:rank]
+        strength = values / np.maximum(values, values[0] / self.stop_at) ** 2
+        gain = (right[:rank].T * strength) @ left.T * self._scale
+        scaled = self._scale * twist
+        missing = _norm(scaled - left @ (left.T @ scaled))
+        possible = missing <= _SOMETHING * _norm(scaled)
+        return Heading(gain @ twist, gain, condition, possible, self._pose.copy())
 
     def _jacobian(self, q: Array) -> Array:
         scaled: Array = np.empty((6, self._chain.n))

@@ -8,16 +8,26 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.servo.commands import Command, JointCommand
+from robomech_ros.servo.commands import Command, JointCommand, TwistCommand
 from robomech_ros.servo.limits import ServoLimits
-from robomech_ros.servo.motion import Motion, Samples
+from robomech_ros.servo.line_path import LinePath
+from robomech_ros.servo.motion import Advance, Samples
 from robomech_ros.servo.report import ServoCondition, ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
+from robomech_ros.servo.stream import Stream
 from robomech_ros.spatial.arrays import all_finite, as_finite
 
 __all__ = ["Servo", "ServoSettings"]
 
 Array = NDArray[np.float64]
+
+# Twists whose directions differ by less than this are the same.
+_SAME = 1e-9
+# A twist must have been held for so many periods before joints that move get onto its line.  So
+# many pass from one attempt to the next, each at this part of the speed: slowly enough it succeeds.
+_HELD, _AGAIN, _SLOWER = 5, 3, 0.85
+# A way so short (s^2, by acceleration limits) leads nowhere.
+_BEGINNING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,20 +84,23 @@ class Servo:
         self._resolver = TwistResolver(
             chain, settings.slow_from, settings.stop_at, approach, settings.length
         )
-        self._motion: Motion | None = None
+        self._stream: Stream | None = None
         self._command: Command | None = None
+        # The twist of the period before, in its axes, and for how many periods it was the same.
+        self._last: TwistCommand | None = None
+        self._held, self._slower = 0, 1.0
         self.paused = False
 
     @property
     def active(self) -> bool:
         """Whether the stream has begun and not been let go."""
-        return self._motion is not None
+        return self._stream is not None
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> Stream:
         """The stream; only while active."""
-        assert self._motion is not None
-        return self._motion
+        assert self._stream is not None
+        return self._stream
 
     @property
     def command(self) -> Command | None:
@@ -125,7 +138,8 @@ class Servo:
             Not n finite numbers each.
         """
         given = self._finite("position", position), self._finite("velocity", velocity)
-        self._motion = Motion(self.limits, self._period, *given, lead=self._lead)
+        self._stream = Stream(self.limits, self._period, *given, lead=self._lead)
+        self._last = None
 
     def _finite(self, what: str, values: Array) -> Array:
         """Check n numbers, one for each joint."""
@@ -138,25 +152,82 @@ class Servo:
 
     def end(self) -> None:
         """Let the joints go."""
-        self._motion = None
+        self._stream = None
 
     def step(self, now: float) -> ServoReport:
         """Go on by one period; the time (s) decides whether the command is stale."""
-        motion, command = self.motion, self._command
+        stream, command = self.motion, self._command
         if command is None or now > command.until or self.paused:
-            motion.advance(np.zeros_like(motion.velocity))
+            self._last = None
+            self._stop()
             return self._standing(now)
-        if isinstance(command, JointCommand):
-            resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
-        else:
-            # The wanted velocity is that at the next knot.
-            position = motion.position + self._period * motion.velocity
-            axes = command.axes(position)
-            twist = command.twist if axes is None else _turned(axes, command.twist)
-            resolution = self._resolver.resolve(position, twist, motion.velocity)
+        if isinstance(command, TwistCommand):
+            return self._follow(command)
+        self._last = None
+        resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
         share = self.limits.share_of(resolution.rates)
-        advance = motion.advance(min(share[0], resolution.scale) * resolution.rates)
-        return motion_report(self.limits, resolution, share, advance, motion.velocity)
+        advance = stream.advance(share[0] * resolution.rates)
+        return motion_report(self.limits, resolution, share, advance, stream.velocity)
+
+    def _stop(self) -> None:
+        if self.motion.line is None:
+            self.motion.advance(np.zeros(self._chain.n))
+        else:
+            self.motion.brake()
+
+    def _follow(self, command: TwistCommand) -> ServoReport:
+        """Go on by one period with a twist."""
+        stream = self.motion
+        velocity = stream.velocity
+        # The wanted velocity is that at the next knot.
+        position = stream.position + self._period * velocity
+        twist = _twist_of(command, position)
+        same = self._last is not None and _ratio(_twist_of(self._last, position), twist) > 0.0
+        self._held = self._held + 1 if same else 0
+        if not same or stream.line is not None:
+            self._slower = 1.0
+        self._last = command
+        found = self._resolver.resolve(position, twist, velocity)
+        share = self.limits.share_of(found.rates)
+        part = min(share[0], found.scale)
+        advance = self._on_line(command, position, twist, part)
+        if advance is None:
+            advance = stream.advance(self._slower * part * found.rates)
+        elif stream.line is not None and stream.line.path.singular and not advance.bound:
+            # The end of the way is in sight.
+            found = found._replace(scale=min(part, stream.line.rate / stream.line.wanted))
+        return motion_report(self.limits, found, share, advance, stream.velocity)
+
+    def _on_line(
+        self, command: TwistCommand, position: Array, twist: Array, part: float
+    ) -> Advance | None:
+        """Go on by one period on the line of a twist; None where that cannot be."""
+        stream, line = self.motion, self.motion.line
+        if line is not None:
+            ratio = _ratio(line.path.twist(position), twist)
+            if ratio == 0.0:
+                return None
+            return stream.follow(part * ratio * line.wanted)
+        rests = stream.at_rest
+        if part == 0.0 or not twist.any():
+            return None
+        if not rests and (self._held < _HELD or self._held % _AGAIN):
+            return None
+        path = LinePath(
+            self._resolver,
+            1.0 / self.limits.acceleration,
+            stream.knot(),
+            lambda q: _twist_of(command, q),
+        )
+        if not rests:
+            joined = stream.join(path, part)
+            if joined is None and stream.moves_along(path) and not path.hopeless:
+                self._slower *= _SLOWER
+            return joined
+        if not path.reach(_BEGINNING) and not path.singular:
+            return None
+        stream.begin(path)
+        return self._on_line(command, position, twist, part)
 
     def samples(self) -> Samples:
         """Give the stream from the first knot shown on, at rest at the end."""
@@ -180,5 +251,18 @@ class Servo:
         return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)
 
 
-def _turned(axes: Array, twist: Array) -> Array:
-    return np.concatenate((axes @ twist[:3], axes @ twist[3:]))
+def _twist_of(command: TwistCommand, q: Array) -> Array:
+    """Give the twist of a command in base axes."""
+    axes = command.axes(q)
+    if axes is None:
+        return command.twist
+    return np.concatenate((axes @ command.twist[:3], axes @ command.twist[3:]))
+
+
+def _ratio(first: Array, second: Array) -> float:
+    """Give how much larger the second of two twists is; 0 where their directions differ."""
+    sizes = [float(np.abs(twist).max()) for twist in (first, second)]
+    if not all(sizes):
+        return 0.0
+    unlike = np.abs(first / sizes[0] - second / sizes[1]).max()
+    return sizes[1] / sizes[0] if unlike <= _SAME else 0.0

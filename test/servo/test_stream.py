@@ -13,6 +13,7 @@ from robomech_ros.servo.commands import JointCommand, TwistCommand
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Motion
 from robomech_ros.servo.report import ServoCondition
+from robomech_ros.servo.stream import Stream
 
 ROBOTS = ["puma560", "ur5e", "scara", "panda", "iiwa14"]
 REGULAR = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]
@@ -217,7 +218,7 @@ def test_who_gets_a_message_late_has_been_told_the_same_before(robot):
     """With a lead, the first knots of a stream are those that the one before ended with."""
     limits = ServoLimits.of(load_robot(robot))
     position, lead = load_robot(robot).midrange(), 3
-    motions = [Motion(limits, 0.01, position, np.zeros(6), lead=k) for k in (1, lead)]
+    motions = [Stream(limits, 0.01, position, np.zeros(6), lead=k) for k in (1, lead)]
     rng = np.random.default_rng(2)
     before = None
     for k in range(200):

@@ -1,0 +1,85 @@
+"""Motions along a way of the joints, and whether the cubics between knots keep limits."""
+
+from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, i8, kernel
+
+__all__ = ["cubics_inside", "postures_on_way"]
+
+
+@kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
+def postures_on_way(nodes, postures, slopes, places, rates, q, v):
+    """Fill in where joints are on a way, and how fast they move.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (s,)
+        Places along the way, increasing.
+    postures, slopes : ndarray, shape (s, n)
+        Of the joints there, and by place; a cubic leads from each to the next.
+    places, rates : ndarray, shape (k,)
+        Where on the way, and how that changes; places do not decrease.
+    q, v : ndarray, shape (k, n)
+        Filled with positions and velocities.
+    """
+    count, joints = postures.shape
+    i = 0
+    for k in range(places.shape[0]):
+        if count == 1:
+            for j in range(joints):
+                q[k, j] = postures[0, j]
+                v[k, j] = slopes[0, j] * rates[k]
+            continue
+        while i < count - 2 and nodes[i + 1] <= places[k]:
+            i += 1
+        width = nodes[i + 1] - nodes[i]
+        x = (places[k] - nodes[i]) / width
+        for j in range(joints):
+            rise = postures[i + 1, j] - postures[i, j]
+            first, last = width * slopes[i, j], width * slopes[i + 1, j]
+            b, c = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+            q[k, j] = postures[i, j] + x * (first + x * (b + x * c))
+            v[k, j] = (first + x * (2.0 * b + 3.0 * x * c)) / width * rates[k]
+    return 0
+
+
+@kernel(i8(IN1, IN2, IN2, IN2, IOUT1))
+def cubics_inside(widths, q, v, limits, out):
+    """Tell whether cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
+
+    The control points of a cubic, and of its derivatives, bound it.
+
+    Parameters
+    ----------
+    widths : ndarray, shape (k - 1,)
+        Time between each two knots (s).
+    q, v : ndarray, shape (k, n)
+        Positions and velocities of knots (rad or m, and per s).
+    limits : ndarray, shape (5, n)
+        Lower and upper ends of ranges; largest velocities, accelerations and jerks.
+    out : ndarray, shape (n,)
+        Filled with 1 for joints that leave their ranges, if rates are kept, else 0.
+    """
+    status = 0
+    for j in range(q.shape[1]):
+        out[j] = 0
+        before = 0.0
+        for k in range(widths.shape[0]):
+            h, first, last = widths[k], v[k, j], v[k + 1, j]
+            middle = 3.0 * (q[k + 1, j] - q[k, j]) / h - first - last
+            start, end = 2.0 * (middle - first) / h, 2.0 * (last - middle) / h
+            # What changes at a knot counts as if it took a period.
+            change = abs(end - start) + (abs(start - before) if k else 0.0)
+            before = end
+            speed = max(abs(middle), abs(first), abs(last))
+            if (
+                speed > limits[2, j]
+                or max(abs(start), abs(end)) > limits[3, j]
+                or change > limits[4, j] * h
+            ):
+                return 1
+            low = min(q[k, j], q[k + 1, j], q[k, j] + h / 3.0 * first, q[k + 1, j] - h / 3.0 * last)
+            high = max(
+                q[k, j], q[k + 1, j], q[k, j] + h / 3.0 * first, q[k + 1, j] - h / 3.0 * last
+            )
+            if low < limits[0, j] or high > limits[1, j]:
+                out[j], status = 1, 2
+    return status

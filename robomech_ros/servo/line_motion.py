@@ -1,0 +1,273 @@
+"""A motion along the way for a twist, that can stop on it at any moment within all limits.
+
+How far it has come along the way is a motion of one dimension: constant accelerations between
+knots, and the mean over as many periods as jerks need.  The joints follow the way, so the tip
+remains on its line however much the motion is slowed down.  At each knot there is a plan to stop on
+the way whose cubics, joint by joint, were found inside all limits.  Another speed is taken only
+with such a plan; where there is none, the motion goes on by the plan from before.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.servo.cubics import CubicCheck
+from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.line_path import LinePath
+from robomech_ros.servo.motion import Advance, Samples
+
+__all__ = ["Deviation", "LineMotion"]
+
+Array = NDArray[np.float64]
+
+# Parts of the acceleration limits with which the motion begins and brakes; the bends of the way
+# need the rest.
+_LEVELS = (0.95, 0.7, 0.45, 0.25, 0.1)
+# After so many periods a higher one is tried again.
+_RETRY = 10
+# How often the change of speed is halved to find the largest that is allowed.
+_HALVINGS = 5
+# What a number of periods may be over a whole one by rounding.
+_PERIODS = 1e-9
+# Of the plan to stop, every so many knots are shown, if cubics between them keep the limits.
+_THIN = (4, 2)
+
+
+class Deviation:
+    """How joints that come from elsewhere get onto the way: what they are off, and how that ends.
+
+    Parameters
+    ----------
+    velocity, acceleration : ndarray, shape (n,)
+        What they have more than the motion along the way (rad or m, per s and s^2).
+    period : float
+        Time between knots (s).
+    count : int
+        Of periods after which they are on the way.
+    """
+
+    def __init__(self, velocity: Array, acceleration: Array, period: float, count: int) -> None:
+        length = count * period
+        x = np.linspace(0.0, 1.0, count + 1)[:, None]
+        first, second = length * velocity, 0.5 * length**2 * acceleration
+        # The quintic with nothing left at the end.
+        cubic, quartic, quintic = (
+            -6.0 * first - 3.0 * second,
+            8.0 * first + 3.0 * second,
+            -3.0 * first - second,
+        )
+        self.q: Array = x * (first + x * (second + x * (cubic + x * (quartic + x * quintic))))
+        self.v: Array = (
+            first + x * (2.0 * second + x * (3.0 * cubic + x * (4.0 * quartic + x * 5.0 * quintic)))
+        ) / length
+        # Exactly, not but for rounding.
+        self.q[-1] = self.v[-1] = 0.0
+
+    @property
+    def left(self) -> int:
+        """How many periods it takes."""
+        return len(self.q) - 1
+
+    def go_on(self) -> None:
+        """Let a period pass."""
+        self.q, self.v = self.q[1:], self.v[1:]
+
+
+class _Plan(NamedTuple):
+    """A motion from the latest knot to rest.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (k,)
+        Of the next knot and those after it, before the mean (1/s).
+    q, v : ndarray, shape (m, n)
+        Of the joints at all knots, that of now included (rad or m, and per s).
+    """
+
+    rates: Array
+    q: Array
+    v: Array
+
+
+class LineMotion:
+    """Where the joints are told to be on a way, one knot after the other.
+
+    Parameters
+    ----------
+    path : LinePath
+        Begins where the joints are.
+    limits : ServoLimits
+        Of the n joints.
+    period : float
+        Time between knots (s).
+    rate : float
+        How fast it begins on the way (1/s).
+    deviation : Deviation, optional
+        By which the joints are not yet on the way.
+    """
+
+    def __init__(
+        self,
+        path: LinePath,
+        limits: ServoLimits,
+        period: float,
+        rate: float = 0.0,
+        deviation: Deviation | None = None,
+    ) -> None:
+        self.path = path
+        self._names, self._period, self._acceleration = limits.names, period, limits.acceleration
+        self._check = CubicCheck(limits)
+        self._window = limits.smoothing(period)
+        # Places and rates of the last knots before the mean, the latest last.
+        behind = np.arange(-self._window, 1.0) + 0.5 * self._window
+        self._places: Array = period * rate * behind
+        self._rates: Array = np.full(self._window + 1, rate)
+        self._deviation = deviation
+        self._level, self._since = 0, 0
+        q, v = path.at(np.zeros(1), np.array([rate]))
+        if deviation is not None:
+            v += deviation.v[:1]
+        self._plan = _Plan(np.zeros(0), q, v)
+
+    @property
+    def rate(self) -> float:
+        """How fast it is on the way before the mean (1/s)."""
+        return float(self._rates[-1])
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves any more."""
+        return len(self._plan.q) == 1
+
+    @property
+    def knot(self) -> tuple[Array, Array]:
+        """Position and velocity of the latest knot (rad or m, and per s)."""
+        return self._plan.q[0], self._plan.v[0]
+
+    @property
+    def wanted(self) -> float:
+        """The rate (1/s) of the whole twist."""
+        return self.path.rate(float(self._places[-1]))
+
+    def ahead(self) -> tuple[Array, Array]:
+        """Give posture and joint rates before the mean."""
+        q, v = self.path.at(self._places[-1:], self._rates[-1:])
+        return q[0], v[0]
+
+    def advance(self, wanted: float) -> Advance:
+        """Go on by one period, towards a rate (1/s) as fast as limits allow."""
+        self._since += 1
+        first = self._level - 1 if self._since >= _RETRY and self._level else self._level
+        bound: Sequence[int] = ()
+        for level in sorted(range(len(_LEVELS)), key=lambda i: i != first):
+            step = self._step(level)
+            rate = min(max(wanted, self.rate - step), self.rate + step)
+            plan, out = self._planned(rate, step)
+            if plan is not None:
+                if level != self._level or level != first:
+                    self._since = 0
+                self._level = level
+                self._take(plan)
+                return Advance(min(1.0, rate / wanted) if wanted else 1.0, 1.0, ())
+            bound = bound or out
+        self._since = 0
+        allowed = self._take_part(wanted)
+        return Advance(1.0, allowed, tuple(self._names[i] for i in bound))
+
+    def stuck(self, advance: Advance) -> bool:
+        """Whether it stands for no reason that the posture gives."""
+        ends = self.path.singular or advance.bound
+        return self.at_rest and advance.allowed == 0.0 and not ends
+
+    def brake(self) -> None:
+        """Go on by one period on the plan to stop."""
+        if not self.at_rest:
+            self._take(self._plan)
+
+    def samples(self) -> Samples:
+        """Give the stream from the latest knot to rest."""
+        q, v = self._plan.q, self._plan.v
+        count = len(q)
+        for thin in _THIN:
+            shown = np.unique(np.r_[0, 1, 2:count:thin, count - 1].clip(0, count - 1))
+            times: Array = self._period * shown.astype(np.float64)
+            if len(q) == 1 or self._check.of(np.diff(times), q[shown], v[shown]).inside:
+                return Samples(times, q[shown], v[shown])
+        return Samples(self._period * np.arange(float(count)), q, v)
+
+    def _step(self, level: int) -> float:
+        """Give by how much the rate can change in a period, at a level of acceleration."""
+        slope = self.path.slope(float(self._places[-1]))
+        most = 1.0 / float((np.abs(slope) / self._acceleration).max())
+        return _LEVELS[level] * most * self._period
+
+    def _take_part(self, wanted: float) -> float:
+        """Take the largest part of a change of the rate that is allowed; gives the part."""
+        rates = self._plan.rates
+        least = float(rates[0]) if len(rates) else 0.0
+        step = self._step(self._level)
+        # With this step the plan from before is what none of the change leads to.
+        braking = max(self.rate - least, 0.0) or step
+        target = min(wanted, self.rate + step)
+        low, high, best = 0.0, 1.0, self._plan
+        for _ in range(_HALVINGS if target > least else 0):
+            part = 0.5 * (low + high)
+            plan, _ = self._planned(least + part * (target - least), braking)
+            if plan is None:
+                high = part
+            else:
+                low, best = part, plan
+        if best is self._plan:
+            self.brake()
+        else:
+            self._take(best)
+        return low
+
+    def _planned(self, rate: float, step: float) -> tuple[_Plan | None, Sequence[int]]:
+        """Plan to take a rate, then to lose so much of it in each period.
+
+        None where that is not inside the limits, with the joints that exceed their ranges.
+        """
+        h, m = self._period, self._window
+        stop = math.ceil(rate / step - _PERIODS)
+        rates = rate * np.arange(stop, -1.0, -1.0) / max(stop, 1)
+        held = 0 if self._deviation is None else max(self._deviation.left - stop - m - 1, 0)
+        speeds = np.concatenate((self._rates, rates, np.zeros(m + held)))
+        places = np.empty_like(speeds)
+        places[0] = 0.0
+        np.cumsum(0.5 * h * (speeds[1:] + speeds[:-1]), out=places[1:])
+        places += self._places[-1] - places[m]
+        if not self.path.reach(float(places[-1])):
+            return None, ()
+        if m:
+            sums = np.zeros_like(places)
+            np.cumsum(places[:-1] + h / 6.0 * (2.0 * speeds[:-1] + speeds[1:]), out=sums[1:])
+            speeds = (places[m:] - places[:-m]) / (m * h)
+            places = (sums[m:] - sums[:-m]) / m
+        speeds[-1] = 0.0
+        q, v = self.path.at(places, speeds)
+        if self._deviation is not None:
+            count = len(self._deviation.q)
+            q[:count] += self._deviation.q
+            v[:count] += self._deviation.v
+        q[0], v[0] = self.knot
+        verdict = self._check.of(np.full(len(q) - 1, h), q, v)
+        return (_Plan(rates, q, v) if verdict.inside else None), verdict.bound
+
+    def _take(self, plan: _Plan) -> None:
+        """Go on to the next knot of a plan."""
+        h, rates = self._period, plan.rates
+        rate = float(rates[0]) if len(rates) else 0.0
+        self._places = np.append(
+            self._places[1:], self._places[-1] + 0.5 * h * (self._rates[-1] + rate)
+        )
+        self._rates = np.append(self._rates[1:], rate)
+        self._plan = _Plan(rates[1:], plan.q[1:], plan.v[1:])
+        if self._deviation is not None:
+            self._deviation.go_on()
+            if not self._deviation.left:
+                self._deviation = None
+        self.path.forget_before(float(self._places[0]))

@@ -1,0 +1,192 @@
+"""The stream of knots: free motions of the joints, or motions along the way for a twist."""
+
+import math
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.line_motion import Deviation, LineMotion
+from robomech_ros.servo.line_path import LinePath
+from robomech_ros.servo.motion import Advance, Motion, Samples
+
+__all__ = ["Stream"]
+
+Array = NDArray[np.float64]
+
+# In what time joints that move get onto the way for a twist (s), and no less than this part of the
+# time of the mean.
+_JOINING, _JOINING_OF_MEAN = (0.2, 0.5, 1.0), 1.5
+# The cosine between velocities that are nearly along the way.
+_ALONG = 0.9
+# A place so far along the way serves to see how it bends.
+_BEND = 1e-3
+
+
+class Stream:
+    """Where the joints are told to be, in which way so ever.
+
+    Parameters
+    ----------
+    limits : ServoLimits
+        Of the n joints.
+    period : float
+        Time between knots (s).
+    position, velocity : ndarray, shape (n,)
+        At first (rad or m, and per s).  A joint outside its limits can only move inwards.
+    lead : int
+        How many knots before the latest are shown.
+
+    Attributes
+    ----------
+    line : LineMotion or None
+        The motion along the way for a twist, while there is one.
+    """
+
+    def __init__(
+        self,
+        limits: ServoLimits,
+        period: float,
+        position: Array,
+        velocity: Array,
+        lead: int = 1,
+    ) -> None:
+        self._limits, self._period, self._lead = limits, period, lead
+        self._free = Motion(limits, period, position, velocity)
+        self.line: LineMotion | None = None
+        q, v = self._free.knot
+        before = range(max(lead, 1), -1, -1)
+        # The last knots, the latest last.
+        self._knots = deque([(q - i * period * v, v) for i in before], maxlen=len(before))
+
+    @property
+    def position(self) -> Array:
+        """Where the latest knot is, before any mean (rad or m)."""
+        return self._free.position if self.line is None else self.line.ahead()[0]
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity there (rad/s or m/s)."""
+        return self._free.velocity if self.line is None else self.line.ahead()[1]
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves any more."""
+        return self._free.at_rest if self.line is None else self.line.at_rest
+
+    def advance(self, wanted: Array) -> Advance:
+        """Go on by one period, towards a velocity (rad/s or m/s) as fast as limits allow.
+
+        From the way for a twist the joints go on where that leaves them a plan to stop; before
+        that they brake on it.
+        """
+        if self.line is not None:
+            joined = Motion.joining(
+                self._limits, self._period, self._knots[-1], self._acceleration()
+            )
+            if joined is None:
+                self.brake()
+                return Advance(0.0, 1.0, ())
+            self._free, self.line = joined, None
+        advance = self._free.advance(wanted)
+        self._knots.append(self._free.knot)
+        return advance
+
+    def brake(self) -> None:
+        """Go on by one period on the plan to stop."""
+        if self.line is None:
+            self._free.brake()
+            self._knots.append(self._free.knot)
+            return
+        self.line.brake()
+        self._knots.append(self.line.knot)
+        if self.line.at_rest:
+            self.leave()
+
+    def leave(self) -> None:
+        """Leave the way for a twist, on which nothing moves."""
+        q, v = self._knots[-1]
+        self._free, self.line = Motion(self._limits, self._period, q, np.zeros_like(v)), None
+
+    def follow(self, wanted: float) -> Advance | None:
+        """Go on by one period on the way for a twist, towards a rate on it (1/s).
+
+        None where the motion stands for no reason that the posture gives; it has left the way then.
+        """
+        assert self.line is not None
+        advance = self.line.advance(wanted)
+        if self.line.stuck(advance):
+            self.leave()
+            return None
+        self._knots.append(self.line.knot)
+        return advance
+
+    def begin(self, path: LinePath) -> None:
+        """Go on along a way that begins where the joints rest."""
+        self.line = LineMotion(path, self._limits, self._period)
+
+    def join(self, path: LinePath, share: float) -> Advance | None:
+        """Go on by a period onto a way that begins at the latest knot, in motion.
+
+        Parameters
+        ----------
+        path : LinePath
+            The way.
+        share : float
+            Of the twist that is wanted.
+
+        Returns
+        -------
+        Advance or None
+            None where the limits do not allow to get there; nothing has changed then.
+        """
+        if not path.reach(_BEND):
+            return None
+        _, v = self._knots[-1]
+        slope = path.slope(0.0)
+        rate = max(self._along(slope, v), 0.0)
+        bend = (path.slope(_BEND) - slope) / _BEND
+        off = v - rate * slope, self._acceleration() - rate**2 * bend
+        shortest = _JOINING_OF_MEAN * self._limits.smoothing(self._period) * self._period
+        for time in _JOINING:
+            count = round(max(time, shortest) / self._period)
+            line = LineMotion(
+                path, self._limits, self._period, rate, Deviation(*off, self._period, count)
+            )
+            advance = line.advance(share * line.wanted)
+            if not line.at_rest:
+                self.line = line
+                self._knots.append(line.knot)
+                return advance
+        return None
+
+    def moves_along(self, path: LinePath) -> bool:
+        """Whether the joints move nearly in the direction in which a way begins."""
+        _, v = self._knots[-1]
+        return self._along(path.slope(0.0), v) > _ALONG * math.sqrt(self._along(v, v))
+
+    def _along(self, u: Array, v: Array) -> float:
+        """Give the product of velocities, each joint over its acceleration limit."""
+        return float((u / self._limits.acceleration) @ (v / self._limits.acceleration))
+
+    def knot(self) -> Array:
+        """Give the position of the latest knot (rad or m)."""
+        return self._knots[-1][0]
+
+    def _acceleration(self) -> Array:
+        """Give that with which the latest knot was reached (rad/s^2 or m/s^2)."""
+        (q, v), (last, then) = list(self._knots)[-2:]
+        h = self._period
+        return (6.0 * (q - last) / h + 2.0 * v + 4.0 * then) / h
+
+    def samples(self) -> Samples:
+        """Give the stream from the first knot shown on, at rest at the end."""
+        plan = (self._free if self.line is None else self.line).samples()
+        known = list(self._knots)[-1 - self._lead : -1]
+        times: Array = self._period * np.arange(float(len(known)))
+        return Samples(
+            np.append(times, plan.times + self._lead * self._period),
+            np.vstack([*(q for q, _ in known), plan.positions]),
+            np.vstack([*(v for _, v in known), plan.velocities]),
+        )

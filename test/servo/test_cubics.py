@@ -1,0 +1,53 @@
+"""Cubics between knots, compared with limits."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.servo.cubics import CubicCheck
+from robomech_ros.servo.limits import ServoLimits
+
+H = 0.1
+LIMITS = {"lower": -1.0, "upper": 1.0, "velocity": 1.0, "acceleration": 2.0, "jerk": 20.0}
+
+
+def check(**limits):
+    given = {name: np.array([x, x]) for name, x in (LIMITS | limits).items()}
+    return CubicCheck(ServoLimits(("still", "joint"), **given))
+
+
+def knots(start, velocity, acceleration, jerk, count=3):
+    """Two joints, one at rest, the other with a constant jerk."""
+    t = H * np.arange(count)
+    q = start + t * (velocity + t * (acceleration / 2.0 + t * jerk / 6.0))
+    v = velocity + t * (acceleration + t * jerk / 2.0)
+    return np.full(count - 1, H), np.c_[0.0 * t, q], np.c_[0.0 * t, v]
+
+
+@pytest.mark.parametrize(
+    ("motion", "inside", "bound"),
+    [
+        ((0.0, 0.5, 0.0, 0.0), True, []),
+        ((0.0, 0.99, 0.0, 0.0), True, []),
+        ((0.0, 1.01, 0.0, 0.0), False, []),
+        ((0.0, 0.0, 1.99, 0.0), True, []),
+        ((0.0, 0.0, 2.01, 0.0), False, []),
+        ((0.0, 0.0, -2.01, 0.0), False, []),
+        ((0.0, 0.0, -1.99, 19.9), True, []),
+        ((0.0, 0.0, -1.99, 20.1), False, []),
+        ((0.95, 0.5, 0.0, 0.0), False, [1]),
+        ((-0.95, -0.5, 0.0, 0.0), False, [1]),
+        ((0.85, 0.5, 0.0, 0.0), True, []),
+    ],
+)
+def test_each_limit_is_kept_or_not(motion, inside, bound):
+    verdict = check().of(*knots(*motion))
+    assert (verdict.inside, list(verdict.bound)) == (inside, bound)
+
+
+def test_a_jump_of_the_acceleration_counts_as_if_it_took_a_period():
+    _, q, v = knots(0.0, 0.0, 0.0, 0.0, 2)
+    _, onwards, faster = knots(0.0, 0.0, 1.0, 0.0, 2)
+    joined = np.full(2, H), np.vstack((q, onwards[1:])), np.vstack((v, faster[1:]))
+    assert check().of(*joined).inside
+    assert not check(jerk=9.9).of(*joined).inside
+    assert check(jerk=np.inf).of(*joined).inside
