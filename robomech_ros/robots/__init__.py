@@ -14,16 +14,30 @@ from robomech_ros.robots.library import (
     load_robot,
     robot_folders,
 )
+from robomech_ros.robots.mimic import Follower
+from robomech_ros.robots.semantic import (
+    DisabledCollision,
+    EndEffector,
+    Group,
+    SemanticDescription,
+)
+from robomech_ros.robots.srdf import load_srdf
+from robomech_ros.robots.urdf.writer import urdf_from_description
 
 __all__ = [
     "PRISMATIC",
     "REVOLUTE",
     "Body",
     "DHTable",
+    "DisabledCollision",
     "Drive",
+    "EndEffector",
+    "Follower",
+    "Group",
     "Joint",
     "LinkFrame",
     "RobotDescription",
+    "SemanticDescription",
     "SerialChain",
     "chain_from_dh",
     "combined",
@@ -31,5 +45,7 @@ __all__ = [
     "list_robots",
     "load_description",
     "load_robot",
+    "load_srdf",
     "robot_folders",
+    "urdf_from_description",
 ]

@@ -84,6 +84,8 @@ class SerialChain:
         i; None where nothing is known of it.  Default nothing known.
     drives : tuple of Drive
         Friction and rotor of each joint.  Default none.
+    home_given : ndarray, shape (n,), or None
+        Where the robot stands to begin with (rad or m), within the limits; see :meth:`home`.
     """
 
     name: str
@@ -102,6 +104,7 @@ class SerialChain:
     dh_given: DHTable | None = None
     bodies: tuple[Body | None, ...] = ()
     drives: tuple[Drive, ...] = ()
+    home_given: Array | None = None
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):
@@ -128,6 +131,17 @@ class SerialChain:
         object.__setattr__(self, "bodies", bodies or (None,) * n)
         drives = checked_entries("drives", self.drives, Drive, n)
         object.__setattr__(self, "drives", drives or (Drive(),) * n)
+        if self.home_given is not None:
+            self._freeze("home_given", np.float64, (n,))
+            self._check_home(self.home_given)
+
+    def _check_home(self, home: Array) -> None:
+        for name, value, low, high in zip(
+            self.joint_names, home.tolist(), self.lower, self.upper, strict=True
+        ):
+            if not low <= value <= high or not np.isfinite(value):
+                expected = f"a number from {low:.6g} to {high:.6g}"
+                raise BadValueError(f"home of joint '{name}'", value, expected)
 
     def _freeze(self, field: str, dtype: type, shape: tuple[int, ...]) -> None:
         array: NDArray = np.array(getattr(self, field), dtype=dtype, order="C")
@@ -239,6 +253,7 @@ class SerialChain:
             frames=tuple(frame for frame in self.frames if frame.joints <= k),
             bodies=bodies_carried(self.bodies, self.packed, rest, k),
             drives=self.drives[:k],
+            home_given=None if self.home_given is None else self.home_given[:k],
         )
 
     @cached_property
@@ -260,6 +275,14 @@ class SerialChain:
     def _links_moved_by(self, i: int) -> list[str]:
         names = [frame.name for frame in self.frames if frame.joints == i + 1]
         return names or [f"what joint {self.joint_names[i]} moves"]
+
+    def home(self) -> Array:
+        """Posture to begin with (rad or m), shape (n,): the one given, else :meth:`midrange`.
+
+        That of a robot of the library is far from singular, which the middle of its limits, an
+        arm stretched out or straight up, mostly is not.
+        """
+        return self.midrange() if self.home_given is None else self.home_given.copy()
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

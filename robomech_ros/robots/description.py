@@ -1,5 +1,6 @@
 """A robot as a tree of links and joints, and the serial chains in it."""
 
+import math
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -8,12 +9,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
+from robomech_ros.errors import (
+    BadValueError,
+    NonFiniteError,
+    RobotDescriptionError,
+    UnknownJointError,
+    UnknownLinkError,
+)
 from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.joint import MOVING, Joint, turn_of_z
+from robomech_ros.robots.mimic import Follower, followers
 from robomech_ros.spatial import inverse_pose
 
 __all__ = ["RobotDescription"]
@@ -45,6 +53,10 @@ class RobotDescription:
         The table the whole robot was given as.
     bodies : mapping of str to Body
         Masses and inertias of links, each in the link's own frame, where they are known.
+    home : mapping of str to float
+        Where joints stand to begin with (rad or m), of those that have a posture of their own.
+    document : str
+        The text of the URDF that it was read from, empty where there was none.
     """
 
     name: str
@@ -54,6 +66,8 @@ class RobotDescription:
     source: str = ""
     dh: DHTable | None = None
     bodies: Mapping[str, Body] = field(default_factory=dict)
+    home: Mapping[str, float] = field(default_factory=dict)
+    document: str = ""
 
     @cached_property
     def root(self) -> str:
@@ -70,6 +84,84 @@ class RobotDescription:
         for joint in self.joints:
             children[joint.parent].append(joint)
         return children
+
+    @cached_property
+    def _at_rest(self) -> dict[str, float]:
+        return self.joint_positions()
+
+    @cached_property
+    def followers(self) -> dict[str, Follower]:
+        """The joints that mimic others, by name; see :class:`Follower`."""
+        return followers(self.joints)
+
+    def joint_positions(self, positions: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Complete joint positions: of every revolute, continuous and prismatic joint.
+
+        Parameters
+        ----------
+        positions : mapping of str to float, optional
+            rad or m, by joint.  Joints that are not named stand at 0 or at their limit next to
+            it; those that mimic others follow them, unless they are named themselves, as
+            robot_state_publisher has it.
+
+        Returns
+        -------
+        dict
+            rad or m, by joint, in the order of the joints.
+
+        Raises
+        ------
+        UnknownJointError
+            No joint of this name moves; the error lists those that do.
+        BadValueError, NonFiniteError
+            A position is no finite number.
+        """
+        moving = {joint.name: joint for joint in self.joints if joint.moves}
+        given = _checked_positions({} if positions is None else positions, moving)
+        found = {name: given.get(name, joint.rest) for name, joint in moving.items()}
+        for name, follower in self.followers.items():
+            if name not in given:
+                found[name] = follower.position(found[follower.leader])
+        return found
+
+    def link_poses(self, positions: Mapping[str, float] | None = None) -> dict[str, Array]:
+        """Compute the poses of all links of the tree, joints that mimic others following.
+
+        Parameters
+        ----------
+        positions : mapping of str to float, optional
+            As for :meth:`joint_positions`.  Planar and floating joints stand at their origin.
+
+        Returns
+        -------
+        dict
+            ``T_root_link`` of every link, shape (4, 4) (m), parents first.
+
+        Raises
+        ------
+        UnknownJointError, BadValueError, NonFiniteError
+            As for :meth:`joint_positions`.
+
+        See Also
+        --------
+        robomech_ros.kinematics.link_poses : of the links along a chain, compiled, and in batches.
+
+        Examples
+        --------
+        >>> from robomech_ros.robots import load_description
+        >>> poses = load_description("ur5e").link_poses({"shoulder_pan_joint": 1.0})
+        >>> poses["tool0"].shape
+        (4, 4)
+        """
+        at = self.joint_positions(positions)
+        poses = {self.root: np.eye(4)}
+        waiting = deque([self.root])
+        while waiting:
+            link = waiting.popleft()
+            for joint in self._to_children[link]:
+                poses[joint.child] = poses[link] @ joint.pose(at.get(joint.name, 0.0))
+                waiting.append(joint.child)
+        return poses
 
     def chain(self, base: str | None = None, tip: str | None = None) -> SerialChain:
         """Extract the chain from one link to a link below it, fixed joints folded.
@@ -155,10 +247,13 @@ class RobotDescription:
         where = f"{self.where}: joint '{joint.name}'"
         between = f"on the chain from '{base}' to '{tip}'"
         if joint.mimic is not None:
-            why = f"it mimics joint '{joint.mimic}' {between}; choose a chain without it"
+            why = f"it mimics joint '{joint.mimic}' {between}; choose a tip before it"
             raise RobotDescriptionError(where, why)
         if not joint.moves and joint.type != "fixed":
-            why = f"type '{joint.type}' {between}; a chain takes {', '.join(MOVING)} and fixed"
+            why = (
+                f"type '{joint.type}' {between}; a chain takes {', '.join(MOVING)} and fixed: "
+                f"begin behind it (base='{joint.child}', --base-link {joint.child}) or end before"
+            )
             raise RobotDescriptionError(where, why)
 
     def _below(self, base: str) -> Iterator[str]:
@@ -187,8 +282,34 @@ class RobotDescription:
                 return named[0]
         if not leaves:
             raise RobotDescriptionError(self.where, f"no joint moves below link '{base}'")
-        why = f"several links could be the tip, name one of them: {_listed(sorted(leaves))}"
+        names = _listed(self._possible_tips(moved, leaves))
+        why = f"several links could be the tip, name one with tip= or --tip-link: {names}"
         raise RobotDescriptionError(self.where, why)
+
+    def _possible_tips(self, moved: list[str], leaves: list[str]) -> list[str]:
+        """List where tools are mounted, and the leaves that can end a chain.
+
+        Mounted is what lies behind the last link before the ways to the leaves part, and behind
+        joints that mimic others, which cannot be on a chain.
+        """
+        ways = [self._way_up(leaf) for leaf in leaves]
+        shared = set(ways[0]).intersection(*ways[1:])
+        forks = [link for link in ways[0] if link in shared][:1]
+        ends = []
+        for leaf, way in zip(leaves, ways, strict=True):
+            mimics = [link for link in way[:-1] if self._to_parent[link].mimic is not None]
+            if mimics:
+                forks.append(self._to_parent[mimics[-1]].parent)
+            else:
+                ends.append(leaf)
+        tips = dict.fromkeys([*forks, *sorted(ends)])
+        return [link for link in tips if link in moved]
+
+    def _way_up(self, link: str) -> list[str]:
+        way = [link]
+        while way[-1] in self._to_parent:
+            way.append(self._to_parent[way[-1]].parent)
+        return way
 
     def _folded(self, base: str, above: str, pose: Array, path: list[Joint]) -> SerialChain:
         """Multiply out what lies between moving joints, each of them turned onto its z axis.
@@ -233,11 +354,19 @@ class RobotDescription:
             dh_given=self.dh if whole else None,
             bodies=self._bodies(along, len(moving)),
             drives=tuple(joint.drive for joint in moving),
+            home_given=self._home_of(moving),
         )
+
+    def _home_of(self, moving: list[Joint]) -> Array | None:
+        """Give the part of the home posture that a chain's joints have, if they have all of it."""
+        if not all(joint.name in self.home for joint in moving):
+            return None
+        return np.array([self.home[joint.name] for joint in moving])
 
     def _bodies(self, along: list[LinkFrame], n: int) -> tuple[Body | None, ...]:
         """Combine what moves with each joint of a chain, other joints standing where they rest."""
         parts: list[list[Body]] = [[] for _ in range(n + 1)]
+        at_rest = self._at_rest
         on_chain = {frame.name for frame in along}
         waiting = [(frame.name, frame.joints, frame.offset) for frame in along]
         while waiting:
@@ -246,7 +375,8 @@ class RobotDescription:
                 parts[joints].append(self.bodies[link].seen_from(pose))
             for joint in self._to_children[link]:
                 if joint.child not in on_chain:
-                    waiting.append((joint.child, joints, pose @ joint.at_rest))
+                    beyond = pose @ joint.pose(at_rest.get(joint.name, 0.0))
+                    waiting.append((joint.child, joints, beyond))
         return tuple(combined(part) for part in parts[1:])
 
     def _attached(self, along: list[LinkFrame]) -> Iterator[LinkFrame]:
@@ -262,6 +392,25 @@ class RobotDescription:
                     attached = LinkFrame(joint.child, frame.joints, offset, frame.name)
                     yield attached
                     waiting.append(attached)
+
+
+def _checked_positions(
+    positions: Mapping[str, float], moving: Mapping[str, Joint]
+) -> dict[str, float]:
+    if not isinstance(positions, Mapping):
+        raise BadValueError("positions", positions, "a mapping of names of joints to numbers")
+    checked = {}
+    for name, value in positions.items():
+        if name not in moving:
+            raise UnknownJointError(name, moving)
+        what = f"position of joint '{name}'"
+        try:
+            checked[name] = float(value)
+        except (TypeError, ValueError):
+            raise BadValueError(what, value, "a number, rad or m") from None
+        if not math.isfinite(checked[name]):
+            raise NonFiniteError(what, value)
+    return checked
 
 
 def _listed(names: list[str]) -> str:

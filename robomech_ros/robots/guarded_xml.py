@@ -4,13 +4,15 @@ A document type declaration, and with it every entity, is refused before the par
 size, depth and number of elements are capped.
 """
 
+import codecs
+import re
 from dataclasses import dataclass, field
 from typing import Any
 from xml.parsers import expat
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_XML", "XmlElement", "parse_xml"]
+__all__ = ["LARGEST_XML", "XmlElement", "parse_xml", "refuse_xacro", "text_of_xml"]
 
 # Bytes; the largest URDF seen in the wild (humanoids with inline data) is below 2 MiB.
 LARGEST_XML = 8 * 1024 * 1024
@@ -20,11 +22,17 @@ DEEPEST = 64
 
 @dataclass
 class XmlElement:
-    """An element with its attributes, children and line; character data is dropped."""
+    """An element with its attributes, children and place; character data is dropped.
+
+    The line counts from 1; the bytes at which its first and its last tag begin count from 0.  Of
+    an element of one tag the last byte is the one after it.
+    """
 
     tag: str
     attributes: dict[str, str]
     line: int
+    first_byte: int = 0
+    last_byte: int = 0
     children: list["XmlElement"] = field(default_factory=list)
 
     def all(self, tag: str) -> list["XmlElement"]:
@@ -54,7 +62,8 @@ class _Builder:
             raise self.refuse(f"more than {MOST_ELEMENTS} elements")
         if len(self.open) >= DEEPEST:
             raise self.refuse(f"elements nested deeper than {DEEPEST}")
-        element = XmlElement(tag, attributes, self.parser.CurrentLineNumber)
+        line, byte = self.parser.CurrentLineNumber, self.parser.CurrentByteIndex
+        element = XmlElement(tag, attributes, line, byte, byte)
         if self.open:
             self.open[-1].children.append(element)
         else:
@@ -62,7 +71,7 @@ class _Builder:
         self.open.append(element)
 
     def end(self, _: str) -> None:
-        self.open.pop()
+        self.open.pop().last_byte = self.parser.CurrentByteIndex
 
 
 def parse_xml(text: str | bytes, where: str) -> XmlElement:
@@ -112,8 +121,54 @@ def parse_xml(text: str | bytes, where: str) -> XmlElement:
 
 def _encoded(text: str | bytes, where: str) -> bytes:
     if isinstance(text, bytes):
-        return text
+        # Blanks in front of the declaration are against the rules, and common.
+        return text.removeprefix(codecs.BOM_UTF8).lstrip(b" \t\r\n")
     try:
         return text.lstrip("\ufeff \t\r\n").encode("utf-8")
     except UnicodeEncodeError as error:
         raise RobotDescriptionError(where, f"not valid text: {error.reason}") from None
+
+
+# What xacro leaves to be expanded, but for definitions, without which nothing is missing.
+_XACRO = "xacro:"
+_XACRO_DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
+
+
+def refuse_xacro(root: XmlElement, where: str) -> None:
+    """Refuse a document in which something is still to be expanded.
+
+    Raises
+    ------
+    RobotDescriptionError
+        The line and the element are named.
+    """
+    for child in root.children:
+        if child.tag.startswith(_XACRO) and child.tag not in _XACRO_DEFINITIONS:
+            place = f"{where}: line {child.line}"
+            why = f"<{child.tag[:80]}>: expand it first, with `xacro model.xacro > model.urdf`"
+            raise RobotDescriptionError(place, why)
+
+
+_DECLARATION = re.compile(r"\A<\?xml\s.*?\?>\s*", re.DOTALL)
+_ENCODING = re.compile(rb"<\?xml\s[^>]*?encoding\s*=\s*[\"']([A-Za-z0-9._-]+)[\"']")
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+
+
+def text_of_xml(document: str | bytes) -> str:
+    """Give a document that :func:`parse_xml` accepts as text, declared to be UTF-8.
+
+    Parameters
+    ----------
+    document : str or bytes
+    """
+    if isinstance(document, bytes):
+        named = _ENCODING.match(document.lstrip(b" \t\r\n"))
+        found = [encoding for mark, encoding in _MARKS.items() if document.startswith(mark)]
+        encoding = found[0] if found else named.group(1).decode() if named else "utf-8"
+        document = document.decode(encoding)
+    body = _DECLARATION.sub("", document.lstrip("\ufeff \t\r\n"), count=1)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{body}'

@@ -22,7 +22,8 @@ class Joint:
 
     The child link's pose in the parent link is ``origin J(q) after``, J a rotation about or a
     translation along the axis.  Limits are in rad, m, s, N m and N; lower and upper are infinite
-    and the others NaN where there is none.
+    and the others NaN where there is none.  A joint that mimics another stands at ``multiplier``
+    times its position plus ``offset`` (rad or m).
     """
 
     name: str
@@ -40,6 +41,8 @@ class Joint:
     effort: float = np.nan
     mimic: str | None = None
     drive: Drive = field(default_factory=Drive)
+    multiplier: float = 1.0
+    offset: float = 0.0
 
     @property
     def moves(self) -> bool:
@@ -47,15 +50,23 @@ class Joint:
         return self.type in MOVING
 
     @cached_property
-    def at_rest(self) -> Array:
-        """Pose of the child in the parent with the joint at 0, or its limit next to that."""
-        q = float(np.clip(0.0, self.lower, self.upper))
-        if not self.moves or q == 0.0:
+    def rest(self) -> float:
+        """Position 0 or, where that is beyond a limit, the limit (rad or m)."""
+        return float(np.clip(0.0, self.lower, self.upper))
+
+    def pose(self, position: float) -> Array:
+        """Give the pose of the child link in the parent link, shape (4, 4) (m).
+
+        Parameters
+        ----------
+        position : float
+            rad or m; without meaning for a joint that is not revolute, continuous or prismatic.
+        """
+        if not self.moves or position == 0.0:
             return self.origin @ self.after
         turn = turn_of_z(self.axis)
-        return (
-            self.origin @ turn @ joint_transform(self.type == "prismatic", q) @ turn.T @ self.after
-        )
+        motion = joint_transform(self.type == "prismatic", position)
+        return self.origin @ turn @ motion @ turn.T @ self.after
 
 
 def turn_of_z(axis: Array) -> Array:

@@ -18,7 +18,8 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.guarded_xml import LARGEST_XML
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
-from robomech_ros.robots.urdf import description_from_urdf
+from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.urdf.document import description_from_urdf
 
 __all__ = ["list_robots", "load_description", "load_robot", "robot_folders"]
 
@@ -177,28 +178,9 @@ def _from_file(path: Path) -> RobotDescription:
     if suffix not in _SUFFIXES:
         raise RobotDescriptionError(where, f"expected a file named {', '.join(_SUFFIXES)}")
     if suffix != ".urdf":
-        return description_from_yaml(_read(path, LARGEST_YAML), where)
-    description = description_from_urdf(_read(path, LARGEST_XML), where)
+        return description_from_yaml(read_source(path, LARGEST_YAML), where)
+    description = description_from_urdf(read_source(path, LARGEST_XML), where)
     for beside in (path.with_suffix(".yaml"), path.with_suffix(".yml")):
         if beside.is_file():
-            return with_yaml_limits(description, _read(beside, LARGEST_YAML), str(beside))
+            return with_yaml_limits(description, read_source(beside, LARGEST_YAML), str(beside))
     return description
-
-
-def _read(path: Path, largest: int) -> bytes:
-    """Read a regular file of at most this many bytes."""
-    try:
-        if not path.exists():
-            raise RobotDescriptionError(str(path), "no such file")
-        if not path.is_file():
-            raise RobotDescriptionError(str(path), "not a regular file")
-        with path.open("rb") as file:
-            data = file.read(largest + 1)
-    except RobotDescriptionError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else None
-        raise RobotDescriptionError(str(path), reason or str(error)) from None
-    if len(data) > largest:
-        raise RobotDescriptionError(str(path), f"more than {largest} bytes, the most allowed")
-    return data

@@ -18,6 +18,10 @@ Beside a URDF of the same stem a file gives its source, and what URDF has no pla
     source: where the numbers come from
     joints:
       joint_1: {acceleration: 10.0, jerk: 50.0}
+
+Both may give the posture in which the robot stands to begin with, within its limits::
+
+    home: {joint_1: 0.0, joint_2: 1.5}
 """
 
 import dataclasses
@@ -34,14 +38,21 @@ from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.robots.guarded_yaml import check_keys, parse_yaml
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.yaml_bodies import drive_from_yaml
-from robomech_ros.robots.yaml_rows import LIMITS, read_pose, read_positive, read_rows, read_text
+from robomech_ros.robots.yaml_rows import (
+    LIMITS,
+    read_number,
+    read_pose,
+    read_positive,
+    read_rows,
+    read_text,
+)
 
 __all__ = ["description_from_yaml", "with_yaml_limits"]
 
 Array = NDArray[np.float64]
 
 _TOP_KEYS = ("name", "source", "joints")
-_TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool")
+_TOP_OPTIONAL = ("notes", "base_link", "tip_link", "first_link", "base", "tool", "home")
 
 
 def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescription:
@@ -74,14 +85,16 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
             why = f"'{first}', expected a name other than {', '.join(links)}"
             raise RobotDescriptionError(f"{where}: first_link", why)
         links.insert(1, first)
+    joints = _joints(chain, rows, first)
     return RobotDescription(
         name=read_text(document["name"], f"{where}: name"),
         links=tuple(links),
-        joints=_joints(chain, rows, first),
+        joints=joints,
         where=where,
         source=read_text(document["source"], f"{where}: source", longest=None),
         dh=chain.dh_given,
         bodies=bodies,
+        home=_home(document, joints, where),
     )
 
 
@@ -134,7 +147,7 @@ def _joints(chain: SerialChain, rows: list[dict[str, Any]], first: str | None) -
 def with_yaml_limits(
     description: RobotDescription, text: str | bytes, where: str
 ) -> RobotDescription:
-    """Add source, acceleration and jerk limits from the file beside a URDF.
+    """Add source, home, acceleration and jerk limits from the file beside a URDF.
 
     Parameters
     ----------
@@ -150,7 +163,8 @@ def with_yaml_limits(
     RobotDescriptionError
         Keys or joints are unknown, or a limit is not a positive number.
     """
-    document = check_keys(parse_yaml(text, where), where, ("source",), ("name", "notes", "joints"))
+    optional = ("name", "notes", "joints", "home")
+    document = check_keys(parse_yaml(text, where), where, ("source",), optional)
     limits = document.get("joints") or {}
     if not isinstance(limits, dict):
         why = "expected joint names, each with acceleration, jerk and drive"
@@ -173,4 +187,23 @@ def with_yaml_limits(
         dataclasses.replace(joint, **changes.get(joint.name, {})) for joint in description.joints
     )
     source = read_text(document["source"], f"{where}: source", longest=None)
-    return dataclasses.replace(description, joints=joints, source=source)
+    home = _home(document, joints, where)
+    return dataclasses.replace(description, joints=joints, source=source, home=home)
+
+
+def _home(document: Mapping[str, Any], joints: tuple[Joint, ...], where: str) -> dict[str, float]:
+    """Read where joints stand to begin with (rad or m)."""
+    place = f"{where}: home"
+    given = document.get("home") or {}
+    moving = {joint.name: joint for joint in joints if joint.moves and joint.mimic is None}
+    if not isinstance(given, dict) or not given.keys() <= moving.keys():
+        why = f"{str(given)[:80]!r}, expected positions of joints among {', '.join(moving)}"
+        raise RobotDescriptionError(place, why)
+    home = {}
+    for name, value in given.items():
+        home[name] = read_number(value, name, place)
+        lower, upper = moving[name].lower, moving[name].upper
+        if not lower <= home[name] <= upper:
+            why = f"{name} is {home[name]:g}, expected a number from {lower:.6g} to {upper:.6g}"
+            raise RobotDescriptionError(place, why)
+    return home

@@ -118,7 +118,7 @@ class Watcher:
 
     def _swinging(self, seconds: float) -> JointTrajectory:
         """Give a trajectory by quintics from side to side, which ends in the middle."""
-        middle = self._chain.midrange()
+        middle = self._chain.home()
         message = JointTrajectory(joint_names=list(self._chain.joint_names))
         still = [0.0] * self._chain.n
         count = int(seconds / HALF_PERIOD)

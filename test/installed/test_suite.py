@@ -82,7 +82,7 @@ def plan_and_arrive(outsider, goal, profile=PlanJoint.Request.POLY345, prefix=""
 def test_four_nodes_and_ten_rounds_none_lost(bringup, outsider):
     chain = load_robot("puma560")
     rng = np.random.default_rng(5)
-    goals = chain.midrange() + rng.uniform(-0.4, 0.4, (10, chain.n))
+    goals = chain.home() + rng.uniform(-0.4, 0.4, (10, chain.n))
     with bringup("--robot", "puma560"):
         outsider.wait_for_joints(lambda q: set(q) == set(chain.joint_names))
         for i, goal in enumerate(goals):
@@ -195,7 +195,7 @@ def test_robot_by_topic_in_one_process(bringup, outsider):
     with bringup("--in-one-process"):
         publisher.publish(message)
         outsider.wait_for_joints(lambda q: set(q) >= set(chain.joint_names))
-        in_kinematics(outsider, chain, chain.midrange() + 0.1)
+        in_kinematics(outsider, chain, chain.home() + 0.1)
 
 
 def test_two_robots_in_namespaces(bringup, outsider):
@@ -205,15 +205,15 @@ def test_two_robots_in_namespaces(bringup, outsider):
     ):
         for prefix, robot in (("/left/", "puma560"), ("/right/", "scara")):
             chain = load_robot(robot)
-            goal = dict(zip(chain.joint_names, chain.midrange() + 0.05, strict=True))
+            goal = dict(zip(chain.joint_names, chain.home() + 0.05, strict=True))
             plan_and_arrive(outsider, goal, prefix=prefix)
         in_kinematics(outsider, load_robot("puma560"), PUMA_Q, prefix="/left/")
 
 
 def test_one_process_in_mid_motion_ends_cleanly(bringup, outsider):
     chain = load_robot("puma560")
-    goal = dict(zip(chain.joint_names, chain.midrange() + 0.5, strict=True))
-    start = float(chain.midrange()[0])
+    goal = dict(zip(chain.joint_names, chain.home() + 0.5, strict=True))
+    start = float(chain.home()[0])
     with bringup("--robot", "puma560", "--in-one-process"):
         outsider.wait_for_joints(lambda q: True)
         request = PlanJoint.Request(

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.joint_trajectory_controller.settings import FRAMES_AUTO, FRAMES_NEVER
 from robomech_ros.robots import Joint, RobotDescription
-from robomech_ros.spatial import matrix_from_axis_angle, position_quaternion_from_pose
+from robomech_ros.spatial import position_quaternion_from_pose
 
 __all__ = ["FramePublisher", "frame_publisher"]
 
@@ -139,7 +139,7 @@ class JointPoses:
     def _samples(joints: Sequence[Joint]) -> tuple[list[Any], list[Any]]:
         """Give places at 0, pi and pi / 2, and quaternions at 0 and pi / 2, each (k, 3 or 4)."""
         poses = [
-            np.array([joint_pose(joint, at) for joint in joints]).reshape(-1, 4, 4)
+            np.array([joint.pose(at) for joint in joints]).reshape(-1, 4, 4)
             for at in (0.0, np.pi, 0.5 * np.pi)
         ]
         split = [position_quaternion_from_pose(pose) for pose in poses]
@@ -161,17 +161,6 @@ def _transforms(joints: Sequence[Joint]) -> list[TransformStamped]:
     for transform, joint in zip(transforms, joints, strict=True):
         transform.header.frame_id = joint.parent
     return transforms
-
-
-def joint_pose(joint: Joint, position: float) -> NDArray[np.float64]:
-    """Give the pose of a joint's child link in its parent, shape (4, 4) (m), at rad or m."""
-    motion = np.eye(4)
-    if joint.type == "prismatic":
-        motion[:3, 3] = joint.axis * position
-    elif joint.moves:
-        motion[:3, :3] = matrix_from_axis_angle(joint.axis, position)
-    pose: NDArray[np.float64] = joint.origin @ motion @ joint.after
-    return pose
 
 
 def _is_installed(package: str) -> bool:

@@ -43,7 +43,7 @@ class ControllerSettings(RobotSettings):
     initial_positions: tuple[float, ...] = parameter(
         (),
         "Where the joints are at start and after a reset, base to tip, rad or m. Empty = the "
-        "middle of their limits, 0 for joints without",
+        "robot's home, else the middle of their limits, 0 for joints without",
     )
     start_tolerance: float = parameter(
         0.01,
@@ -269,7 +269,7 @@ def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArra
     """
     given = settings.initial_positions
     if not given:
-        return chain.midrange()
+        return chain.home()
     position = np.array(given)
     if len(position) != chain.n:
         allowed = f"a list of {chain.n} numbers, for {', '.join(chain.joint_names)}, or empty"

@@ -155,7 +155,7 @@ class Suite(Watcher):
     def __init__(self, graph, with_controller=True, start=None, namespace="", **parameters):
         self.graph = graph
         self.chain = load_robot(ROBOT)
-        self.home = self.chain.midrange()
+        self.home = self.chain.home()
         self.prefix = f"{namespace}/" if namespace else ""
         self.namespace = namespace
         client = graph.client

@@ -31,7 +31,7 @@ def long_trajectory():
     """100,000 points from where the robot is at its start, in 2 s."""
     chain = load_robot(ROBOT)
     message = JointTrajectory(joint_names=list(chain.joint_names))
-    points = np.linspace(chain.midrange(), chain.midrange() + MOVE, COUNT)
+    points = np.linspace(chain.home(), chain.home() + MOVE, COUNT)
     for k, row in enumerate(points.tolist()):
         point = JointTrajectoryPoint(positions=row)
         point.time_from_start.sec, point.time_from_start.nanosec = divmod(k * 20_000, 10**9)

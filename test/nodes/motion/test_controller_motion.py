@@ -55,7 +55,7 @@ def assert_smooth(arm, since):
 def test_states_at_rest(arm):
     state = arm.states[-1]
     assert list(state.name) == list(arm.chain.joint_names)
-    np.testing.assert_array_equal(state.position, arm.chain.midrange())
+    np.testing.assert_array_equal(state.position, arm.chain.home())
     np.testing.assert_array_equal(state.velocity, np.zeros(6))
     assert len(state.effort) == 0
 

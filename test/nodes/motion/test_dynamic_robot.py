@@ -34,7 +34,7 @@ from robomech_ros.robots import Body, load_robot
 from robomech_ros.trajectory.waypoints import Waypoints
 
 PUMA = load_robot("puma560")
-HOME = PUMA.midrange()
+HOME = PUMA.home()
 MOVE = np.array([0.3, -0.2, 0.3, 0.2, -0.3, 0.3])
 MASS, ARM, EFFORT, MOMENT = 2.0, 0.3, 7.0, 0.1
 INERTIA = MOMENT + MASS * ARM**2

@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import JointPoses, joint_pose
+from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import JointPoses
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import Joint, load_robot
 from robomech_ros.spatial import (
@@ -99,9 +99,9 @@ def test_poses_of_many_joints_at_once():
     joints = [joint(kind) for kind in kinds]
     positions = random.uniform(-7.0, 7.0, len(joints))
     places, turns = JointPoses(joints).at(positions)
-    wanted = np.array([joint_pose(*pair) for pair in zip(joints, positions, strict=True)])
+    wanted = np.array([joint.pose(at) for joint, at in zip(joints, positions, strict=True)])
     fixed = np.array(kinds) == "fixed"
-    wanted[fixed] = [joint_pose(joint, 0.0) for joint in np.array(joints)[fixed]]
+    wanted[fixed] = [joint.pose(0.0) for joint in np.array(joints)[fixed]]
     np.testing.assert_allclose(places, wanted[:, :3, 3], atol=1e-13)
     np.testing.assert_allclose(matrix_from_quaternion(turns), wanted[:, :3, :3], atol=1e-13)
 
@@ -173,6 +173,6 @@ def test_parameters_are_checked_while_the_robot_moves(drive):
 def test_noise_and_offset_are_published(drive):
     arm = drive(fault_noise=1e-4, fault_offset=[0.01, 0.0, 0.0, 0.0, 0.0, 0.0], fault_seed=1)
     arm.until(lambda: len(arm.states) > 100)
-    seen = np.array([state.position for state in arm.states]) - arm.chain.midrange()
+    seen = np.array([state.position for state in arm.states]) - arm.chain.home()
     assert seen.mean(axis=0)[0] == pytest.approx(0.01, abs=1e-4)
     assert seen.std(axis=0) == pytest.approx(np.full(6, 1e-4), rel=0.5)

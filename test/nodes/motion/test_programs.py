@@ -10,7 +10,7 @@ from robomech_ros.nodes.trajectory_publisher.program import read_program
 from robomech_ros.robots import load_robot
 
 CHAIN = load_robot(ROBOT)
-HOME = CHAIN.midrange()
+HOME = CHAIN.home()
 ABOVE, DOWN = HOME + 0.1, HOME + np.array([0.1, 0.2, 0.1, 0.1, 0.1, 0.1])
 STEPS = """
   - {move: above, velocity_scale: 0.9}

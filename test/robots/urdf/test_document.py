@@ -168,7 +168,8 @@ GRIPPER = robot(
 
 
 def test_base_and_tip_are_chosen_or_asked_for():
-    error = refused(GRIPPER, "several links could be the tip, name one of them: left, right")
+    expected = "several links could be the tip, name one with tip= or --tip-link: wrist, left$"
+    error = refused(GRIPPER, expected)
     assert error.where == "URDF string"
     assert load_robot(GRIPPER, tip="left").joint_names == ("j", "l")
     assert load_robot(GRIPPER, "", "wrist").joint_names == ("j",)

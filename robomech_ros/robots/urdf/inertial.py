@@ -7,7 +7,7 @@ import numpy as np
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.guarded_xml import XmlElement
-from robomech_ros.robots.urdf_reader import ElementReader
+from robomech_ros.robots.urdf.element_reader import ElementReader
 
 __all__ = ["link_bodies"]
 
@@ -57,8 +57,11 @@ def _body(reader: ElementReader) -> Body | None:
     if origin is not None:
         T[:3, :3] = matrix_from_roll_pitch_yaw(reader.numbers(origin, "rpy", 3) or [0.0] * 3)
         T[:3, 3] = reader.numbers(origin, "xyz", 3) or [0.0] * 3
+    # Our own attribute; other readers pass over it.
+    measured = moments.attributes.get("as_measured") == "true"
     try:
-        return Body(_required(reader, mass, "value"), np.zeros(3), six[_ORDER,]).seen_from(T)
+        value = _required(reader, mass, "value")
+        return Body(value, np.zeros(3), six[_ORDER,], measured).seen_from(T)
     except RobomechError as error:
         reader.refuse(f"<inertial>: {error}")
 

@@ -1,0 +1,150 @@
+"""Robots described in URDF.
+
+The document is checked element by element first, so that every fault is named with its line, its
+joint and what is allowed; what remains, without geometry and extensions, goes to the ecosystem's
+parser, ``urdf_parser_py``.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+from xml.etree import ElementTree
+
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.guarded_xml import XmlElement, parse_xml, refuse_xacro, text_of_xml
+from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.mimic import check_mimics
+from robomech_ros.robots.urdf.inertial import link_bodies
+from robomech_ros.robots.urdf.joints import checked_joint, joint_from_parsed
+
+__all__ = ["description_from_urdf"]
+
+LONGEST_NAME = 256
+_MOST_NAMES = 20
+
+
+def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescription:
+    """Read a robot from a URDF document.
+
+    A velocity or effort limit of 0 counts as missing, and so does a position limit of 1e5 and
+    more: that is what exporters write when they do not know it, or when there is none.  The soft
+    limits of ``<safety_controller>`` narrow the position limits, as MoveIt does.
+
+    Parameters
+    ----------
+    text : str or bytes
+        The document, xacro expanded.
+    where : str, optional
+        What it is called in messages.
+
+    Raises
+    ------
+    RobotDescriptionError
+        The document is broken, hostile or breaks a rule of URDF: line, element and reason are
+        named.
+    """
+    root = parse_xml(text, where)
+    _check_root(root, where)
+    joints, links = root.all("joint"), root.all("link")
+    link_names = _names(links, "link", where)
+    _names(joints, "joint", where)
+    if not links:
+        raise RobotDescriptionError(where, "no link")
+    stripped = ElementTree.Element("robot", {"name": root.attributes["name"]})
+    for name in link_names:
+        ElementTree.SubElement(stripped, "link", {"name": name})
+    rest = []
+    for joint in joints:
+        copy, more = checked_joint(joint, where)
+        stripped.append(copy)
+        rest.append(more)
+    parsed = _parsed(stripped, where)
+    made = tuple(map(joint_from_parsed, parsed.joints, rest))
+    _check_tree(link_names, made, where)
+    check_mimics(made, where)
+    return RobotDescription(
+        name=root.attributes["name"],
+        links=tuple(link_names),
+        joints=made,
+        where=where,
+        bodies=link_bodies(links, where),
+        document=text_of_xml(text),
+    )
+
+
+def _check_root(root: XmlElement, where: str) -> None:
+    if root.tag != "robot":
+        raise RobotDescriptionError(
+            where, f"the root element is <{root.tag[:80]}>, expected <robot>"
+        )
+    if not root.attributes.get("name"):
+        raise RobotDescriptionError(where, "<robot> has no name")
+    refuse_xacro(root, where)
+
+
+def _names(elements: list[XmlElement], kind: str, where: str) -> list[str]:
+    names = []
+    for element in elements:
+        name = element.attributes.get("name", "")
+        place = f"{where}: line {element.line}"
+        if not name:
+            raise RobotDescriptionError(place, f"a {kind} without a name")
+        if len(name) > LONGEST_NAME:
+            raise RobotDescriptionError(place, f"a {kind}'s name longer than {LONGEST_NAME}")
+        names.append(name)
+    name, count = Counter(names).most_common(1)[0] if names else ("", 0)
+    if count > 1:
+        lines = [str(e.line) for e in elements if e.attributes["name"] == name]
+        raise RobotDescriptionError(
+            f"{where}: {kind} '{name}'", f"defined {count} times, in lines {', '.join(lines[:10])}"
+        )
+    return names
+
+
+def _parsed(stripped: ElementTree.Element, where: str) -> Any:
+    from urdf_parser_py.urdf import URDF
+
+    try:
+        return URDF.from_xml_string(ElementTree.tostring(stripped))
+    except Exception as error:
+        # The parser raises plain exceptions and assertions of every kind.
+        raise RobotDescriptionError(where, f"not accepted by urdf_parser_py: {error}") from None
+
+
+def _check_tree(links: list[str], joints: tuple[Joint, ...], where: str) -> None:
+    """Check that the joints make one tree of all links."""
+    known = set(links)
+    parents: dict[str, Joint] = {}
+    children: dict[str, list[str]] = {}
+    for joint in joints:
+        place = f"{where}: joint '{joint.name}'"
+        for role, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in known:
+                names = ", ".join(f"'{name}'" for name in links[:_MOST_NAMES])
+                why = f"its {role} link '{link[:80]}' does not exist; the first links are {names}"
+                raise RobotDescriptionError(place, why)
+        if joint.child in parents:
+            other = parents[joint.child].name
+            why = f"link '{joint.child}' is already the child of joint '{other}'"
+            raise RobotDescriptionError(place, why)
+        parents[joint.child] = joint
+        children.setdefault(joint.parent, []).append(joint.child)
+    roots = [link for link in links if link not in parents]
+    if len(roots) > 1:
+        names = ", ".join(f"'{link}'" for link in roots[:10])
+        raise RobotDescriptionError(where, f"several root links, expected one: {names}")
+    reached = _reached(roots, children.get)
+    if len(reached) < len(links):
+        loop = next(link for link in links if link not in reached)
+        raise RobotDescriptionError(where, f"link '{loop}' is on or below a loop of joints")
+
+
+def _reached(roots: list[str], children: Callable[[str, list[str]], list[str]]) -> set[str]:
+    reached = set(roots)
+    waiting = list(roots)
+    while waiting:
+        for child in children(waiting.pop(), []):
+            reached.add(child)
+            waiting.append(child)
+    return reached
