@@ -26,7 +26,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["solve_by_search"]
+__all__ = ["ranked_solutions", "solve_by_search"]
 
 Array = NDArray[np.float64]
 
@@ -43,10 +43,10 @@ def solve_by_search(
     family = iterative_family(chain, data)
     listed = solve_with_virtual_joints(chain, T, request)
     if listed is not None:
-        return _ranked(chain, T, request, replace(family, name="short"), *listed)
+        return ranked_solutions(chain, T, request, replace(family, name="short"), *listed)
     search = iterative_search(data, target, request.seed, timeout=_left(request, started))
     if len(search.q):
-        return _ranked(chain, T, request, family, search, False)
+        return ranked_solutions(chain, T, request, family, search, False)
     if search.timed_out:
         reason = f"no solution within {request.timeout:g} s; {_best(search)}"
         return no_solution(chain, T, family, Status.TIMED_OUT, reason)
@@ -82,7 +82,7 @@ def _task_data(
     )
 
 
-def _ranked(
+def ranked_solutions(
     chain: SerialChain,
     T: Array,
     request: Request,

@@ -29,13 +29,15 @@ __all__ = [
     "inverse_options",
     "is_nearest",
     "poses_in_base",
+    "wants_first",
     "workspace_cloud",
 ]
 
 Array = NDArray[np.float64]
 
 _METRICS = ("linf", "l2")
-_NEAREST = 1
+# Modes of SolveIK; SolveIKBatch has the first two.
+_NEAREST, _FIRST = 1, 2
 
 
 def inverse_options(request: Any) -> dict[str, Any]:
@@ -53,7 +55,7 @@ def inverse_options(request: Any) -> dict[str, Any]:
         "include_windings": request.include_windings,
         "metric": _METRICS[request.metric],
     }
-    cap = 1 if is_nearest(request.mode) else request.max_solutions
+    cap = 1 if wants_first(request.mode) or is_nearest(request.mode) else request.max_solutions
     if cap:
         options["max_solutions"] = cap
     mask = tuple(bool(entry) for entry in request.task_mask)
@@ -66,6 +68,13 @@ def inverse_options(request: Any) -> dict[str, Any]:
     if request.timeout.sec or request.timeout.nanosec:
         options["timeout"] = seconds_from_duration(request.timeout, "timeout")
     return options
+
+
+def wants_first(mode: int) -> bool:
+    """Whether a mode of SolveIK asks for one attempt from the seed."""
+    if mode > _FIRST:
+        raise BadValueError("mode", mode, "ALL (0), NEAREST (1) or FIRST (2)")
+    return mode == _FIRST
 
 
 def is_nearest(mode: int) -> bool:

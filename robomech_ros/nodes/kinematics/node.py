@@ -20,6 +20,7 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import point_jacobian, singularity_report
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
@@ -46,6 +47,7 @@ from robomech_ros.nodes.kinematics.messages import (
     inverse_options,
     is_nearest,
     poses_in_base,
+    wants_first,
     workspace_cloud,
 )
 from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace, SpaceFinder
@@ -146,7 +148,8 @@ class KinematicsNode(Node):
         seed = self._joints.seed(chain, request.seed)
         start = perf_counter()
         target = T if frame is None else frame @ T
-        result = inverse_kinematics(chain, target, seed=seed, **options)
+        solve = first_solution if wants_first(request.mode) else inverse_kinematics
+        result = solve(chain, target, seed=seed, **options)
         seconds = perf_counter() - start
         return encode_result(result, chain.joint_names, self._points, seconds, response)
 

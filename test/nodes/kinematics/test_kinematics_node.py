@@ -144,6 +144,19 @@ def test_nearest_and_a_cap_cut_the_list(puma):
     assert three.complete
 
 
+def test_first_is_one_attempt_from_the_seed(puma):
+    first = {"target": target(), "mode": SolveIK.Request.FIRST}
+    near = solve_ik(puma, seed=joint_state((), Q + 0.1), **first)
+    assert (near.error_code, near.complete) == (ErrorCode.NONE, False)
+    np.testing.assert_allclose(positions(near), [Q], atol=1e-6)
+    assert max(near.position_errors) < 1e-9 and max(near.orientation_errors) < 1e-8
+    far = target()
+    far.pose.position.x += 5.0
+    lost = solve_ik(puma, target=far, seed=joint_state((), Q), mode=SolveIK.Request.FIRST)
+    assert (lost.error_code, len(lost.solutions)) == (ErrorCode.NOT_CONVERGED, 0)
+    assert lost.error_msg.startswith("the attempt from the seed ended ")
+
+
 def test_metric_changes_the_distances(puma):
     options = {"target": target(), "seed": joint_state((), 0.9 * Q), "ignore_limits": True}
     largest = solve_ik(puma, **options)

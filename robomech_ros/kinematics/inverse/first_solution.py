@@ -1,0 +1,77 @@
+"""One attempt from the seed: the quick answer, without a claim."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robomech_ros._kernels.inverse.iterative import layout as at
+from robomech_ros.kinematics.inverse.families.iterative import task_data
+from robomech_ros.kinematics.inverse.families.selection import iterative_family
+from robomech_ros.kinematics.inverse.iterative_search import iterative_search
+from robomech_ros.kinematics.inverse.reasons import no_solution
+from robomech_ros.kinematics.inverse.request import as_request, with_task
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.target import as_target, as_targets
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["first_solution"]
+
+
+def first_solution(
+    chain: SerialChain, T: ArrayLike, *, seed: ArrayLike | None = None, **options: Any
+) -> InverseKinematicsResult:
+    """Follow one Newton search from the seed, whatever the geometry of the arm.
+
+    It stays on the branch of a near seed, and may end at a solution that is not the nearest one.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : array_like, shape (4, 4)
+        Pose of the tip in the base (m).
+    seed : array_like, shape (n,), optional
+        Joint values (rad or m) to start from; default mid-range.
+    **options
+        Those of `inverse_kinematics`; windings are not listed and the cap is 1, and the single
+        attempt, of some 0.1 ms, takes no notice of a timeout.
+
+    Returns
+    -------
+    InverseKinematicsResult
+        One solution, or none with the status ``NOT_CONVERGED``, which proves nothing; never
+        complete.
+
+    Raises
+    ------
+    RobomechError
+        As `inverse_kinematics` does.
+    """
+    task = ("task_mask", "position_tolerance", "orientation_tolerance", "timeout")
+    respect_limits, metric = options.get("respect_limits", True), options.get("metric", "linf")
+    request = with_task(
+        as_request(chain, seed, respect_limits, False, metric, 1),
+        *(options.get(name) for name in task),
+    )
+    target = as_targets(as_target(T))[0]
+    data, turned = task_data(
+        chain,
+        target,
+        task=request.task,
+        respect_limits=request.respect_limits,
+        position_tolerance=request.position_tolerance,
+        orientation_tolerance=request.orientation_tolerance,
+        wanted=1,
+    )
+    data = np.array(data)
+    data[at.RESTARTS] = 1
+    family = iterative_family(chain, data)
+    search = iterative_search(data, turned, request.seed)
+    if len(search.q):
+        return ranked_solutions(chain, target, request, family, search, False)
+    missed = f"{search.position_error:.6g} m and {search.orientation_error:.6g} rad"
+    reason = f"the attempt from the seed ended {missed} off; other modes search farther"
+    return no_solution(chain, target, family, Status.NOT_CONVERGED, reason)
