@@ -1,12 +1,19 @@
 """From where the robot is, onto a trajectory: one smooth curve, verified as it will be followed."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
-from robomech_ros.execution.controller.smoothing import fading_time, with_braking, with_fading
+from robomech_ros.execution.controller.smoothing import (
+    delayed,
+    fading_time,
+    peak_accelerations,
+    with_braking,
+    with_fading,
+)
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.refusals import StartMismatchError, TrajectoryOverError
 from robomech_ros.trajectory.curves.interpolation import interpolant
@@ -34,6 +41,8 @@ _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
 _STRETCHES = (1.0, 2.0, 4.0, 0.5)
+# Rounding of accelerations, as their part.
+_SLACK = 1e-6
 
 
 def join(
@@ -46,8 +55,10 @@ def join(
     """Make the curve that leads from the present state along a trajectory to its end.
 
     A first point at time 0 must be where the robot is, within tolerance; what is left of the
-    step, and the difference in velocity if the robot moves, is smoothed out with a quintic within
-    the acceleration limits.  A first point later than that is reached from the present state as
+    step, and the difference in velocity and acceleration if the robot moves, is smoothed out with a
+    quintic, in a time in which the acceleration limits are kept, so that all three are continuous.
+    Where the trajectory needs the acceleration for itself, and begins at rest, it begins that
+    time later.  A first point later than that is reached from the present state as
     the points among each other: linearly, or by a cubic or quintic where it has velocities and
     accelerations.
 
@@ -93,9 +104,13 @@ def join(
         curve = with_braking(curve, velocities[-1], joints)
     step = present.position - curve.sample(0.0).position
     kick = present.velocity - curve.sample(0.0).velocity
-    if velocities is None or np.isnan(velocities[0]).any():
-        kick = np.where(np.max(np.abs(present.velocity)) <= STANDING, 0.0, kick)
-    return _smoothed(curve, step, kick, joints, float(remaining.times[0]))
+    push = present.acceleration - curve.sample(0.0).acceleration
+    standing = bool(np.max(np.abs(present.velocity)) <= STANDING)
+    if standing or remaining.times[0] > 0.0:
+        push = np.zeros_like(push)
+    if standing and (velocities is None or np.isnan(velocities[0]).any()):
+        kick = np.zeros_like(kick)
+    return _smoothed(curve, (step, kick, push), joints, float(remaining.times[0]))
 
 
 def join_in_steps(
@@ -210,24 +225,57 @@ def _approached(waypoints: Waypoints, positions: FloatArray, present: State) -> 
 
 
 def _smoothed(
-    curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, joints: Joints, first: float
+    curve: PiecewisePolynomial,
+    offset: tuple[FloatArray, FloatArray, FloatArray],
+    joints: Joints,
+    first: float,
 ) -> PiecewisePolynomial:
-    """Smooth out the step at the start, in a time that keeps the limits."""
+    """Smooth out the offset at the start, in a time that keeps the limits.
+
+    Those of acceleration are kept if that is possible; a planned motion that is over them anyway
+    is followed as it is.
+    """
+    step, kick, push = offset
     violation = _violation(curve, joints)
     if violation is not None:
         raise _refusal(violation, first)
     if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
         return curve
     time = fading_time(step, kick, joints)
-    found = None
-    for stretch in _STRETCHES:
-        candidate = with_fading(curve, step, kick, stretch * time)
+    allowed, found, best = _accelerations(curve, push, joints), list[Violation](), None
+    for candidate in _candidates(curve, offset, time):
         violation = _violation(candidate, joints)
-        if violation is None:
+        if violation is not None:
+            found.append(violation)
+            continue
+        excess = float(np.max(peak_accelerations(candidate) / allowed))
+        if excess <= 1.0 + _SLACK:
             return candidate
-        found = found or violation
-    assert found is not None
-    raise _refusal(found, max(first, time))
+        if best is None or excess < best[0]:
+            best = excess, candidate
+    if best is not None:
+        return best[1]
+    raise _refusal(found[0], max(first, time))
+
+
+def _candidates(
+    curve: PiecewisePolynomial, offset: tuple[FloatArray, FloatArray, FloatArray], time: float
+) -> Iterator[PiecewisePolynomial]:
+    """Smooth out the offset in several times, then before the trajectory begins if it can wait."""
+    for stretch in _STRETCHES:
+        yield with_fading(curve, offset, stretch * time)
+    if np.max(np.abs(curve.sample(0.0).velocity)) <= STANDING:
+        step, kick, push = offset
+        # The curve waits without the acceleration that it begins with.
+        waiting = step, kick, push + curve.sample(0.0).acceleration
+        for stretch in _STRETCHES[:3]:
+            yield with_fading(delayed(curve, stretch * time), waiting, stretch * time)
+
+
+def _accelerations(curve: PiecewisePolynomial, push: FloatArray, joints: Joints) -> FloatArray:
+    """Give what each joint may accelerate (n,): its limit, or what is planned or there already."""
+    here = np.abs(curve.sample(0.0).acceleration + push)
+    return np.maximum(joints.acceleration, np.maximum(peak_accelerations(curve), here))
 
 
 def _violation(curve: PiecewisePolynomial, joints: Joints) -> Violation | None:

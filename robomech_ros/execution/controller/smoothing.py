@@ -9,7 +9,14 @@ from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["braking_time", "fading_time", "with_braking", "with_fading"]
+__all__ = [
+    "braking_time",
+    "delayed",
+    "fading_time",
+    "peak_accelerations",
+    "with_braking",
+    "with_fading",
+]
 
 # Shortest time in which a step at the start is smoothed out, s.
 SHORTEST_BLEND = 0.05
@@ -31,13 +38,14 @@ def fading_time(step: FloatArray, kick: FloatArray, joints: Joints) -> float:
 
 
 def with_fading(
-    curve: PiecewisePolynomial, step: FloatArray, kick: FloatArray, time: float
+    curve: PiecewisePolynomial, offset: tuple[FloatArray, FloatArray, FloatArray], time: float
 ) -> PiecewisePolynomial:
-    """Add a quintic that begins with the step and the kick and has faded out after `time` (s)."""
-    still = np.zeros((2, len(step)))
-    fading = interpolant(
-        [0.0, time], np.vstack([step, still[0]]), np.vstack([kick, still[0]]), still
-    )
+    """Add a quintic that begins with an offset and has faded out after `time` (s).
+
+    The offset (n,), (n,), (n,) is one of position, velocity and acceleration.
+    """
+    still = np.zeros(curve.joints)
+    fading = interpolant([0.0, time], *(np.vstack([rate, still]) for rate in offset))
     curve = _with_break(curve, time)
     coefficients = np.zeros((6, *curve.coefficients.shape[1:]))
     coefficients[: len(curve.coefficients)] = curve.coefficients
@@ -46,6 +54,38 @@ def with_fading(
             break
         coefficients[:, segment] += _moved(fading.coefficients[:, 0], float(begin))
     return PiecewisePolynomial(curve.breaks, coefficients)
+
+
+def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
+    """Let a curve stay at its start for `time` (s) before it begins."""
+    coefficients = np.zeros((len(curve.coefficients), len(curve.breaks), curve.joints))
+    coefficients[0, 0] = curve.sample(curve.breaks[0]).position
+    if len(curve.breaks) > 1:
+        coefficients[:, 1:] = curve.coefficients
+    breaks = np.append(curve.breaks[0], curve.breaks + time)
+    return PiecewisePolynomial(breaks, coefficients)
+
+
+def peak_accelerations(curve: PiecewisePolynomial) -> FloatArray:
+    """Give the largest accelerations (n,) of a curve's joints, by quintics at the most."""
+    if len(curve.breaks) < 2:
+        return np.zeros(curve.joints)
+    spans = np.diff(curve.breaks)[:, None]
+    c = np.zeros((6, *curve.coefficients.shape[1:]))
+    c[: len(curve.coefficients)] = curve.coefficients
+    rate, half, third = 6.0 * c[3], 12.0 * c[4], 20.0 * c[5]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(half * half - 3.0 * third * rate)
+        # The acceleration turns where rate + 2 half t + 3 third t^2 is 0.
+        turns = [
+            -rate / (2.0 * half),
+            (-half - root) / (3.0 * third),
+            (root - half) / (3.0 * third),
+        ]
+    times = np.clip(np.nan_to_num([0.0 * c[0], spans + 0.0 * c[0], *turns]), 0.0, spans)
+    values = 2.0 * c[2] + times * (rate + times * (half + times * third))
+    peaks: FloatArray = np.abs(values).max(axis=(0, 1))
+    return peaks
 
 
 def braking_time(velocity: FloatArray, joints: Joints) -> float:

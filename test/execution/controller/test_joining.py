@@ -6,6 +6,7 @@ from execution_cases import ACCELERATION, VELOCITY, joints, single_point, state,
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.joining import join
+from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import StartMismatchError, TrajectoryRefusedError
 from robomech_ros.trajectory import Waypoints
 
@@ -49,6 +50,39 @@ def test_a_moving_robot_is_taken_over_smoothly():
     curve = joined(to_rest((0.5, 0.2, -0.1)), present)
     assert_smooth(curve, present)
     np.testing.assert_allclose(curve.sample(curve.duration).position, [0.5, 0.2, -0.1], atol=1e-12)
+
+
+def test_the_join_keeps_acceleration_limits_and_is_continuous():
+    """Replaced at 100 moments by a plan at the limit, which took it over the limit, with a step."""
+    rng, worst, late = np.random.default_rng(3), 0.0, 0
+    for _ in range(100):
+        # A motion under way, and one that needs all the acceleration that there is.
+        under_way = to_rest(rng.uniform(-0.5, 0.5, 3), 2.0).curve.sample(rng.uniform(0.2, 1.8))
+        present = State(under_way.position, under_way.velocity, under_way.acceleration)
+        duration = rng.uniform(0.5, 0.9)
+        way = rng.uniform(-1.0, 1.0, 3)
+        way *= 0.999 * ACCELERATION * duration**2 / 5.7736 / np.abs(way).max()
+        way *= min(
+            1.0, 1.4 / np.abs(way).max(), 0.9 * VELOCITY * duration / 1.875 / np.abs(way).max()
+        )
+        start = present.position + rng.uniform(-TOLERANCE, TOLERANCE, 3)
+        planned = to_rest(start + way, duration, start)
+        curve = joined(planned, present)
+        begin = curve.sample(0.0)
+        np.testing.assert_allclose(begin.position, present.position, atol=1e-12)
+        np.testing.assert_allclose(begin.velocity, present.velocity, atol=1e-12)
+        np.testing.assert_allclose(begin.acceleration, present.acceleration, atol=1e-9)
+        for time in curve.breaks[1:-1]:
+            before, after = curve.sample(np.nextafter(time, 0.0)), curve.sample(time)
+            np.testing.assert_allclose(before.acceleration, after.acceleration, atol=1e-6)
+        sample = curve.sample(np.linspace(0.0, curve.duration, 1001)[:-1])
+        worst = max(worst, np.abs(sample.acceleration).max() / ACCELERATION)
+        assert np.abs(sample.velocity).max() <= VELOCITY * (1.0 + 1e-6)
+        end = curve.sample(curve.duration)
+        np.testing.assert_allclose(end.position, start + way, atol=1e-12)
+        late += curve.duration > duration + 1e-9
+    assert worst <= 1.0 + 1e-6
+    assert 0 < late < 100
 
 
 @pytest.mark.parametrize("points", [2, 3, 5])
