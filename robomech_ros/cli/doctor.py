@@ -77,8 +77,15 @@ def findings() -> Iterator[Finding]:
         _sourced,
         lambda: _optional("matplotlib", "plots of robomech demo"),
         lambda: _optional(
-            "control_msgs", "FollowJointTrajectory, so that MoveIt can drive us; JointJog"
+            "control_msgs",
+            "follow_joint_trajectory, controller_state, query_state of the simulated robot; "
+            "driving ros2_control; JointJog for the servo",
         ),
+        lambda: _optional(
+            "moveit_msgs",
+            "compute_ik, compute_fk, compute_cartesian_path and more services of MoveIt",
+        ),
+        lambda: _optional("tf2_msgs", "/tf and /tf_static of the simulated robot"),
     )
     for check in checks:
         yield check()

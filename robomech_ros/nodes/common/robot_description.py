@@ -12,6 +12,7 @@ from std_msgs.msg import String
 from robomech_ros.errors import RobomechError, UnknownLinkError
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
 
 __all__ = ["RobotModel", "RobotSettings", "when_robot_known"]
@@ -119,6 +120,8 @@ def when_robot_known(
 ) -> None:
     """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
 
+    Until then the service ``~/ready`` says what is waited for.
+
     Parameters
     ----------
     node : Node
@@ -144,6 +147,7 @@ def when_robot_known(
 
     if settings.robot_description:
         on_robot(model_of(settings.robot_description))
+        Readiness(node)
         return
     known: list[RobotModel] = []
 
@@ -156,9 +160,17 @@ def when_robot_known(
             model = model_of(message.data)
             on_robot(model)
         except RobomechError as error:
-            node.get_logger().error(f"unusable robot on '{subscription.topic_name}': {error}")
+            text = f"unusable robot on '{subscription.topic_name}': {error}"
+            node.get_logger().error(text)
+            readiness.wait_for(text)
             return
         known.append(model)
+        readiness.reached()
 
     subscription = node.create_subscription(String, TOPIC, receive, LATCHED)
-    node.get_logger().info(f"waiting for the robot on topic '{subscription.topic_name}'")
+    readiness = Readiness(
+        node,
+        f"waiting for the robot on topic '{subscription.topic_name}' (a latched std_msgs/String, "
+        "as robot_state_publisher has it); else name it by the parameter robot_description of "
+        f"'{node.get_fully_qualified_name()}'. Its other services come with the robot",
+    )

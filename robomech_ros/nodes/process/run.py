@@ -29,6 +29,7 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
+from robomech_ros.nodes.process.namesakes import watch_for_namesakes
 from robomech_ros.nodes.process.start import EXIT_CANNOT_START
 
 __all__ = ["Spinner", "run_node", "run_nodes"]
@@ -180,6 +181,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
             nodes.append(factory())
     except Exception as error:
         return _end(nodes, _start_failed(program, error))
+    watch_for_namesakes(nodes)
     release_compiler_pages()
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()

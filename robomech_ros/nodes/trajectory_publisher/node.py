@@ -8,6 +8,7 @@ from rclpy.node import Node
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.process.run import run_node
@@ -59,6 +60,9 @@ class TrajectoryPublisherNode(Node):
         SpeedServices(self, self._loop, self._runner.cancel)
         if settings.robot_description:
             when_robot_known(self, settings, self._know_robot)
+        else:
+            # Who only sends trajectories needs no robot.
+            Readiness(self)
         StatusReport(self, "execution", settings.controller, self._condition)
         how = f"by {settings.transport}" if settings.auto_execute else "on request only"
         self.get_logger().info(f"ready: sends trajectories to '{settings.controller}', {how}")

@@ -180,6 +180,12 @@ def test_doctor_finds_nothing_missing_here(capfd, domain_id):
     assert code == 0, out
     assert "nothing is missing" in out
     assert f"{domain_id}" in out
+    for package, feature in (
+        ("control_msgs", "follow_joint_trajectory"),
+        ("moveit_msgs", "compute_cartesian_path"),
+        ("tf2_msgs", "/tf_static"),
+    ):
+        assert re.search(rf"ok +{package} .*{feature}", out)
 
 
 def test_doctor_names_what_is_missing_and_the_command(capfd, monkeypatch):

@@ -1,0 +1,52 @@
+"""Whether a node serves yet, and what it waits for: the service ``~/ready``, from the start on."""
+
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+__all__ = ["Readiness"]
+
+# How often a node that waits says so in its log, s.
+REMINDER = 10.0
+
+
+class Readiness:
+    """Answers ``~/ready``, and reminds of what is waited for in the log.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of service and timer.
+    waits_for : str
+        What is missing, as a sentence; empty if nothing is.
+    """
+
+    def __init__(self, node: Node, waits_for: str = "") -> None:
+        self._node = node
+        self._waits_for = waits_for
+        node.create_service(Trigger, "~/ready", self._answer)
+        if waits_for:
+            node.get_logger().info(waits_for)
+            # By the machine's time: simulated time may stand still.
+            clock = Clock(clock_type=ClockType.STEADY_TIME)
+            self._timer = node.create_timer(REMINDER, self._remind, clock=clock)
+
+    def wait_for(self, what: str) -> None:
+        """Note what is missing now, as a sentence that was logged already."""
+        self._waits_for = what
+
+    def reached(self) -> None:
+        """Note that nothing is missing any more."""
+        if self._waits_for:
+            self._waits_for = ""
+            self._timer.cancel()
+
+    def _answer(self, request: Any, response: Any) -> Any:
+        response.success = not self._waits_for
+        response.message = self._waits_for or "ready"
+        return response
+
+    def _remind(self) -> None:
+        self._node.get_logger().warning(self._waits_for)
