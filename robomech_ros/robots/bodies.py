@@ -14,7 +14,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.spatial.arrays import listed, real_array
 
 __all__ = ["Body", "bodies_carried", "combined", "pack_bodies"]
 
@@ -118,8 +118,16 @@ def combined(bodies: Iterable[Body]) -> Body | None:
     -------
     Body or None
         None where there are none.
+
+    Raises
+    ------
+    BadValueError
+        Something else than a list of bodies.
     """
-    parts = list(bodies)
+    parts = listed("bodies", bodies, "a list of bodies")
+    for part in parts:
+        if not isinstance(part, Body):
+            raise BadValueError("one of bodies", part, "a Body")
     if len(parts) < 2:
         return parts[0] if parts else None
     mass = sum(part.mass for part in parts)

@@ -160,6 +160,11 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
         Its pose equals the chain's for every q.  Axes at an angle below
         ``tolerances.PARALLEL_SINE`` count as parallel.
 
+    Raises
+    ------
+    BadValueError
+        No chain, or one without joints.
+
     See Also
     --------
     chain_from_dh : the inverse.
@@ -178,6 +183,8 @@ def dh_from_chain(chain: SerialChain) -> DHTable:
     >>> np.round(table.b, 4) + 0.0
     array([0.1625, 0.    , 0.    , 0.1333, 0.0997, 0.0996])
     """
+    if not isinstance(chain, SerialChain) or chain.n == 0:
+        raise BadValueError("chain", chain, "a SerialChain with at least one joint")
     return recover_dh(chain.packed)
 
 

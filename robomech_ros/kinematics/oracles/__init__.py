@@ -4,6 +4,6 @@ They share no code with it: neither equations nor elimination, roots or refineme
 """
 
 from robomech_ros.kinematics.oracles.bivariate import Intersection, solve_bivariate
-from robomech_ros.kinematics.oracles.univariate import solve_univariate
+from robomech_ros.kinematics.oracles.univariate import UnivariateSolutions, solve_univariate
 
-__all__ = ["Intersection", "solve_bivariate", "solve_univariate"]
+__all__ = ["Intersection", "UnivariateSolutions", "solve_bivariate", "solve_univariate"]

@@ -12,12 +12,15 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.forward_uncompiled import tip_poses
+from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
 from robomech_ros.numerics import newton_gauss
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["Intersection", "contours", "solve_bivariate"]
 
@@ -25,6 +28,11 @@ Array = NDArray[np.float64]
 
 _ACCEPTED = 1e-9
 _APART = 1e-6
+# Two ends of the refinement this near (rad) are one singular posture, where it converges slowly, if
+# the posture between them, too, gives the pose to this part.
+_ONE_POSTURE = 1e-3
+_BETWEEN = 1e-9
+_FEWEST_STEPS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,23 +62,35 @@ def contours(equations: ClosureEquations, steps: int) -> tuple[Array, Array]:
     return angles, np.array([np.linalg.det(G[:, :, :3]), np.linalg.det(G[:, :, 3:])])
 
 
-def solve_bivariate(chain: SerialChain, T: Array, *, steps: int = 240) -> list[Intersection]:
+def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> list[Intersection]:
     """Find the postures of an arm of six revolute joints where contours cross.
 
     Parameters
     ----------
     chain : SerialChain
-    T : ndarray, shape (4, 4)
+    T : array_like, shape (4, 4)
         Target pose of the tip in the base (m).
     steps : int, optional
-        Of the grid on which contours are followed; crossings nearer to each other may be lost.
+        Of the grid on which contours are followed, 8 at least; crossings nearer to each other may
+        be lost.
 
     Returns
     -------
     list of Intersection
-        By increasing joint 3.
+        By increasing joint 3.  A singular posture, where the contours touch, stands once.
+
+    Raises
+    ------
+    BadValueError
+        No arm of six revolute joints, no pose, or too few steps.
+    WrongSizeError, NonFiniteError
+        No pose.
     """
-    equations = ClosureEquations.of(chain, T)
+    count = real_number("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
+    if not (count >= _FEWEST_STEPS and float(count).is_integer()):
+        raise BadValueError("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
+    equations = ClosureEquations.of(chain, as_targets(T)[0])
+    steps = int(count)
     angles, minors = contours(equations, steps)
     half = np.pi / steps
     found: list[Intersection] = []
@@ -80,7 +100,7 @@ def solve_bivariate(chain: SerialChain, T: Array, *, steps: int = 240) -> list[I
         if end is None:
             continue
         q = posture_of(equations, *(float(x) for x in end))
-        if q is None or any(_distance(q, other.q) < _APART for other in found):
+        if q is None or any(_is_same(equations, q, other.q) for other in found):
             continue
         found.append(_measured(equations, q))
     return sorted(found, key=lambda crossing: float(crossing.q[2]))
@@ -138,6 +158,15 @@ def _measured(equations: ClosureEquations, q: Array) -> Intersection:
     (a, b), (c, d) = slopes
     crossing = float(np.arctan2(abs(a * d - b * c), abs(a * c + b * d)))
     return Intersection(q, float(np.linalg.cond(G[:, :2])), crossing)
+
+
+def _is_same(equations: ClosureEquations, q: Array, p: Array) -> bool:
+    away = _distance(q, p)
+    if away < _APART or away > _ONE_POSTURE:
+        return away < _APART
+    middle = p + 0.5 * ((q - p + np.pi) % (2.0 * np.pi) - np.pi)
+    error = tip_poses(equations.chain, middle[None])[0] - equations.target
+    return bool(np.abs(error).max() < _BETWEEN)
 
 
 def _distance(q: Array, p: Array) -> float:

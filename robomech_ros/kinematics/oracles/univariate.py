@@ -7,13 +7,17 @@ Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.3.
 """
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Iterator
+from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, posture_of
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["solve_univariate"]
+__all__ = ["UnivariateSolutions", "solve_univariate"]
 
 Array = NDArray[np.float64]
 
@@ -24,36 +28,86 @@ _MOEBIUS = (0.83, -0.41, 0.57, 0.92)
 # Imaginary part of a root below which it is tried as real, and least distance of two postures.
 _NEARLY_REAL = 1e-4
 _APART = 1e-6
+# Imaginary part of a root below which it may belong to a real posture, as one of several equal
+# roots that rounding has parted, and how far from plus or minus i extraneous roots may be.
+_MAYBE_REAL = 1e-2
+_NOT_EXTRANEOUS = 1e-4
+_ROOTS, _EXTRANEOUS = 24, 8
 
 
-def solve_univariate(chain: SerialChain, T: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+class UnivariateSolutions:
+    """Postures from eigenvalues; a sequence of them, and an array (k, 6) for numpy.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, 6)
+        Joint angles (rad), distinct, by increasing joint 3.
+    complete : bool
+        Whether every root that may be real has led to a posture of its own.  It is False wherever
+        postures share joint 3, as those of arms with parallel axes or a spherical wrist do, since
+        their eigenvectors are mixed.
+    reason : str
+        What is missing; empty where nothing is.
+    """
+
+    q: Array
+    complete: bool
+    reason: str
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter(self.q)
+
+    def __getitem__(self, k: int) -> Array:
+        row: Array = self.q[k]
+        return row
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
+        array: Array = np.array(self.q, dtype=dtype)
+        return array
+
+
+def solve_univariate(chain: SerialChain, T: ArrayLike) -> UnivariateSolutions:
     """Find the postures of an arm of six revolute joints from 24 eigenvalues.
 
     With twelve equations in twelve monomials of x_4 and x_5, quadratic in x_3,
     ``(A x^2 + B x + C) v = 0`` has 24 eigenvalues: 8 of them are plus and minus i, the others
-    belong to postures, real or complex.  Postures that share joint 3 may be lost, so that arms
-    with a spherical wrist are none for this approach.
+    belong to postures, real or complex.  Postures that share joint 3 may be lost, as of
+    arms with parallel axes or a spherical wrist; then the result is not ``complete``.
 
     Parameters
     ----------
     chain : SerialChain
-    T : ndarray, shape (4, 4)
+    T : array_like, shape (4, 4)
         Target pose of the tip in the base (m).
 
     Returns
     -------
-    ndarray, shape (k, 6)
-        Joint angles (rad), distinct, by increasing joint 3.
+    UnivariateSolutions
+
+    Raises
+    ------
+    BadValueError
+        No arm of six revolute joints, or no pose.
+    WrongSizeError, NonFiniteError
+        No pose.
     """
-    equations = ClosureEquations.of(chain, T)
+    equations = ClosureEquations.of(chain, as_targets(T)[0])
     six = np.einsum("xi,yj,zk,eijk->xeyz", _HALF, _HALF, _HALF, equations.free)
     six = six.reshape(3, 6, 9)
     twelve = np.zeros((3, 12, 12))
     twelve[:, :6, 3:] = six
     twelve[:, 6:, :9] = six
     found: list[Array] = []
+    maybe_real = extraneous = 0
     for x3, vector in _eigenpairs(twelve):
-        if abs(x3.imag) > _NEARLY_REAL * (1.0 + abs(x3) ** 2):
+        scale = 1.0 + abs(x3) ** 2
+        extraneous += min(abs(x3 - 1j), abs(x3 + 1j)) < _NOT_EXTRANEOUS
+        maybe_real += abs(x3.imag) <= _MAYBE_REAL * scale
+        if abs(x3.imag) > _NEARLY_REAL * scale:
             continue
         x4, x5 = _half_tangents(vector)
         angles = [2.0 * float(np.arctan(x.real)) for x in (x3, x4, x5)]
@@ -61,7 +115,12 @@ def solve_univariate(chain: SerialChain, T: Array) -> Array:
         if q is not None and all(_distance(q, other) > _APART for other in found):
             found.append(q)
     found.sort(key=lambda q: float(q[2]))
-    return np.array(found).reshape(-1, 6)
+    reason = ""
+    if extraneous != _EXTRANEOUS:
+        reason = f"{extraneous} of {_ROOTS} roots are plus or minus i, not {_EXTRANEOUS}"
+    elif maybe_real != len(found):
+        reason = f"{maybe_real} roots that may be real led to {len(found)} postures"
+    return UnivariateSolutions(np.array(found).reshape(-1, 6), not reason, reason)
 
 
 def _eigenpairs(coefficients: Array) -> list[tuple[complex, NDArray[np.complex128]]]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.errors import WrongSizeError
-from robomech_ros.spatial.arrays import real_array
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.spatial.arrays import real_array, real_number
 from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
@@ -83,6 +83,10 @@ def end_violations(
     to_rest: bool,
 ) -> Iterable[Violation]:
     """Yield what is wrong with the first and the last instant."""
+    expected = "a number of rad or m from 0 on"
+    slack = real_number("start_tolerance", start_tolerance, expected)
+    if not slack >= 0.0:
+        raise BadValueError("start_tolerance", start_tolerance, expected)
     begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
     if from_zero and begin != 0.0:
         yield Violation("start time", "", begin, begin, 0.0)
@@ -90,10 +94,10 @@ def end_violations(
         wanted = real_array("start", start)
         if wanted.shape != (curve.joints,):
             raise WrongSizeError("start", wanted.shape, (curve.joints,))
+        if not np.isfinite(wanted).all():
+            raise NonFiniteError("start", wanted)
         first = curve.coefficients[0, 0]
-        yield from _worst(
-            "start position", limits.joint_names, begin, first, wanted, start_tolerance
-        )
+        yield from _worst("start position", limits.joint_names, begin, first, wanted, slack)
     if to_rest:
         last = curve.sample(end)
         slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
