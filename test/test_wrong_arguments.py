@@ -1,10 +1,11 @@
-"""What is no argument at all raises our errors, in functions of several subjects."""
+"""What is no argument at all raises our errors, and names to choose from can be imported."""
 
 import numpy as np
 import pytest
 
+from robomech_ros.dynamics import ALGORITHMS, METHODS, forward_dynamics, operation_counts
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.robots import combined, dh_from_chain
+from robomech_ros.robots import combined, dh_from_chain, load_robot
 from robomech_ros.trajectory import Limits, discretise, point_to_point, verify
 
 LIMITS = Limits(("x", "y"), velocity=1.0, acceleration=2.0, jerk=20.0)
@@ -40,3 +41,13 @@ def test_issue_12_start_that_is_no_posture():
 def test_issue_12_max_points_that_is_no_number_of_samples(points):
     with pytest.raises(BadValueError, match="max_points"):
         discretise(MOTION, 0.01, points)
+
+
+def test_issue_12_names_to_choose_from_can_be_imported():
+    chain = load_robot("planar3r")
+    still = np.zeros(3)
+    accelerations = [
+        forward_dynamics(chain, still, still, np.ones(3), method=name) for name in METHODS
+    ]
+    np.testing.assert_allclose(accelerations[0], accelerations[1], rtol=1e-9)
+    assert all(operation_counts(name, 3) for name in ALGORITHMS)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         power_balance,
     )
     from robomech_ros.dynamics.formulations.complexity import (
+        ALGORITHMS,
         Operations,
         operation_counts,
     )
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
         planar_orthogonal_complement,
     )
     from robomech_ros.dynamics.forward import (
+        METHODS,
         forward_dynamics,
     )
     from robomech_ros.dynamics.friction import (
@@ -99,6 +101,8 @@ if TYPE_CHECKING:
     from robomech_ros.dynamics.simulation.simulate import Simulation, simulate
 
 __all__ = [
+    "ALGORITHMS",
+    "METHODS",
     "BaseParameters",
     "ConsistentFit",
     "ControlledArm",
@@ -158,6 +162,8 @@ __all__ = [
 ]
 
 _MODULES = {
+    "ALGORITHMS": "formulations.complexity",
+    "METHODS": "forward",
     "BaseParameters": "identification.regressor",
     "ConsistentFit": "identification.consistent_fit",
     "ForwardDerivatives": "derivatives",

@@ -174,7 +174,8 @@ def _costs(places: FloatArray, knots: FloatArray, profile: str, limits: Limits) 
     swing = np.abs(unit.coefficients[1:]).reshape(-1, *low.shape[1:]).max(axis=(0, 2))
     swing /= np.abs(places - places[0]).max()
     outside = np.maximum(outside, np.where(swing > _LARGEST_SWING, swing, 0.0))
-    return np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
+    ranked: FloatArray = np.where(outside > POSITION_SLACK, _OUTSIDE * (1.0 + outside), costs)
+    return ranked
 
 
 def _through(places: FloatArray, knots: FloatArray, profile: str) -> PiecewisePolynomial:
