@@ -105,7 +105,7 @@ class Environment:
     def stop(self) -> None:
         """End what runs in other threads."""
         for process in list(self.running):
-            process.terminate()
+            process.send_signal(signal.SIGINT)
 
     def pip(self, *arguments: str) -> None:
         """Install with pip, which never asks."""
