@@ -95,7 +95,7 @@ class Worker:
         return result
 
     def give_up(self, refusal: Exception) -> None:
-        """Raise this in all waiting and later calls of `do`; to be called in the executor's thread."""
+        """Raise this in all calls of `do`, waiting or later; call it in the executor's thread."""
         self._closed, self._refusal = True, refusal
         for done in self._awaited:
             if not done.done():
