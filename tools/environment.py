@@ -78,9 +78,13 @@ class Environment:
         # Those of a make that runs several of these would keep a build from using all cores.
         env.pop("MAKEFLAGS", None)
         pipe, both = (subprocess.PIPE, subprocess.STDOUT) if quiet else (None, None)
-        with subprocess.Popen(
-            command, cwd=ROOT, env=env, stdout=pipe, stderr=both, text=True
-        ) as it:
+        try:
+            process = subprocess.Popen(
+                command, cwd=ROOT, env=env, stdout=pipe, stderr=both, text=True
+            )
+        except OSError as error:
+            raise SetUpError(f"`{command[0]}` does not start: {error.strerror}") from error
+        with process as it:
             self.running.add(it)
             try:
                 output, _ = it.communicate()
@@ -105,7 +109,7 @@ class Environment:
     def stop(self) -> None:
         """End what runs in other threads."""
         for process in list(self.running):
-            process.terminate()
+            process.send_signal(signal.SIGINT)
 
     def pip(self, *arguments: str) -> None:
         """Install with pip, which never asks."""

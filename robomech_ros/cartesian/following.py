@@ -20,6 +20,7 @@ from robomech_ros.trajectory import (
     JointLimits,
     JointPath,
     Limits,
+    PathCut,
     PathTracking,
     PathTrackingStatus,
     PosePath,
@@ -131,7 +132,7 @@ def follow_path(
     SeedOutsideLimitsError
         The start is outside the limits.
     BadValueError, WrongSizeError, NonFiniteError
-        Not a chain, a path, joint values or poses.
+        Not a chain, a path, joint values or poses; a check that gives no PathCut.
 
     See Also
     --------
@@ -252,6 +253,8 @@ def _cut(
         if tracking.path is None:
             return tracking
         cut = check(tracking.path)
+        if not isinstance(cut, PathCut | None):
+            raise BadValueError("result of a check", cut, "a PathCut or None")
         # Joints that move far in the last step do so for the reason that is found already.
         before = 0.0 if tracking.status is PathTrackingStatus.COMPLETE else reach
         if cut is not None and cut.s + before < tracking.reached:

@@ -72,8 +72,8 @@ def prune(cache: Path, installation: Path, digests: Iterable[str]) -> list[Path]
 
 
 def _states(note: Path) -> list[str]:
-    """Read the states of an installation, the latest first."""
-    return note.read_text(encoding="utf-8").splitlines()
+    """Read the states of an installation, the latest first; of a damaged note what can be read."""
+    return note.read_text(encoding="utf-8", errors="replace").splitlines()
 
 
 def _listed(states: Iterable[str]) -> set[str]:

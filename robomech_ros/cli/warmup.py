@@ -1,7 +1,6 @@
 """``robomech warmup``: compile all kernels, or load them from the cache."""
 
 import argparse
-import gc
 import logging
 import os
 import sys
@@ -121,8 +120,6 @@ def _start_worker() -> None:
     """Prepare a process that compiles and does nothing else."""
     # What it says of kernels that have to be compiled was said here.
     logging.disable(logging.WARNING)
-    # Numba keeps what it makes: to look for garbage takes time and finds none.
-    gc.disable()
     _hash_options_faster()
 
 

@@ -79,7 +79,7 @@ def finite_result(function: Callable[P, Array]) -> Callable[P, Array]:
             with np.errstate(all="ignore"):
                 result = function(*args, **kwargs)
         except np.linalg.LinAlgError:
-            expected = "bodies or rotors that resist every motion of it"
+            expected = "bodies or rotors that resist every motion"
             raise BadValueError("least inertia of the chain", 0.0, expected) from None
         if not np.isfinite(result).all():
             value = float(result[~np.isfinite(result)].flat[0])

@@ -200,7 +200,7 @@ def raise_outcome(chain: SerialChain, status: int, **arrays: Array) -> NoReturn:
             raise NonFiniteError(what, float(array[(*row, joint)]))
     if status & ~NOT_FINITE:
         raise BadValueError(
-            "least inertia of the chain", 0.0, "bodies or rotors that resist every motion of it"
+            "least inertia of the chain", 0.0, "bodies or rotors that resist every motion"
         )
     name, largest = max(
         ((name, float(np.abs(array).max(initial=0.0))) for name, array in arrays.items()),

@@ -202,7 +202,7 @@ def _best(chain: SerialChain, norm: str, rows: _Rows) -> tuple[Array, float]:
     index = NORMS[as_choice("norm", norm, tuple(NORMS))]
     starts = _starts(chain, rows)
     if not starts:
-        raise BadValueError("chain", chain.name, "one that is not singular in every posture")
+        raise BadValueError("chain", chain.name, "one that is regular in some posture")
     found = _distinct(chain, rows, [_descent(chain, rows, start) for start in starts])
     if index == kernels.CONDITION:
         for powers, count in _FOLLOWED:

@@ -113,7 +113,7 @@ def global_conditioning_index(
          for points in _shifted(chain.n, count)]
     )  # fmt: skip
     if not sums[:, 0].any():
-        expected = f"one that is not singular in every posture as to its {rows}"
+        expected = f"one that is regular in some posture as to its {rows}"
         raise BadValueError("chain", chain.name, expected)
     result = _ratio(*sums.T)
     result.postures, result.length = _SHIFTS * count, metres

@@ -174,8 +174,8 @@ class Motion:
     def _target(self, wanted: Numbers) -> tuple[Numbers, float]:
         """Give the velocity nearest to the wanted one that a period allows.
 
-        That is a part of it where one can be had, which keeps the direction; else a part of the
-        change.  The part comes with it.
+        That is a fraction of it where possible, which keeps the direction, otherwise a fraction of
+        the change. The fraction comes with it.
         """
         before, followed, least, most = self._velocity, 1.0, 0.0, 1.0
         for now, then, step in zip(before, wanted, self._plan.steps, strict=True):

@@ -158,7 +158,8 @@ class Limits:
         if isinstance(limits, cls):
             return limits
         if not hasattr(limits, "joint_names") or isinstance(limits, type):
-            raise BadValueError("limits", limits, "a SerialChain, Limits, or the like of them")
+            expected = "a SerialChain, Limits, or an object with the same attributes"
+            raise BadValueError("limits", limits, expected)
         fields: dict[str, Any] = {
             name: getattr(limits, name, None) for name in (*RATES, "lower", "upper")
         }

@@ -19,7 +19,7 @@ from robomech_ros.cartesian import (
     serial_arm,
     waypoint_fraction,
 )
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
 
@@ -107,3 +107,12 @@ def test_wrong_arguments_are_answered_or_refused_with_an_error_of_ours(name):
                 CALLS[name](value)
             except RobomechError as error:
                 assert str(error), value
+
+
+@pytest.mark.parametrize("value", [True, 1, "x", (), np.zeros(3)], ids=str)
+def test_a_check_that_gives_no_cut_is_refused(value):
+    there = HERE.copy()
+    there[0, 3] += 0.05
+    path = path_through(HERE, [there])
+    with pytest.raises(BadValueError, match="a PathCut or None"):
+        follow_path(PUMA, path, START, checks=[lambda joints: value])

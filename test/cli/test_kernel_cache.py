@@ -65,6 +65,15 @@ def test_what_is_no_kernel_is_left_alone(cache):
     assert (cache / f"notes-{STATES[0][0]}.txt").read_text() == "mine"
 
 
+def test_a_damaged_note_names_nothing(cache):
+    use(cache, STATES[:1], installation="/there")
+    (note,) = (cache / "used_by").iterdir()
+    note.write_bytes(b"\xf6\x00\xff")
+    assert compiled(cache).isdisjoint(STATES[0])
+    use(cache, STATES[1:2], installation="/there")
+    assert compiled(cache) >= set(STATES[1])
+
+
 def test_trouble_with_the_cache_is_none_of_the_users(tmp_path):
     place = tmp_path / "file"
     place.write_text("")

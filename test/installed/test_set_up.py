@@ -244,6 +244,20 @@ def test_an_interrupted_uv_is_not_replaced(installing):
     assert ran[-1] == "uv pip install does not work"
 
 
+@pytest.mark.parametrize("rights", [0o755, 0o644], ids=["of another machine", "not executable"])
+def test_pip_installs_where_uv_does_not_start(rights, tmp_path, monkeypatch, capsys):
+    environment = tool("environment")
+    env = environment.Environment(tmp_path, "", "")
+    env.uv.parent.mkdir()
+    env.uv.write_bytes(b"\x7fELF")
+    env.uv.chmod(rights)
+    installed = []
+    monkeypatch.setattr(env, "pip", lambda *arguments: installed.append(arguments))
+    env.install("a.whl")
+    assert installed == [("a.whl",)]
+    assert "does not start" in capsys.readouterr().out
+
+
 def test_uv_asks_the_index_that_pip_asks(monkeypatch):
     environment = tool("environment")
     for name in ("UV_DEFAULT_INDEX", "SSL_CERT_FILE"):
@@ -299,7 +313,7 @@ def test_ctrl_c_ends_what_is_made_at_the_same_time(tmp_path):
 
     def compile_long() -> None:
         try:
-            env.run(sys.executable, "-c", "import time; time.sleep(600)")
+            env.run("sleep", "600")
         except set_up.SetUpError as error:
             ended.append(type(error).__name__)
 

@@ -109,7 +109,7 @@ def test_what_is_refused():
     with pytest.raises(BadValueError, match="a SerialChain"):
         characteristic_length("puma560")
     twice = chain_from_dh([0.0, 0.0], [0.1, 0.1], [0.0, 0.0])
-    with pytest.raises(BadValueError, match="not singular in every posture"):
+    with pytest.raises(BadValueError, match="regular in some posture"):
         characteristic_length(twice)
 
 

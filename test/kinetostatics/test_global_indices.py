@@ -80,7 +80,7 @@ def test_arms_with_more_or_fewer_joints_have_one(name):
 def test_what_is_wrong_is_said():
     with pytest.raises(BadValueError, match="postures is 1"):
         global_conditioning_index(WRIST, postures=1)
-    with pytest.raises(BadValueError, match="singular in every posture as to its position"):
+    with pytest.raises(BadValueError, match="regular in some posture as to its position"):
         global_conditioning_index(load_robot("planar3r"), part="position")
     with pytest.raises(BadValueError, match="norm is '1'"):
         global_conditioning_index(WRIST, norm="1")

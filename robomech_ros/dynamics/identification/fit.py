@@ -92,8 +92,8 @@ class Identification:
     def parameters(self) -> Array:
         """Parameters of bodies, shape (n, 10), that have the base parameters found.
 
-        Of all of them those nearest to the bodies known before, or to none; whether there can be
-        such bodies is another question: :func:`is_consistent`.
+        Of all of them those nearest to the bodies known before, or to none. They may be impossible;
+        :attr:`consistent` says which are possible.
         """
         known = known_parameters(self.chain, np.zeros(10)).ravel()
         missing = self.base_values - self.base.combination @ known

@@ -63,7 +63,7 @@ def felt_inertias(chain: SerialChain, turn: float, damping: float) -> tuple[Arra
     count = min(_POSTURES, _MOST_ENTRIES // chain.n**2)
     inertia = mass_matrix(chain, sample_postures(chain, count))
     if np.linalg.matrix_rank(inertia, hermitian=True).min() < chain.n:
-        expected = "bodies or rotors that resist every motion of it"
+        expected = "bodies or rotors that resist every motion"
         raise BadValueError("least inertia of the chain", 0.0, expected)
     inverse = np.linalg.inv(inertia)
     mobility = np.diagonal(inverse, axis1=1, axis2=2)

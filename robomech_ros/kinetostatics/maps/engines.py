@@ -180,6 +180,6 @@ def _task(given: tuple[SerialChain, MapRequest], first: int, last: int) -> NDArr
     """Compute a chunk on a worker."""
     chain, request = given
     if request.version != __version__:
-        expected = f"{request.version}, as where the map is asked for"
+        expected = f"{request.version}, as on the machine that requests the map"
         raise BadValueError("version of robomech_ros on the worker", __version__, expected)
     return map_cells(chain, request, first, last)

@@ -20,7 +20,7 @@ __all__ = ["PositioningPart", "positioning_part"]
 Array = NDArray[np.float64]
 
 _EXPECTED = (
-    "one with joints that place a point which the later ones leave where it is: an arm of three "
+    "one with joints that place a point which later joints do not move: an arm of three "
     "joints or with a spherical wrist after three, or a planar arm of two joints or with one that "
     "turns after two"
 )

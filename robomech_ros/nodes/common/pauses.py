@@ -66,7 +66,7 @@ class Worker:
     """
 
     def __init__(self, node: Node) -> None:
-        # The thread may outlive the node by what it is at.
+        # The thread may outlive the node until its present work ends.
         self._node = weakref.ref(node)
         self._pieces: queue.SimpleQueue[tuple[Callable[[], Any], Future] | None]
         self._pieces = queue.SimpleQueue()
@@ -83,7 +83,7 @@ class Worker:
         return done
 
     async def do(self, work: Callable[[], _T]) -> _T:
-        """Give the result of work, or raise what it raises, or what `give_up` is told."""
+        """Give the result of work, or raise what it raises, or the refusal of `give_up`."""
         if self._refusal is not None:
             raise self._refusal
         done = self.begin(work)
@@ -95,7 +95,7 @@ class Worker:
         return result
 
     def give_up(self, refusal: Exception) -> None:
-        """Raise this in all who wait, and in who comes; to be called in the executor's thread."""
+        """Raise this in all calls of `do`, waiting or later; call it in the executor's thread."""
         self._closed, self._refusal = True, refusal
         for done in self._awaited:
             if not done.done():

@@ -98,7 +98,7 @@ class JointWatch:
         self._tracking.tell(time, position)
 
     def fault(self, now: float) -> Fault | None:
-        """Say where the joints do not do what they are told, or nothing is heard of them."""
+        """Say which joints do not follow their commands, or that their state is unknown."""
         settings = self._settings()
         if not settings.tracking_tolerance:
             return None

@@ -73,7 +73,7 @@ def joint_spline(
     as_arm(arm)
     count = _count(poses, kind, len(joints.stops))
     if kind == "periodic" and len(joints.stops):
-        raise BadValueError("ends", ends, "clamped or natural, for the path has stops")
+        raise BadValueError("ends", ends, "clamped or natural, since the path has stops")
     edges = np.concatenate([[0.0], joints.stops, [joints.length]])
     parts = []
     for low, high in pairwise(edges):

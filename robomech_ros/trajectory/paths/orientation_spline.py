@@ -192,10 +192,10 @@ def _end_rates(given: npt.ArrayLike | None, ends: Ends, rotations: FloatArray) -
     """Check angular velocities at the ends; give them in the axes of their knots."""
     if ends != "clamped":
         if given is not None:
-            raise BadValueError("end_rates", given, f"none, for the ends are {ends}")
+            raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
         return None
     if given is None:
-        raise BadValueError("end_rates", None, "angular velocities, for the ends are clamped")
+        raise BadValueError("end_rates", None, "angular velocities, since the ends are clamped")
     rates = real_array("end_rates", given)
     if rates.shape != (2, 3):
         raise WrongSizeError("end_rates", rates.shape, (2, 3))

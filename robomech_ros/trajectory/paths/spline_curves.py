@@ -120,10 +120,11 @@ def _end_rates(
 ) -> FloatArray | None:
     if given is None:
         if ends == "clamped":
-            raise BadValueError("end_rates", None, "derivatives at the ends, for they are clamped")
+            expected = "derivatives at the ends, since they are clamped"
+            raise BadValueError("end_rates", None, expected)
         return None
     if ends != "clamped":
-        raise BadValueError("end_rates", given, f"none, for the ends are {ends}")
+        raise BadValueError("end_rates", given, f"none, since the ends are {ends}")
     rates = real_array("end_rates", given)
     if rates.shape != shape:
         raise WrongSizeError("end_rates", rates.shape, shape)

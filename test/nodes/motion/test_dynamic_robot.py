@@ -107,6 +107,7 @@ def test_it_holds_itself_and_its_efforts_are_published(drive):
     # A busy machine may miss cycles, between which commands are interpolated.
     status, result = arm.execute(arm.trajectory((0.6, MOVE)), path_position_tolerance=[2e-2] * 6)
     assert (status, result.error_msg) == (GoalStatus.STATUS_SUCCEEDED, "")
+    arm.until(lambda: np.abs(arm.position - HOME - MOVE).max() < 1e-3)
     until_still(arm)
     np.testing.assert_allclose(arm.position, HOME + MOVE, atol=1e-3)
     assert arm.graph.call(Trigger, f"{NAME}/reset", Trigger.Request()).success

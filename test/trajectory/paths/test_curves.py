@@ -257,7 +257,7 @@ BAD = {
     "rates": (
         lambda: spline_curve(OPEN, end_rates=RATES[0]),
         BadValueError,
-        "for the ends are natural",
+        "since the ends are natural",
     ),
     "knots": (
         lambda: spline_curve(OPEN, knots=[0.0, 1.0]),

@@ -245,7 +245,7 @@ def test_bad_ends_of_a_spline_are_named():
         orientation_spline(ROTATIONS, KNOTS, ends="periodic")
     with pytest.raises(BadValueError, match="end_rates is None"):
         orientation_spline(ROTATIONS, KNOTS, ends="clamped")
-    with pytest.raises(BadValueError, match="for the ends are natural"):
+    with pytest.raises(BadValueError, match="since the ends are natural"):
         orientation_spline(ROTATIONS, KNOTS, end_rates=np.zeros((2, 3)))
     with pytest.raises(WrongSizeError, match=r"\(3,\), expected \(2, 3\)"):
         orientation_spline(ROTATIONS, KNOTS, ends="clamped", end_rates=np.zeros(3))

@@ -1,8 +1,8 @@
 """Any other arm of six joints: its closure equations, made once for each chain.
 
-A form of elimination (see ``_kernels.general_layout``) needs nothing of the target in its left
-side where the target is one of the two links next to joint FIRST.  Four of the twelve forms are
-so, with joints 3, 4, 2 and 5 hidden; each fails for other arms with special geometry, such as
+A form of elimination (see ``_kernels.inverse.general.layout``) needs nothing of the target in its
+left side where the target is one of the two links next to joint FIRST.  Four of the twelve forms
+are so, with joints 3, 4, 2 and 5 hidden; each fails for other arms with special geometry, such as
 parallel or meeting neighbouring axes, and all are of very different worth: where the solutions of
 an arm have nearly the same hidden angle, the determinant is near rounding between them and has to
 be sampled again and again.  Which forms are good for an arm is found by trying all of them.  A
