@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         relative_jump,
     )
     from robomech_ros.cartesian.planning import CartesianPlan, plan_along, plan_followed
+    from robomech_ros.cartesian.sampling import Sampling
     from robomech_ros.cartesian.waypoint_paths import path_through
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "FollowedPath",
     "PathBounds",
     "PathCheck",
+    "Sampling",
     "StopReason",
     "broken_condition",
     "follow_path",
@@ -49,6 +51,7 @@ _MODULES = {
     "FollowedPath": "following",
     "PathBounds": "path_checks",
     "PathCheck": "path_checks",
+    "Sampling": "sampling",
     "StopReason": "following",
     "broken_condition": "path_checks",
     "follow_path": "following",

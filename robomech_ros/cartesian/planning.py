@@ -1,17 +1,15 @@
 """Motions along pose paths within the limits of every joint, in a limited number of samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from robomech_ros.cartesian.arguments import above_zero, whole_number
 from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
 from robomech_ros.cartesian.path_checks import PathBounds, PathCheck
+from robomech_ros.cartesian.sampling import Sampling, in_steps
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics import tip_poses
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import (
     JointLimits,
@@ -23,17 +21,12 @@ from robomech_ros.trajectory import (
     TipSpeeds,
     Waypoints,
     along_joint_path,
-    discretise,
     sampled_motion,
-    verify,
 )
 from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 
 __all__ = ["CartesianPlan", "plan_along", "plan_followed"]
-
-# A little finer than wanted: the fastest part may lie between two points.
-_FINER = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +76,7 @@ def plan_along(
     limits: JointLimits | Any = None,
     profile: str = "poly345",
     speeds: TipSpeeds | None = None,
-    period: float = 0.01,
-    max_points: int = 10_000,
-    max_duration: float = 3600.0,
+    sampling: Sampling | None = None,
 ) -> CartesianPlan:
     """Plan a motion along a pose path, as far as the joints can follow it.
 
@@ -107,12 +98,8 @@ def plan_along(
         One of `robomech_ros.trajectory.PATH_PROFILES`.
     speeds : TipSpeeds, optional
         Largest speeds of the tip.
-    period : float
-        Largest time between two samples (s); longer where they would be too many.
-    max_points : int
-        The most samples there may be.
-    max_duration : float
-        Longest motion (s).
+    sampling : Sampling, optional
+        How finely to sample the motion, and how long it may be.
 
     Returns
     -------
@@ -151,13 +138,7 @@ def plan_along(
         chain, path, start, bounds=bounds, waypoints=waypoints, checks=checks, limits=limits
     )
     sampled = plan_followed(
-        followed,
-        limits=limits,
-        profile=profile,
-        speeds=speeds,
-        period=period,
-        max_points=max_points,
-        max_duration=max_duration,
+        followed, limits=limits, profile=profile, speeds=speeds, sampling=sampling
     )
     return CartesianPlan(followed, sampled)
 
@@ -169,22 +150,17 @@ def plan_followed(
     profile: str = "poly345",
     speeds: TipSpeeds | None = None,
     speed_limits: Sequence[SpeedLimit] = (),
-    period: float = 0.01,
-    max_points: int = 10_000,
-    max_duration: float = 3600.0,
-    max_step: float = np.inf,
+    sampling: Sampling | None = None,
 ) -> SampledPlan | None:
     """Plan a motion along what can be followed of a path.
 
     Parameters
     ----------
     followed : FollowedPath
-    limits, profile, speeds, period, max_points, max_duration
+    limits, profile, speeds, sampling
         As for `plan_along`.
     speed_limits : sequence of SpeedLimit
         Further speeds over the path coordinate, such as `link_speed_limit`.
-    max_step : float
-        Largest distance of the tip (m) between two samples.
 
     Returns
     -------
@@ -198,8 +174,7 @@ def plan_followed(
     """
     if not isinstance(followed, FollowedPath):
         raise BadValueError("followed", followed, "a FollowedPath")
-    most, step = whole_number("max_points", max_points, 2), above_zero("max_step", max_step)
-    longest = above_zero("max_duration", max_duration)
+    fine = _as_sampling(sampling)
     joints, latest = followed.joints, list[PathMotion]()
     if joints is None:
         return None
@@ -219,32 +194,19 @@ def plan_followed(
         return motion
 
     plan = sampled_to_fit(
-        lambda period: sampled_motion(planner, start, allowed, period=period, max_points=most),
+        lambda period: sampled_motion(
+            planner, start, allowed, period=period, max_points=fine.max_points
+        ),
         lambda: latest[0].duration,
-        usual_period=period,
-        max_points=most,
-        max_duration=longest,
+        usual_period=fine.period,
+        max_points=fine.max_points,
+        max_duration=fine.max_duration,
     )
-    return _in_steps(followed.chain, plan, step, allowed, most)
+    return in_steps(followed.chain, plan, fine, allowed)
 
 
-def _in_steps(
-    chain: SerialChain, plan: SampledPlan, step: float, limits: Limits, max_points: int
-) -> SampledPlan:
-    """Sample a plan finer where its points are farther apart (m) than wanted."""
-    if np.isinf(step):
-        return plan
-    points = plan.waypoints
-    places = tip_poses(chain, points.positions)[:, :3, 3]
-    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    if apart.max(initial=0.0) <= step:
-        return plan
-    longest = float((apart / np.diff(points.times)).max(initial=0.0))
-    try:
-        finer = discretise(plan.trajectory, _FINER * step / longest, max_points)
-    except BadValueError:
-        expected = f"one for which {max_points} points, the parameter max_points, are enough"
-        raise BadValueError("max_step", step, expected) from None
-    report = verify(finer, limits, start=points.positions[0])
-    report.require_ok()
-    return replace(plan, waypoints=finer, verification=report)
+def _as_sampling(sampling: Sampling | None) -> Sampling:
+    known = Sampling() if sampling is None else sampling
+    if not isinstance(known, Sampling):
+        raise BadValueError("sampling", sampling, "a Sampling")
+    return known

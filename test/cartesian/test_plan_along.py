@@ -5,6 +5,7 @@ import pytest
 
 from robomech_ros.cartesian import (
     PathBounds,
+    Sampling,
     follow_path,
     link_speed_limit,
     path_through,
@@ -114,19 +115,19 @@ def test_samples_are_as_fine_and_as_few_as_wanted():
     usual = plan_along(PUMA, path, START)
     assert np.diff(usual.samples.times).max() <= 0.01 * (1.0 + 1e-9)
     slow = TipSpeeds(linear=0.01)
-    few = plan_along(PUMA, path, START, speeds=slow, max_points=400)
+    few = plan_along(PUMA, path, START, speeds=slow, sampling=Sampling(max_points=400))
     assert 200 < len(few.samples.times) <= 400
     followed = follow_path(PUMA, path, START)
-    fine = plan_followed(followed, period=1.0, max_step=0.002)
+    fine = plan_followed(followed, sampling=Sampling(period=1.0, max_step=0.002))
     tips = forward_kinematics(PUMA, fine.waypoints.positions)[:, :3, 3]
     assert np.linalg.norm(np.diff(tips, axis=0), axis=1).max() <= 0.002
-    for options, text in (
-        ({"speeds": slow, "max_duration": 3.0}, "at most 3 s, the parameter max_duration"),
-        ({"max_points": 10}, "at most 10, the parameter max_points"),
-        ({"max_step": 1e-6}, "the parameter max_points, are enough"),
+    for sampling, text in (
+        (Sampling(max_duration=3.0), "at most 3 s, the parameter max_duration"),
+        (Sampling(max_points=10), "at most 10, the parameter max_points"),
+        (Sampling(max_step=1e-6), "the parameter max_points, are enough"),
     ):
         with pytest.raises(BadValueError, match=text):
-            plan_followed(followed, **options)
+            plan_followed(followed, speeds=slow, sampling=sampling)
 
 
 def test_the_speed_of_another_link_is_kept():
@@ -187,8 +188,18 @@ def test_a_limit_that_is_missing_is_named():
     path = path_through(HERE, shifted([0.1, 0.0, 0.0]))
     with pytest.raises(MissingLimitsError, match="waist"):
         plan_along(chain, path, START, limits=limits)
-    for options in ({"profile": "sledge"}, {"period": -1.0}, {"speeds": 3.0}):
-        with pytest.raises(RobomechError, match=next(iter(options)).replace("period", "sample_p")):
+    for options in ({"profile": "sledge"}, {"sampling": 0.01}, {"speeds": 3.0}):
+        with pytest.raises(RobomechError, match=next(iter(options))):
             plan_along(chain, path, START, **options)
     with pytest.raises(BadValueError, match="a FollowedPath"):
         plan_followed(None)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("period", -1.0), ("period", np.inf), ("max_points", 1), ("max_duration", 0.0)]
+    + [("max_points", 2.5), ("max_step", np.nan)],
+)
+def test_a_sampling_that_cannot_be_is_refused(field, value):
+    with pytest.raises(BadValueError, match=field):
+        Sampling(**{field: value})

@@ -9,6 +9,7 @@ import pytest
 from robomech_ros import cartesian
 from robomech_ros.cartesian import (
     PathBounds,
+    Sampling,
     broken_condition,
     follow_path,
     link_speed_limit,
@@ -77,6 +78,7 @@ def calls():
     found = with_options(path_through, start=HERE, waypoints=[there])
     found |= with_options(serial_arm, chain=PUMA)
     found |= with_options(PathBounds)
+    found |= with_options(Sampling)
     found |= with_options(follow_path, chain=PUMA, path=path, start=START)
     found |= with_options(plan_along, chain=PUMA, path=path, start=START)
     found |= with_options(plan_followed, followed=followed)

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from robomech_ros.cartesian import (
     FollowedPath,
     PathBounds,
+    Sampling,
     broken_condition,
     follow_path,
     link_speed_limit,
@@ -161,10 +162,9 @@ def _solved(question: CartesianQuestion, settings: Any) -> _Found:
             velocity=question.velocity_scale, acceleration=question.acceleration_scale
         ),
         speed_limits=_speed_limits(question, followed),
-        period=settings.sample_period,
-        max_points=settings.max_points,
-        max_duration=settings.max_duration,
-        max_step=question.step,
+        sampling=Sampling(
+            settings.sample_period, settings.max_points, settings.max_duration, question.step
+        ),
     )
     fraction = waypoint_fraction(followed, question.waypoints)
     return _Found(plan, fraction, *_outcome(followed, fraction))

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
-from robomech_ros.cartesian import plan_along
+from robomech_ros.cartesian import Sampling, plan_along
 from robomech_ros.cartesian.arms import load_inverse_kinematics
 from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
@@ -134,8 +134,9 @@ class TrajectoryPlannerNode(Node):
         path = wanted.path_from(forward_kinematics(self._chain, start))
         kept = 1.0 - settings.limit_margin
         limits = self._limits.scaled(velocity=kept, acceleration=kept, jerk=kept)
-        options = {**wanted.options, **settings.most, "period": settings.sample_period}
-        plan = partial(plan_along, self._chain, path, start, limits=limits, **options)
+        sampling = Sampling(settings.sample_period, **settings.most)
+        options = {**wanted.options, "limits": limits, "sampling": sampling}
+        plan = partial(plan_along, self._chain, path, start, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()
         encode_path_plan(found, wanted, self._chain.joint_names, self._points, response)

@@ -1,0 +1,81 @@
+"""How finely a motion of the tip is sampled, and how long it may be."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robomech_ros.cartesian.arguments import above_zero, whole_number
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import tip_poses
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
+
+__all__ = ["Sampling", "in_steps"]
+
+# A little finer than wanted: the fastest part may lie between two points.
+_FINER = 0.95
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How finely a motion is sampled, and how long it may be.
+
+    Attributes
+    ----------
+    period : float
+        Largest time between two samples (s); longer where they would be too many.
+    max_points : int
+        The most samples there may be.
+    max_duration : float
+        Longest motion (s); infinite for any.
+    max_step : float
+        Largest distance of the tip (m) between two samples; infinite for any.
+
+    Raises
+    ------
+    BadValueError
+        One of them is not a number above 0, the period is infinite, or `max_points` is not a whole
+        number of at least 2.
+    """
+
+    period: float = 0.01
+    max_points: int = 10_000
+    max_duration: float = 3600.0
+    max_step: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("period", "max_duration", "max_step"):
+            object.__setattr__(self, name, above_zero(name, getattr(self, name)))
+        object.__setattr__(self, "max_points", whole_number("max_points", self.max_points, 2))
+        if math.isinf(self.period):
+            raise BadValueError("period", self.period, "a finite time (s)")
+
+
+def in_steps(
+    chain: SerialChain, plan: SampledPlan, sampling: Sampling, limits: Limits
+) -> SampledPlan:
+    """Sample a plan finer where its points are farther apart than `max_step`.
+
+    Raises
+    ------
+    BadValueError
+        That takes too many samples.
+    """
+    step, most = sampling.max_step, sampling.max_points
+    if math.isinf(step):
+        return plan
+    points = plan.waypoints
+    places = tip_poses(chain, points.positions)[:, :3, 3]
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    if apart.max(initial=0.0) <= step:
+        return plan
+    longest = float((apart / np.diff(points.times)).max(initial=0.0))
+    try:
+        finer = discretise(plan.trajectory, _FINER * step / longest, most)
+    except BadValueError:
+        expected = f"one for which {most} points, the parameter max_points, are enough"
+        raise BadValueError("max_step", step, expected) from None
+    report = verify(finer, limits, start=points.positions[0])
+    report.require_ok()
+    return replace(plan, waypoints=finer, verification=report)
