@@ -85,7 +85,7 @@ def along_path(
     duration: float | None = None,
     speeds: TipSpeeds | None = None,
     condition_limit: float = 1e6,
-) -> PathMotion | PathTracking:
+) -> PathMotion:
     """Follow a pose path from rest to rest, as fast as the limits allow.
 
     The joint path comes from the path's differential geometry (:func:`track_path`).  From corner
@@ -116,10 +116,10 @@ def along_path(
 
     Returns
     -------
-    PathMotion or PathTracking
-        The motion as far as the path can be followed; the latter where it cannot even begin.  Both
-        say by `fraction` how far that is, and by `reason` why not farther: no posture, a jump, a
-        singularity, or a joint that would leave its position limits.
+    PathMotion
+        The motion as far as the path can be followed; where it cannot even begin, rest at the
+        start, of no duration.  Its `fraction` says how far that is, and its `reason` why not
+        farther: no posture, a jump, a singularity, or a joint that would leave its position limits.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def along_path(
     """
     tracking = track_path(path, ik, start, limits=limits, condition_limit=condition_limit)
     if tracking.path is None:
-        return tracking
+        return _resting(np.array(start, dtype=np.float64), tracking)
     return along_joint_path(
         path, tracking, limits=limits, profile=profile, duration=duration, speeds=speeds
     )
@@ -219,6 +219,11 @@ def along_joint_path(
         curve = curve.stretched(max(seconds / curve.duration, 1.0))
     check_positions(curve, joints.pieces.coefficients[0, 0], allowed)
     return PathMotion(joints.derivatives(joints.length)[0], curve, tracking)
+
+
+def _resting(start: FloatArray, tracking: PathTracking) -> PathMotion:
+    """Stand still at joint values (n,), where a path cannot even begin."""
+    return PathMotion(start, PiecewisePolynomial(np.zeros(1), start[None, None]), tracking)
 
 
 def _found(path: PosePath, tracking: PathTracking) -> JointPath:

@@ -158,6 +158,21 @@ def test_along_path_follows_and_times_at_once():
     assert both.duration == motion("arc", "time_optimal").duration
 
 
+def test_where_a_path_cannot_begin_the_motion_rests_at_the_start():
+    far = START.copy()
+    far[0, 3] += 9.0
+    beyond = far.copy()
+    beyond[1, 3] += 0.1
+    still = along_path(straight_path([far, beyond]), ARM, limits=LIMITS, start=Q)
+    assert still.duration == 0.0 and still.fraction == 0.0
+    assert "no posture" in still.reason and still.tracking.path is None
+    for t in (-1.0, 0.0, 2.0, [0.0, 1.0]):
+        sample = still.sample(t)
+        assert (sample.position == Q).all() and sample.position.shape == (*np.shape(t), 6)
+        assert not np.any([sample.velocity, sample.acceleration, sample.jerk])
+    assert verify(still, LIMITS, start=Q).ok
+
+
 def test_the_law_of_the_cubic_spline():
     assert CUBIC.peaks == pytest.approx({"velocity": 2.0, "acceleration": 8.0, "jerk": 32.0})
     tau = np.linspace(0.0, 1.0, 33)
