@@ -63,19 +63,22 @@ class SymbolicModel:
     @cached_property
     def forward_kinematics(self) -> sympy.Matrix:
         """Pose of the tip in the base, shape (4, 4) (m)."""
-        poses, _ = symbolic_frames(self.parameters)
+        parameters = self.parameters
+        poses, _ = symbolic_frames(parameters)
         inner = self._matrix(poses[-1])
-        given = self.parameters
-        return (given.base * inner * given.tool).applyfunc(sympy.expand_mul)
+        return (parameters.base * inner * parameters.tool).applyfunc(sympy.expand_mul)
 
     @cached_property
     def jacobian(self) -> sympy.Matrix:
         """Joint rates to the tip's twist [omega; v] in the base, shape (6, n) (1 and m)."""
-        given, ring = self.parameters, self.parameters.ring
-        R, point = given.base[:3, :3], self.forward_kinematics[:3, 3]
+        parameters = self.parameters
+        ring = parameters.ring
+        R, point = parameters.base[:3, :3], self.forward_kinematics[:3, 3]
         columns = []
-        _, axes = symbolic_frames(given)
-        for axis, variable, turns in zip(axes, given.variables, given.revolute, strict=True):
+        _, axes = symbolic_frames(parameters)
+        for axis, variable, turns in zip(
+            axes, parameters.variables, parameters.revolute, strict=True
+        ):
             e = R * sympy.Matrix([ring.expression(one) for one in axis])
             velocity = point.diff(variable)
             columns.append((e if turns else sympy.zeros(3, 1)).col_join(velocity))
@@ -89,7 +92,7 @@ class SymbolicModel:
     @cached_property
     def coriolis_matrix(self) -> sympy.Matrix:
         """Matrix C with ``C qd`` the Coriolis and centrifugal torques, by Christoffel symbols."""
-        given, n = self.parameters, self.chain.n
+        parameters, n = self.parameters, self.chain.n
         D = self._mass_gradient
         C = sympy.zeros(n, n)
         for i in range(n):
@@ -97,8 +100,8 @@ class SymbolicModel:
                 symbols = [(D[i][j][k] + D[i][k][j] - D[j][k][i]) for k in range(n)]
                 C[i, j] = sympy.Add(
                     *(
-                        given.ring.expression(one / 2) * rate
-                        for one, rate in zip(symbols, given.rates, strict=True)
+                        parameters.ring.expression(one / 2) * rate
+                        for one, rate in zip(symbols, parameters.rates, strict=True)
                         if one
                     )
                 )
@@ -107,22 +110,26 @@ class SymbolicModel:
     @cached_property
     def gravity_torque(self) -> sympy.Matrix:
         """Torques that hold the weights, shape (n, 1): the gradient of the potential energy."""
-        given, ring = self.parameters, self.parameters.ring
-        moment = potential_moment(given)
+        parameters = self.parameters
+        ring = parameters.ring
+        moment = potential_moment(parameters)
         energy = sum(
-            (-ring.product(g, h) for g, h in zip(given.gravity, moment, strict=True)),
+            (-ring.product(g, h) for g, h in zip(parameters.gravity, moment, strict=True)),
             start=ring.number(0),
         )
-        gradient = [ring.expression(ring.derivative(energy, one)) for one in given.variables]
+        gradient = [ring.expression(ring.derivative(energy, one)) for one in parameters.variables]
         return sympy.Matrix(gradient)
 
     @cached_property
     def torque(self) -> sympy.Matrix:
         """Torques and forces of the drives for a motion, shape (n, 1), with friction."""
-        given = self.parameters
-        rates, accelerations = sympy.Matrix(given.rates), sympy.Matrix(given.accelerations)
+        parameters = self.parameters
+        rates, accelerations = (
+            sympy.Matrix(parameters.rates),
+            sympy.Matrix(parameters.accelerations),
+        )
         moved = self.mass_matrix * accelerations + self.coriolis_matrix * rates
-        return moved + self.gravity_torque + sympy.Matrix(given.friction)
+        return moved + self.gravity_torque + sympy.Matrix(parameters.friction)
 
     def expression(self, what: str) -> sympy.Matrix:
         """Give one of :data:`EXPRESSIONS` by name.
@@ -154,9 +161,9 @@ class SymbolicModel:
         BadValueError, MissingInertiaError
             As for :meth:`expression`.
         """
-        matrix, given = self.expression(what), self.parameters
-        symbols, values = tuple(given.values), tuple(given.values.values())
-        arguments = (given.variables, given.rates, given.accelerations, symbols)
+        matrix, parameters = self.expression(what), self.parameters
+        symbols, values = tuple(parameters.values), tuple(parameters.values.values())
+        arguments = (parameters.variables, parameters.rates, parameters.accelerations, symbols)
         entries = sympy.lambdify(arguments, list(matrix), modules="numpy", cse=True)
         shape = matrix.shape if matrix.shape[1] > 1 else matrix.shape[:1]
 
@@ -164,7 +171,7 @@ class SymbolicModel:
             rows = [real_array(name, one) for name, one in (("q", q), ("qd", qd), ("qdd", qdd))]
             if rows[0].ndim == 0 or rows[0].shape[-1] != self.chain.n:
                 raise WrongSizeError("q", rows[0].shape, f"(..., {self.chain.n})")
-            rows[0] = rows[0] + given.offsets
+            rows[0] = rows[0] + parameters.offsets
             rows = [np.broadcast_to(one, rows[0].shape) for one in rows]
             found = entries(*(tuple(np.moveaxis(one, -1, 0)) for one in rows), values)
             batch = rows[0].shape[:-1]
@@ -179,9 +186,12 @@ class SymbolicModel:
 
     @cached_property
     def _mass_gradient(self) -> list[list[list[Poly]]]:
-        given = self.parameters
+        parameters = self.parameters
         return [
-            [[given.ring.derivative(one, variable) for variable in given.variables] for one in row]
+            [
+                [parameters.ring.derivative(one, variable) for variable in parameters.variables]
+                for one in row
+            ]
             for row in self._mass_rows
         ]
 
@@ -217,5 +227,6 @@ def symbolic_model(
     check_chain(chain)
     by_name = as_choice("parameters", parameters, ("names", "numbers")) == "names"
     vector = as_vector("gravity", gravity, 3)
-    given = symbolic_parameters(chain, [float(one) for one in vector], by_name=by_name)
-    return SymbolicModel(chain, given)
+    return SymbolicModel(
+        chain, symbolic_parameters(chain, [float(one) for one in vector], by_name=by_name)
+    )

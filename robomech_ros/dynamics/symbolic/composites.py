@@ -30,19 +30,19 @@ class _Composite:
     inertia: Rows
 
 
-def symbolic_mass_rows(given: SymbolicParameters) -> list[list[Poly]]:
+def symbolic_mass_rows(parameters: SymbolicParameters) -> list[list[Poly]]:
     """Derive the mass matrix, without the rotors, from what the joints carry.
 
     The momentum of what joint k carries, for a unit rate of joint k, is seen by the axes of the
     joints before it.
     """
-    ring, links, n = given.ring, given.links, len(given.links)
+    ring, links, n = parameters.ring, parameters.links, len(parameters.links)
     rows = [[ring.number(0)] * n for _ in range(n)]
-    carried = _carried(given)
+    carried = _carried(parameters)
     for k in range(n):
-        moment, force = _momentum(ring, carried[k], given.revolute[k])
+        moment, force = _momentum(ring, carried[k], parameters.revolute[k])
         for j in range(k, -1, -1):
-            rows[j][k] = rows[k][j] = moment[2] if given.revolute[j] else force[2]
+            rows[j][k] = rows[k][j] = moment[2] if parameters.revolute[j] else force[2]
             if j > 0:
                 # Into frame j - 1 of joint j's neighbour, turned with its link.
                 turn, step = _step(ring, links[j - 1])
@@ -54,12 +54,12 @@ def symbolic_mass_rows(given: SymbolicParameters) -> list[list[Poly]]:
     return rows
 
 
-def potential_moment(given: SymbolicParameters) -> Vector:
+def potential_moment(parameters: SymbolicParameters) -> Vector:
     """Derive the sum of mass times mass centre of all links in frame 1 (kg m)."""
-    ring = given.ring
+    ring = parameters.ring
     first = [ring.number(0)] * 3
     mass = ring.number(0)
-    for link in reversed(given.links):
+    for link in reversed(parameters.links):
         # In frame i + 1 so far, then in frame i.
         own = [ring.product(link.mass, one) for one in link.com]
         first = [a + b for a, b in zip(first, own, strict=True)]
@@ -70,8 +70,8 @@ def potential_moment(given: SymbolicParameters) -> Vector:
     return first
 
 
-def _carried(given: SymbolicParameters) -> list[_Composite]:
-    ring, links = given.ring, given.links
+def _carried(parameters: SymbolicParameters) -> list[_Composite]:
+    ring, links = parameters.ring, parameters.links
     found: list[_Composite] = []
     for i in range(len(links) - 1, -1, -1):
         # In frame i + 1: the link's own body, and what the next joint carries.

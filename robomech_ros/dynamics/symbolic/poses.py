@@ -11,7 +11,7 @@ Rows = list[list[Poly]]
 Vector = list[Poly]
 
 
-def symbolic_frames(given: SymbolicParameters) -> tuple[list[Rows], list[Vector]]:
+def symbolic_frames(parameters: SymbolicParameters) -> tuple[list[Rows], list[Vector]]:
     """Multiply the poses of the frames from the first on.
 
     Returns
@@ -21,11 +21,11 @@ def symbolic_frames(given: SymbolicParameters) -> tuple[list[Rows], list[Vector]
     axes : list of vectors
         Z axes of frames 1 .. n, which the joints turn about or slide along.
     """
-    ring = given.ring
+    ring = parameters.ring
     zero, one = ring.number(0), ring.number(1)
     pose: Rows = [[one if i == j else zero for j in range(4)] for i in range(4)]
     poses, axes = [], []
-    for link in given.links:
+    for link in parameters.links:
         axes.append([pose[i][2] for i in range(3)])
         own = rotation(ring, link)
         origin = translation(ring, link)

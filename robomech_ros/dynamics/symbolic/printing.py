@@ -118,17 +118,17 @@ def expression_source(model: SymbolicModel, what: str, name: str | None = None) 
     """
     matrix = model.expression(what)
     name = what if name is None else _identifier(name)
-    given = model.parameters
+    parameters = model.parameters
     used = matrix.free_symbols
-    arguments = [*given.variables]
-    if used & {*given.rates, *given.accelerations}:
-        arguments += given.rates
-    if used & {*given.accelerations}:
-        arguments += given.accelerations
+    arguments = [*parameters.variables]
+    if used & {*parameters.rates, *parameters.accelerations}:
+        arguments += parameters.rates
+    if used & {*parameters.accelerations}:
+        arguments += parameters.accelerations
     common, (reduced,) = sympy.cse(matrix, symbols=sympy.numbered_symbols("x"))
     printer = NumPyPrinter({"fully_qualified_modules": True})
     lines = ["import numpy", "", "", f"def {name}({', '.join(map(str, arguments))}):"]
-    lines += [f"    {s} = {v!r}" for s, v in given.values.items() if s in used]
+    lines += [f"    {s} = {v!r}" for s, v in parameters.values.items() if s in used]
     lines += [f"    {symbol} = {printer.doprint(value)}" for symbol, value in common]
     rows = [
         "        [" + ", ".join(printer.doprint(one) for one in reduced.row(i)) + "],"
