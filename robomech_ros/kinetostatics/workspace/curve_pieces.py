@@ -28,27 +28,17 @@ _SPACING = 1.0 / 200.0
 
 
 @dataclass(frozen=True, eq=False)
-class CurvePiece:
+class CurvePiece(Branch):
     """A smooth part of a curve between points where curves meet.
 
     Parameters
     ----------
-    joint : int
-        1 or 2, the joint (from 0) whose value is constant along it, else 0.
-    limit : str
-        ``"lower"`` or ``"upper"`` where that is a limit; empty where the arm is singular.
-    q : ndarray, shape (k, 2)
-        Values of joints 2 and 3 (rad or m).
-    points : ndarray, shape (k, 2)
-        In the section (m); the side with more postures is on the left.
+    joint, limit, q, points
+        As for `Branch`; the side with more postures is on the left.
     more, fewer : int
         Postures on either side.
     """
 
-    joint: int
-    limit: str
-    q: Array
-    points: Array
     more: int
     fewer: int
 

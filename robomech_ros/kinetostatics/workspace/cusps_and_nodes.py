@@ -49,10 +49,10 @@ class Branch:
     q: Array
     points: Array
 
-    @classmethod
-    def of(cls, section: WorkspaceSection, joint: int, limit: str, q: Array) -> "Branch":
+    @staticmethod
+    def of(section: WorkspaceSection, joint: int, limit: str, q: Array) -> "Branch":
         """Make one from joint values (k, 2)."""
-        return cls(joint, limit, q, section.image(q[:, 0], q[:, 1]))
+        return Branch(joint, limit, q, section.image(q[:, 0], q[:, 1]))
 
 
 def cusps_of(
