@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -44,6 +45,7 @@ class Environment:
         self.python = folder / "bin" / "python"
         self.uv = folder / "bin" / "uv"
         self.running: set[subprocess.Popen[str]] = set()
+        self.stopped = threading.Event()
         self.pins = [REQUIREMENTS / "python.txt"]
         if distribution:
             self.pins.insert(0, REQUIREMENTS / f"ros-{distribution}.txt")
@@ -86,6 +88,8 @@ class Environment:
             raise SetUpError(f"`{command[0]}` does not start: {error.strerror}") from error
         with process as it:
             self.running.add(it)
+            if self.stopped.is_set():
+                it.send_signal(signal.SIGINT)
             try:
                 output, _ = it.communicate()
             except BaseException:
@@ -107,7 +111,8 @@ class Environment:
         self.run(str(self.python), *arguments, quiet=quiet)
 
     def stop(self) -> None:
-        """End what runs in other threads."""
+        """End what runs in other threads, and what waits or begins there."""
+        self.stopped.set()
         for process in list(self.running):
             process.send_signal(signal.SIGINT)
 

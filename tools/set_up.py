@@ -30,7 +30,7 @@ from typing import TextIO
 
 import machine
 import wire_types
-from environment import REQUIREMENTS, ROOT, Environment, SetUpError, say
+from environment import REQUIREMENTS, ROOT, Environment, SetUpError, SetUpStoppedError, say
 
 PEERS = "bench.txt"
 
@@ -140,19 +140,27 @@ def set_up(env: Environment, with_compat: bool) -> None:
 
 
 def at_once(env: Environment, works: list[Callable[[], None]]) -> None:
-    """Do several things at the same time; all end before the first failure is raised."""
+    """Do several things at the same time; all end before their failures are raised."""
+    failures: list[Exception] = []
     with ThreadPoolExecutor(len(works)) as pool:
         try:
             for future in [pool.submit(work) for work in works]:
-                future.result()
+                try:
+                    future.result()
+                except (SetUpError, subprocess.CalledProcessError) as error:
+                    failures.append(error)
         except KeyboardInterrupt:
             env.stop()
             raise
+    if len(failures) > 1:
+        raise SetUpError("; ".join(map(str, failures)))
+    if failures:
+        raise failures[0]
 
 
 def add_kernels(env: Environment, pins: str) -> None:
     """Compile the kernels, which all environments share."""
-    with alone("kernels", "kernels are being compiled for another environment"):
+    with alone(env, "kernels", "kernels are being compiled for another environment"):
         if not kernel_cache().is_dir():
             env.stamp("kernels").unlink(missing_ok=True)
         kernels = digest(sources(ROOT / "robomech_ros" / "_kernels", "*.py"), pins)
@@ -165,7 +173,7 @@ def add_packages(env: Environment, with_compat: bool) -> None:
     packaging = [ROOT / name for name in ("setup.py", "setup.cfg", "package.xml")]
     packaging += [ROOT / "robomech_ros" / "__init__.py", REQUIREMENTS / "core.in"]
     # The build works in the folder of the sources.
-    with alone("sources", "another environment is being set up from these sources"):
+    with alone(env, "sources", "another environment is being set up from these sources"):
         env.step("package", digest(packaging, str(ROOT)), lambda: install_package(env))
     if env.distribution:
         own = ROOT / "robomech_interfaces"
@@ -184,17 +192,29 @@ def add_compat(env: Environment) -> None:
         env.step(source.name, key, lambda s=source, k=key: install_compat(env, s, k))
 
 
-def alone(name: str, otherwise: str) -> TextIO:
+def alone(env: Environment, name: str, otherwise: str) -> TextIO:
     """Wait until no other set-up holds the lock of this name, saying why; return the lock."""
     place = ROOT / "build"
     place.mkdir(exist_ok=True)
     lock = (place / f"{name.lstrip('.')}.lock").open("w", encoding="utf-8")
+    if taken(lock):
+        return lock
+    say(f"{otherwise}; waiting for it")
+    # A thread that waits in the kernel would not notice that it is to stop.
+    while not env.stopped.wait(0.2):
+        if taken(lock):
+            return lock
+    lock.close()
+    raise SetUpStoppedError(f"the wait for the lock `{name}` was interrupted")
+
+
+def taken(lock: TextIO) -> bool:
+    """Take a lock unless somebody else holds it."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        say(f"{otherwise}; waiting for it")
-        fcntl.flock(lock, fcntl.LOCK_EX)
-    return lock
+        return False
+    return True
 
 
 def main() -> int:
@@ -214,8 +234,8 @@ def main() -> int:
     if problems:
         return 1
     try:
-        with alone(options.folder, "another set-up of this environment is under way"):
-            env = Environment(ROOT / options.folder, options.distribution, options.extra)
+        env = Environment(ROOT / options.folder, options.distribution, options.extra)
+        with alone(env, options.folder, "another set-up of this environment is under way"):
             set_up(env, options.compat)
     except (SetUpError, subprocess.CalledProcessError) as error:
         say(f"failed: {error}; mended, `make setup` goes on from here")

@@ -301,6 +301,51 @@ def test_a_failure_waits_for_what_is_made_beside_it(tmp_path):
     assert finished
 
 
+def test_all_failures_of_what_is_made_at_the_same_time_are_said(tmp_path):
+    set_up = tool("set_up")
+    env = set_up.Environment(tmp_path, "kilted", "")
+
+    def fail(text: str) -> None:
+        raise set_up.SetUpError(text)
+
+    with pytest.raises(set_up.SetUpError, match="^no compiler; no disk$"):
+        set_up.at_once(env, [lambda: fail("no compiler"), lambda: fail("no disk")])
+
+
+def test_ctrl_c_ends_the_wait_for_another_set_up(tmp_path, monkeypatch):
+    set_up = tool("set_up")
+    monkeypatch.setattr(set_up, "ROOT", tmp_path)
+    env = set_up.Environment(tmp_path, "kilted", "")
+    waiting, ended = threading.Event(), []
+    monkeypatch.setattr(set_up, "say", lambda text: waiting.set())
+
+    def interrupt() -> None:
+        assert waiting.wait(60)
+        raise KeyboardInterrupt
+
+    def wait() -> None:
+        try:
+            set_up.alone(env, "kernels", "another")
+        except set_up.SetUpError as error:
+            ended.append(type(error).__name__)
+
+    with set_up.alone(env, "kernels", "another"), pytest.raises(KeyboardInterrupt):
+        set_up.at_once(env, [interrupt, wait])
+    assert ended == ["SetUpStoppedError"]
+    set_up.alone(set_up.Environment(tmp_path, "kilted", ""), "kernels", "another").close()
+
+
+def test_a_lock_is_taken_as_soon_as_it_is_free(tmp_path, monkeypatch):
+    set_up = tool("set_up")
+    monkeypatch.setattr(set_up, "ROOT", tmp_path)
+    env = set_up.Environment(tmp_path, "kilted", "")
+    first = set_up.alone(env, "kernels", "another")
+    monkeypatch.setattr(set_up, "say", lambda text: first.close())
+    with set_up.alone(env, "kernels", "another") as second:
+        assert first.closed
+        assert not second.closed
+
+
 def test_ctrl_c_ends_what_is_made_at_the_same_time(tmp_path):
     set_up = tool("set_up")
     env = set_up.Environment(tmp_path, "kilted", "")
