@@ -4,7 +4,7 @@ Each has its reason. Lengths are metres and angles radians unless a comment says
 one file uses stands there.
 """
 
-# --- Rotations from outside ---
+# --- Rotations from outside: spatial checks and rounds them as the kernels do ---
 # Largest entry of |Q^T Q - 1| of a rotation matrix that is taken for rounding: entries with four
 # digits after the point are off by 5e-5, which makes up to 1.8e-4.  The last row of a pose, 0 0 0
 # 1, may be off by as much.
@@ -12,7 +12,7 @@ ROTATION_ERROR = 2e-4
 # Below this the columns of a rotation are orthonormal up to rounding, and it is left as it is.
 ORTHOGONAL = 2e-15
 
-# --- Magnitudes from outside ---
+# --- Magnitudes from outside: robots, trajectories, nodes and dynamics refuse larger ones ---
 # Largest length (m) of a robot and of a target: more is a mistake of units, and doubles, 1e-10
 # apart there, would no longer hold a solution to 1e-9.
 LARGEST_LENGTH = 1e6
@@ -57,7 +57,8 @@ AT_LIMIT = 1e-10
 GENERAL_SINGULAR = 1e-6
 # The same ratio of the last pivot but one below which it has lost two ranks.
 GENERAL_CORANK = 1e-4
-# A step (rad) away from a singular posture, by which a continuum is told.
+# A step (rad) away from a singular posture: if the arm can stay there, the posture is one of
+# infinitely many for the pose.
 CONTINUUM_STEP = 5e-2
 
 # --- Redundant arms ---

@@ -40,8 +40,8 @@ __all__ = ["arm_angle", "arm_angle_postures"]
 @inline
 def _parts(data):
     """Give the packed chain (8, 13) and the constants of the arm."""
-    packed = data[at.PARTS : at.PARTS + 104].reshape((8, 13))
-    return packed, data[at.PARTS + 104 :]
+    packed = data[at.PARTS : at.ARM].reshape((8, 13))
+    return packed, data[at.ARM :]
 
 
 @inline
@@ -243,7 +243,7 @@ def _enter(parts, first, q4, last, q):
 @inline
 def _spherical(data, block):
     """Constants of a spherical joint as `spherical_wrist` finds them in those of an arm."""
-    return data[at.PARTS + 104 + block - wrist_at.ANGLES :]
+    return data[at.ARM + block - wrist_at.ANGLES :]
 
 
 @kernel(i8(IN1, IN2, IN1, f8, OUT2, IOUT1))

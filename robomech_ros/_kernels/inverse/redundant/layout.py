@@ -19,7 +19,8 @@ GENERAL = 5  # where their constants as a general arm stand, asked where their o
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
 PARTS = 8  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
-# six as their family reads them, for ARM_ANGLE:
+# six as their family reads them, for ARM_ANGLE from here those of the arm:
+ARM = PARTS + 8 * 13
 CENTRE_0 = 0  # centre of the shoulder in the base (m)
 CENTRE_3 = 3  # and in the frame that moves with joint 3
 CENTRE_4 = 6  # centre of the wrist in the frame that moves with joint 4
