@@ -12,6 +12,7 @@ import rclpy
 from builtin_interfaces.msg import Duration
 from control_msgs.action import FollowJointTrajectory
 from rclpy.action import ActionClient
+from rclpy.signals import SignalHandlerOptions
 from rclpy.wait_for_message import wait_for_message
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -19,34 +20,36 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
 
 
-def finished(node, future):
-    """Spin until a future has its result, and return it."""
-    rclpy.spin_until_future_complete(node, future, timeout_sec=30.0)
-    return future.result()
-
-
 def main() -> int:
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C interrupts as usual
     node = rclpy.create_node("follow_joint_trajectory_client")
     client = ActionClient(node, FollowJointTrajectory, ACTION)
     try:
-        heard, state = wait_for_message(JointState, node, "joint_states", time_to_wait=30.0)
-        if not heard or not client.wait_for_server(timeout_sec=30.0):
-            print(f"no joint_states, or nobody serves {ACTION}; is the suite running?")
+        for attempt in range(15):
+            heard, state = wait_for_message(JointState, node, "joint_states", time_to_wait=2.0)
+            if heard and client.wait_for_server(timeout_sec=2.0):
+                break
+            if not attempt:
+                print(f"waiting for joint_states and {ACTION}; is the suite up?", file=sys.stderr)
+        else:
             return 1
         # Two points with velocities: the controller joins them by cubics.
-        trajectory = JointTrajectory(joint_names=state.name)
+        goal = FollowJointTrajectory.Goal(trajectory=JointTrajectory(joint_names=state.name))
         for seconds, turn in ((1, 0.1), (2, 0.2)):
             point = JointTrajectoryPoint(time_from_start=Duration(sec=seconds))
             point.positions = [q + turn for q in state.position]
             point.velocities = [0.1 if seconds == 1 else 0.0] * len(state.name)
-            trajectory.points.append(point)
-        goal = FollowJointTrajectory.Goal(trajectory=trajectory)
-        handle = finished(node, client.send_goal_async(goal))
-        result = finished(node, handle.get_result_async()).result
+            goal.trajectory.points.append(point)
+        sent = client.send_goal_async(goal)
+        rclpy.spin_until_future_complete(node, sent, timeout_sec=10.0)
+        ended = sent.result().get_result_async()
+        rclpy.spin_until_future_complete(node, ended, timeout_sec=10.0)
+        result = ended.result().result
         done = result.error_code == FollowJointTrajectory.Result.SUCCESSFUL
         print("arrived" if done else f"failed: {result.error_string}")
         return 0 if done else 1
+    except KeyboardInterrupt:
+        return 130
     finally:
         client.destroy()
         node.destroy_node()

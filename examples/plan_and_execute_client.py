@@ -5,8 +5,10 @@ Then run:               python examples/plan_and_execute_client.py
 """
 
 import sys
+import time
 
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import Execute, PlanJoint
@@ -17,10 +19,14 @@ GOAL = [0.5, 0.8, -0.6, 0.4, 0.5, 0.3]  # rad
 def call(node, kind, service, request):
     """Call a service and return its answer, or end the program with the reason."""
     client = node.create_client(kind, service)
-    if not client.wait_for_service(timeout_sec=30.0):
-        sys.exit(f"nobody serves {service}; is the suite running?")
+    if not client.wait_for_service(timeout_sec=2.0):
+        print(f"waiting for {service}; is the suite running?", file=sys.stderr)
+        if not client.wait_for_service(timeout_sec=28.0):
+            sys.exit(1)
     future = client.call_async(request)
-    rclpy.spin_until_future_complete(node, future, timeout_sec=60.0)
+    end = time.monotonic() + 60.0
+    while not future.done() and time.monotonic() < end:
+        rclpy.spin_once(node, timeout_sec=0.5)
     answer = future.result()
     if answer is None or answer.error_code:
         sys.exit(f"{service}: {answer.error_msg if answer else 'no answer within 60 s'}")
@@ -28,7 +34,7 @@ def call(node, kind, service, request):
 
 
 def main() -> None:
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C interrupts as usual
     node = rclpy.create_node("plan_and_execute_client")
     try:
         # Without a start the plan begins where the robot is.
@@ -41,6 +47,8 @@ def main() -> None:
         # Without points: the trajectory planned last.  The answer comes when the robot is there.
         call(node, Execute, "trajectory_publisher/execute", Execute.Request())
         print(f"arrived at {GOAL}")
+    except KeyboardInterrupt:
+        sys.exit(130)
     finally:
         node.destroy_node()
         rclpy.try_shutdown()

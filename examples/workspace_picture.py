@@ -3,11 +3,15 @@
 Run it with:  python examples/workspace_picture.py [PICTURE]     (png, svg or pdf)
 """
 
-import sys
+import argparse
 
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_robot
+
+parser = argparse.ArgumentParser(description="Draw the boundary of a workspace.")
+parser.add_argument("picture", nargs="?", default="workspace.png", help="png, svg or pdf")
+picture = parser.parse_args().picture
 
 space = workspace_boundary(load_robot("puma560"))
 print(f"the wrist centre reaches {space.least_reach:.3f} to {space.greatest_reach:.3f} m")
@@ -21,5 +25,4 @@ for point, count, distance in zip(
 ):
     print(f"{point}: {count} postures, {distance:+.3f} m from the boundary")
 
-picture = plot_workspace(sys.argv[1] if len(sys.argv) > 1 else "workspace.png", space)
-print(f"drawn: {picture}")
+print(f"drawn: {plot_workspace(picture, space)}")

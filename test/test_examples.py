@@ -105,6 +105,21 @@ def test_workspace_picture(tmp_path):
     assert inside > 0.0 > outside
 
 
+def test_an_option_is_no_name_of_a_picture(tmp_path):
+    script = str(EXAMPLES / "workspace_picture.py")
+    done = subprocess.run(
+        [sys.executable, script, "--bogus"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "unrecognized arguments: --bogus" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_profiles(tmp_path):
     text = output_of("profiles", tmp_path)
     rows = [line.split() for line in text.splitlines() if line.split()[0] in PROFILES]

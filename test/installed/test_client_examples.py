@@ -23,14 +23,14 @@ def test_clients_of_the_suite(suite, bringup, outsider, output_of):
         start = still_at(lambda q: set(q) == set(chain.joint_names))
         text = run("solve_ik_client")
         rows = [row.split(",") for row in re.findall(r"\[(.+)\]  shoulder-", text)]
-        assert text.startswith(f"{len(rows)} solutions, provably all: True")
+        assert f"{len(rows)} solutions, provably all: True\n" in text
         assert len(rows) == 4
         for row in rows:
             tip = forward_kinematics(chain, [float(value) for value in row])[:3, 3]
             assert max(abs(tip - [0.6, 0.1, 0.4])) < 2e-3
 
         text = run("follow_joint_trajectory_client")
-        assert text == "arrived\n"
+        assert text.endswith("arrived\n")
         still_at(lambda q: all(abs(q[name] - start[name] - 0.2) < 1e-3 for name in start))
 
         text = run("plan_and_execute_client")
