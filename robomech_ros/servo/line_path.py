@@ -41,7 +41,7 @@ _LOST_WAY, _LOST_TURN, _TURNED = 8e-4, 0.1, 5e-3
 # Nodes that the way beyond the hard stop has at most.  Its steps are shortened, from the short
 # step above to this (rad or m), where it bends by more than the first cosine, and lengthened where
 # it bends by less than the second.
-_BEYOND, _SHORTEST_STEP, _BENT, _EVEN = 150, 1e-3, 0.97, 0.995
+_BEYOND, _SHORTEST_STEP, _BENT, _EVEN = 80, 1e-3, 0.97, 0.995
 # So many nodes are kept behind.
 _KEPT = 64
 

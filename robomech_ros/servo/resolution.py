@@ -40,6 +40,9 @@ _LEVEL = 1e-4
 _HALT = 1e-2
 # Singular values below this part of s0 say nothing of the direction in which they grow.
 _UNCERTAIN = 1e-3
+# How far ahead it is seen how fast rates grow (rad or m), and the part of the acceleration limits
+# that this may use up.
+_AHEAD, _OF_ACCELERATION = 1e-3, 0.4
 # Rates below this part of the largest are rounding, which must not touch a joint at its limit.
 _NO_RATE = 1e-9
 # The part of a twist that an arm can carry out must be this much of it.
@@ -203,6 +206,23 @@ class TwistResolver:
         missing = _norm(scaled - left @ (left.T @ scaled))
         possible = missing <= _SOMETHING * _norm(scaled)
         return Heading(gain @ twist, gain, condition, possible, self._pose.copy())
+
+    def braked(self, q: Array, twist: Array, acceleration: Array) -> float:
+        """Give the part of a twist, towards a singularity, with which joints can still turn round.
+
+        With more of it their rates would grow faster than accelerations (n,) allow (rad/s^2 or
+        m/s^2), and the tip would leave the direction of the twist.
+        """
+        here = self.heading(q, twist)
+        largest = float(np.abs(here.rates).max())
+        if largest == 0.0 or here.condition >= self.stop_at:
+            return 1.0
+        time = _AHEAD / largest
+        ahead = self.heading(q + time * here.rates, twist)
+        if ahead.condition <= here.condition or not (here.possible and ahead.possible):
+            return 1.0
+        growth = np.abs(ahead.rates - here.rates) / time / acceleration
+        return min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
 
     def _jacobian(self, q: Array) -> Array:
         scaled: Array = np.empty((6, self._chain.n))

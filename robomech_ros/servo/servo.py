@@ -192,7 +192,9 @@ class Servo:
         part = min(share[0], found.scale)
         advance = self._on_line(command, position, twist, part)
         if advance is None:
-            advance = stream.advance(self._slower * part * found.rates)
+            braked = self._resolver.braked(position, twist, self.limits.acceleration)
+            found = found._replace(scale=min(found.scale, braked))
+            advance = stream.advance(self._slower * min(part, braked) * found.rates)
         elif stream.line is not None and stream.line.path.singular and not advance.bound:
             # The end of the way is in sight.
             found = found._replace(scale=min(part, stream.line.rate / stream.line.wanted))
