@@ -38,14 +38,14 @@ LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
 AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget
 # Options of pytest that choose tests.
-CHOSEN :=
+CHOSEN := -m "not long"
 
 # What runs once more without numba: the same sources as plain Python.
 INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast test-long moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -90,6 +90,9 @@ beside:
 	@$(LEFT) $(MAKE) --no-print-directory lint compat-other
 	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	@$(MAKE) --no-print-directory computing
+
+test-long: compat ## what takes minutes a test: random motions by the thousand
+	$(PYTEST) -m long $(COMPUTING)
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

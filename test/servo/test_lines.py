@@ -70,6 +70,14 @@ def test_random_approaches(robot):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", LIBRARY)
+def test_more_random_approaches(robot):
+    run_approaches(robot, 20, 2, 0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("robot", LIBRARY)
 def test_a_thousand_random_approaches(robot):
     run_approaches(robot, 1000, 0, 0.02)
 
