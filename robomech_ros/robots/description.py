@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
-    RobotDescriptionError,
     UnknownJointError,
     UnknownLinkError,
 )
@@ -20,17 +19,13 @@ from robomech_ros.robots.bodies import Body, combined
 from robomech_ros.robots.chain import LinkFrame, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, pack_chain
 from robomech_ros.robots.dh_table import DHTable
-from robomech_ros.robots.joint import MOVING, Joint, turn_of_z
+from robomech_ros.robots.joint import Joint, turn_of_z
+from robomech_ros.robots.link_tree import LinkTree
 from robomech_ros.robots.mimic import Follower, followers
-from robomech_ros.spatial import inverse_pose
 
 __all__ = ["RobotDescription"]
 
 Array = NDArray[np.float64]
-
-# Names of the frame at which tools are mounted, in order of preference (ROS-Industrial).
-TIP_NAMES = ("tool0", "flange")
-_MOST_NAMES = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,18 +67,11 @@ class RobotDescription:
     @cached_property
     def root(self) -> str:
         """The link that is no joint's child."""
-        return next(link for link in self.links if link not in self._to_parent)
+        return next(link for link in self.links if link not in self._tree.to_parent)
 
     @cached_property
-    def _to_parent(self) -> dict[str, Joint]:
-        return {joint.child: joint for joint in self.joints}
-
-    @cached_property
-    def _to_children(self) -> dict[str, list[Joint]]:
-        children: dict[str, list[Joint]] = {link: [] for link in self.links}
-        for joint in self.joints:
-            children[joint.parent].append(joint)
-        return children
+    def _tree(self) -> LinkTree:
+        return LinkTree(self.links, self.joints, self.where)
 
     @cached_property
     def _at_rest(self) -> dict[str, float]:
@@ -158,7 +146,7 @@ class RobotDescription:
         waiting = deque([self.root])
         while waiting:
             link = waiting.popleft()
-            for joint in self._to_children[link]:
+            for joint in self._tree.to_children[link]:
                 poses[joint.child] = poses[link] @ joint.pose(at.get(joint.name, 0.0))
                 waiting.append(joint.child)
         return poses
@@ -194,122 +182,12 @@ class RobotDescription:
         for what, link in (("base", base), ("tip", tip)):
             if link is not None and not isinstance(link, str):
                 raise BadValueError(what, link, "the name of a link")
-            if link and link not in self._to_children:
+            if link and link not in self._tree.to_children:
                 raise UnknownLinkError(link, self.links)
         base = base or self.root
-        above, pose = self._branch(base, tip)
-        path = self._path(above, tip or self._default_tip(above), base)
+        above, pose = self._tree.branch(base, tip)
+        path = self._tree.path(above, tip or self._tree.default_tip(above), base)
         return self._folded(base, above, pose, path)
-
-    def _branch(self, base: str, tip: str | None) -> tuple[str, Array]:
-        """Find the link above the tip that fixed joints hold the base to, and its pose in the base.
-
-        It is the base itself where that is above the tip, and where there is none.
-        """
-        link, pose = base, np.eye(4)
-        while not self._leads_to(link, tip):
-            joint = self._to_parent.get(link)
-            if joint is None or joint.type != "fixed":
-                return base, np.eye(4)
-            pose = pose @ inverse_pose(joint.origin @ joint.after)
-            link = joint.parent
-        return link, pose
-
-    def _leads_to(self, link: str, tip: str | None) -> bool:
-        """Tell whether a tip is a link or below it; without a tip, whether a joint below moves."""
-        if not tip:
-            below = (link, *self._below(link))
-            return any(j.type != "fixed" for one in below for j in self._to_children[one])
-        while tip != link and tip in self._to_parent:
-            tip = self._to_parent[tip].parent
-        return tip == link
-
-    def _path(self, above: str, tip: str, base: str) -> list[Joint]:
-        """List the joints from a link down to the tip; the base, held to it, is for messages."""
-        path: list[Joint] = []
-        link = tip
-        while link != above:
-            if link not in self._to_parent:
-                below = _listed(list(self._below(base)))
-                why = f"link '{tip}' is not below link '{base}'; below it are: {below}"
-                raise RobotDescriptionError(self.where, why)
-            path.append(self._to_parent[link])
-            link = path[-1].parent
-        path.reverse()
-        for joint in path:
-            self._check_on_chain(joint, base, tip)
-        if not any(joint.moves for joint in path):
-            why = f"no joint moves between link '{base}' and link '{tip}'"
-            raise RobotDescriptionError(self.where, why)
-        return path
-
-    def _check_on_chain(self, joint: Joint, base: str, tip: str) -> None:
-        where = f"{self.where}: joint '{joint.name}'"
-        between = f"on the chain from '{base}' to '{tip}'"
-        if joint.mimic is not None:
-            why = f"it mimics joint '{joint.mimic}' {between}; choose a tip before it"
-            raise RobotDescriptionError(where, why)
-        if not joint.moves and joint.type != "fixed":
-            why = (
-                f"type '{joint.type}' {between}; a chain takes {', '.join(MOVING)} and fixed: "
-                f"begin behind it (base='{joint.child}', --base-link {joint.child}) or end before"
-            )
-            raise RobotDescriptionError(where, why)
-
-    def _below(self, base: str) -> Iterator[str]:
-        """Links below a link, parents first."""
-        waiting = [base]
-        while waiting:
-            for joint in self._to_children[waiting.pop()]:
-                yield joint.child
-                waiting.append(joint.child)
-
-    def _default_tip(self, base: str) -> str:
-        moved: list[str] = []
-        waiting = [(base, False)]
-        while waiting:
-            link, moves = waiting.pop()
-            if moves:
-                moved.append(link)
-            for joint in self._to_children[link]:
-                waiting.append((joint.child, moves or joint.type != "fixed"))
-        leaves = [link for link in moved if not self._to_children[link]]
-        if len(leaves) == 1:
-            return leaves[0]
-        for name in TIP_NAMES:
-            named = [link for link in moved if link == name or link.endswith(f"_{name}")]
-            if len(named) == 1:
-                return named[0]
-        if not leaves:
-            raise RobotDescriptionError(self.where, f"no joint moves below link '{base}'")
-        names = _listed(self._possible_tips(moved, leaves))
-        why = f"several links could be the tip, name one with tip= or --tip-link: {names}"
-        raise RobotDescriptionError(self.where, why)
-
-    def _possible_tips(self, moved: list[str], leaves: list[str]) -> list[str]:
-        """List where tools are mounted, and the leaves that can end a chain.
-
-        Mounted is what lies behind the last link before the ways to the leaves part, and behind
-        joints that mimic others, which cannot be on a chain.
-        """
-        ways = [self._way_up(leaf) for leaf in leaves]
-        shared = set(ways[0]).intersection(*ways[1:])
-        forks = [link for link in ways[0] if link in shared][:1]
-        ends = []
-        for leaf, way in zip(leaves, ways, strict=True):
-            mimics = [link for link in way[:-1] if self._to_parent[link].mimic is not None]
-            if mimics:
-                forks.append(self._to_parent[mimics[-1]].parent)
-            else:
-                ends.append(leaf)
-        tips = dict.fromkeys([*forks, *sorted(ends)])
-        return [link for link in tips if link in moved]
-
-    def _way_up(self, link: str) -> list[str]:
-        way = [link]
-        while way[-1] in self._to_parent:
-            way.append(self._to_parent[way[-1]].parent)
-        return way
 
     def _folded(self, base: str, above: str, pose: Array, path: list[Joint]) -> SerialChain:
         """Multiply out what lies between moving joints, each of them turned onto its z axis.
@@ -373,7 +251,7 @@ class RobotDescription:
             link, joints, pose = waiting.pop()
             if link in self.bodies:
                 parts[joints].append(self.bodies[link].seen_from(pose))
-            for joint in self._to_children[link]:
+            for joint in self._tree.to_children[link]:
                 if joint.child not in on_chain:
                     beyond = pose @ joint.pose(at_rest.get(joint.name, 0.0))
                     waiting.append((joint.child, joints, beyond))
@@ -385,7 +263,7 @@ class RobotDescription:
         waiting = deque(along)
         while waiting:
             frame = waiting.popleft()
-            for joint in self._to_children[frame.name]:
+            for joint in self._tree.to_children[frame.name]:
                 if joint.type == "fixed" and joint.child not in taken:
                     taken.add(joint.child)
                     offset = frame.offset @ joint.origin @ joint.after
@@ -411,8 +289,3 @@ def _checked_positions(
         if not math.isfinite(checked[name]):
             raise NonFiniteError(what, value)
     return checked
-
-
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(names[:_MOST_NAMES])
-    return shown + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
