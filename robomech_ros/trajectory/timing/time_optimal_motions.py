@@ -128,11 +128,13 @@ def time_optimal_through(
     SeedOutsideLimitsError, LimitExceededError
         If the first point, or another part of the spline, is outside the position limits.
     """
+    limits.check_start(points[0])
     kept, owners = _distinct(points)
     places = points[kept]
     smooth = with_ramps(limits, everywhere=True)
     if len(places) == 2:
         straight = TimeOptimalMotion.plan(places[0], places[1], smooth, duration)
+        check_positions(straight.pieces, places[0], limits)
         knots = np.array([0.0, straight.duration])
         return TimeOptimalThrough(places[1], straight.pieces, knots[owners])
     parameters, path = _path_through(places, limits)

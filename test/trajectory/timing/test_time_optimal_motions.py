@@ -1,9 +1,16 @@
 """Time-optimal motions from point to point and through via points, as plans offer them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from robomech_ros.errors import DurationTooShortError, LimitExceededError, MissingLimitsError
+from robomech_ros.errors import (
+    DurationTooShortError,
+    LimitExceededError,
+    MissingLimitsError,
+    SeedOutsideLimitsError,
+)
 from robomech_ros.trajectory import (
     Limits,
     interpolant,
@@ -115,6 +122,17 @@ def test_a_path_that_swings_out_of_the_limits_is_refused():
     held = Limits(["slide"], velocity=1.0, acceleration=2.0, jerk=30.0, lower=0.0, upper=0.5)
     with pytest.raises(LimitExceededError, match="position on the way of joint 'slide'"):
         through(np.array([[0.0], [0.499], [0.5], [0.1]]), held)
+
+
+def test_a_straight_line_out_of_the_limits_is_refused():
+    """Where a via point is the start or the goal, a straight line is left."""
+    narrow = replace(LIMITS, lower=np.full(3, -0.5), upper=np.full(3, 0.5))
+    start, goal = np.zeros(3), np.array([0.2, 0.9, 0.1])
+    for points in ([start, start, goal], [start, goal, goal]):
+        with pytest.raises(LimitExceededError, match="0.9, over its limit 0.5"):
+            through_points(points, limits=narrow, profile="time_optimal")
+    with pytest.raises(SeedOutsideLimitsError):
+        through_points([goal, goal, start], limits=narrow, profile="time_optimal")
 
 
 def test_high_jerk_limits_do_not_make_too_many_samples():
