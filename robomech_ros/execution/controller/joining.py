@@ -28,7 +28,7 @@ __all__ = ["join", "join_in_steps"]
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
 LATENCY = 0.1
-# A start off by less than this (rad, m and per s) is no step that would have to be smoothed.
+# A start off by less than this (rad, m, per s and s^2) is no step that would have to be smoothed.
 NO_STEP = 1e-9
 # A velocity below this (rad/s, m/s) counts as standing: the robot then follows a trajectory
 # without velocities as it is given, corners included, as ros2_control does.
@@ -56,7 +56,8 @@ def join(
 
     A first point at time 0 must be where the robot is, within tolerance; what is left of the
     step, and the difference in velocity and acceleration if the robot moves, is smoothed out with a
-    quintic, in a time in which the acceleration limits are kept, so that all three are continuous.
+    quintic, in a time in which the acceleration limits are kept, so that all three are continuous,
+    the acceleration unless the limits of position and velocity leave no room for that.
     Where the trajectory needs the acceleration for itself, and begins at rest, it begins that
     time later.  A first point later than that is reached from the present state as
     the points among each other: linearly, or by a cubic or quintic where it has velocities and
@@ -239,7 +240,7 @@ def _smoothed(
     violation = _violation(curve, joints)
     if violation is not None:
         raise _refusal(violation, first)
-    if max(np.max(np.abs(step)), np.max(np.abs(kick))) <= NO_STEP:
+    if max(np.max(np.abs(part)) for part in offset) <= NO_STEP:
         return curve
     time = fading_time(step, kick, joints)
     allowed, found, best = _accelerations(curve, push, joints), list[Violation](), None
@@ -255,6 +256,9 @@ def _smoothed(
             best = excess, candidate
     if best is not None:
         return best[1]
+    if push.any():
+        # A robot that still accelerates at its speed limit can only step to the plan.
+        return _smoothed(curve, (step, kick, np.zeros_like(push)), joints, first)
     raise _refusal(found[0], max(first, time))
 
 

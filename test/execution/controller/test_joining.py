@@ -52,6 +52,28 @@ def test_a_moving_robot_is_taken_over_smoothly():
     np.testing.assert_allclose(curve.sample(curve.duration).position, [0.5, 0.2, -0.1], atol=1e-12)
 
 
+def test_a_difference_in_acceleration_alone_is_smoothed_out():
+    begin = to_rest((0.5, 0.2, -0.1), 2.0).curve.sample(0.4)
+    rest = Waypoints(
+        [0.0, 1.6],
+        [begin.position, [0.5, 0.2, -0.1]],
+        [begin.velocity, [0.0] * 3],
+    )
+    present = State(begin.position, begin.velocity, np.array([0.5, 0.2, -0.1]))
+    curve = joined(rest, present)
+    assert_smooth(curve, present)
+    np.testing.assert_allclose(curve.sample(0.0).acceleration, present.acceleration, atol=1e-12)
+
+
+def test_a_robot_that_accelerates_at_its_speed_limit_still_follows_the_plan():
+    along = np.array([VELOCITY, 0.0, 0.0])
+    cruise = Waypoints([0.0, 0.2], [[0.0] * 3, 0.2 * along], [along, along])
+    present = State(np.zeros(3), along, np.array([0.5 * ACCELERATION, 0.0, 0.0]))
+    curve = joined(cruise, present)
+    np.testing.assert_allclose(curve.sample(0.1).position, 0.1 * along, atol=1e-12)
+    assert np.abs(curve.sample(np.linspace(0.0, 0.2, 201)).velocity).max() <= VELOCITY + 1e-9
+
+
 def test_the_join_keeps_acceleration_limits_and_is_continuous():
     """Replaced at 100 moments by a plan at the limit, which took it over the limit, with a step."""
     rng, worst, late = np.random.default_rng(3), 0.0, 0
