@@ -7,7 +7,7 @@ collisions are passed over, as MoveIt does; all others are refused.
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
@@ -91,7 +91,10 @@ class _Reader:
         self._robot = description
         self._joints = {joint.name: joint for joint in description.joints}
         self._to_parent = {joint.child: joint for joint in description.joints}
-        self._virtual = {one.attributes.get("name", "") for one in root.all("virtual_joint")}
+        virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
+        # In the order in which messages list them.
+        self._all_joints = dict.fromkeys([*self._joints, *virtual])
+        self._links = dict.fromkeys(description.links)
 
     def read(self) -> SemanticDescription:
         """Read all of it."""
@@ -114,11 +117,11 @@ class _Reader:
         place = f"{self._where}: line {element.line}: {element.tag}{what}"
         raise RobotDescriptionError(place, why)
 
-    def _named(self, element: XmlElement, key: str, known: Iterable[str], kind: str) -> str:
+    def _named(self, element: XmlElement, key: str, known: Collection[str], kind: str) -> str:
         """Read an attribute that names something known."""
         name = element.attributes.get(key, "")
-        names = list(known)
-        if name not in names:
+        if name not in known:
+            names = list(known)
             close = get_close_matches(name[:80], names[:1000], n=1)
             hint = f" (did you mean '{close[0]}'?)" if close else ""
             listed = ", ".join(names[:_MOST_NAMES]) or "none"
@@ -158,17 +161,17 @@ class _Reader:
             base, tip = self._chain_ends(chain)
             yield from (joint.name for joint in self._between(chain, base, tip))
         for one in element.all("joint"):
-            name = self._named(one, "name", [*self._joints, *self._virtual], "joint")
+            name = self._named(one, "name", self._all_joints, "joint")
             if name in self._joints:
                 yield name
         for one in element.all("link"):
-            link = self._named(one, "name", self._robot.links, "link")
+            link = self._named(one, "name", self._links, "link")
             if link in self._to_parent:
                 yield self._to_parent[link].name
 
     def _chain_ends(self, chain: XmlElement) -> tuple[str, str]:
-        base = self._named(chain, "base_link", self._robot.links, "link")
-        return base, self._named(chain, "tip_link", self._robot.links, "link")
+        base = self._named(chain, "base_link", self._links, "link")
+        return base, self._named(chain, "tip_link", self._links, "link")
 
     def _between(self, chain: XmlElement, base: str, tip: str) -> list[Joint]:
         """List the joints from one link to the other, by way of the link above both."""
@@ -202,7 +205,7 @@ class _Reader:
         for element in self._root.all("end_effector"):
             name = element.attributes.get("name", "")
             group = self._named(element, "group", groups, "group")
-            link = self._named(element, "parent_link", self._robot.links, "link")
+            link = self._named(element, "parent_link", self._links, "link")
             above = ""
             if element.attributes.get("parent_group"):
                 above = self._named(element, "parent_group", groups, "group")
@@ -221,7 +224,7 @@ class _Reader:
     def _positions(self, state: XmlElement) -> Iterator[tuple[str, float]]:
         """Read the positions of a state, but for joints of several degrees of freedom or none."""
         for element in state.all("joint"):
-            name = self._named(element, "name", [*self._joints, *self._virtual], "joint")
+            name = self._named(element, "name", self._all_joints, "joint")
             if name not in self._joints or not self._joints[name].moves:
                 continue
             text = element.attributes.get("value", "")
@@ -236,7 +239,7 @@ class _Reader:
     def _disabled(self) -> Iterator[DisabledCollision]:
         for element in self._root.all("disable_collisions"):
             first, second = (element.attributes.get(key, "") for key in ("link1", "link2"))
-            if {first, second} <= {*self._robot.links}:
+            if first in self._links and second in self._links:
                 yield DisabledCollision(first, second, element.attributes.get("reason", ""))
 
 

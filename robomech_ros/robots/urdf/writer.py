@@ -119,9 +119,11 @@ def _completed(description: RobotDescription) -> str:
             added.append(_inside(link, data, visuals))
     for given, joint in zip(joints, description.joints, strict=True):
         added.extend(_added_to_joint(given, joint, data))
-    for start, stop, text in sorted(added, reverse=True):
-        data = data[:start] + text.encode() + data[stop:]
-    return data.decode()
+    parts, at = list[bytes](), 0
+    for start, stop, text in sorted(added):
+        parts += data[at:start], text.encode()
+        at = stop
+    return b"".join([*parts, data[at:]]).decode()
 
 
 def _inside(given: XmlElement, data: bytes, children: list[str]) -> tuple[int, int, str]:
