@@ -102,7 +102,7 @@ class RobotDescription:
         UnknownJointError
             No joint of this name moves; the error lists those that do.
         BadValueError, NonFiniteError
-            A position is no finite number.
+            A position is no finite number, or leads to none of a joint that follows.
         """
         moving = {joint.name: joint for joint in self.joints if joint.moves}
         given = _checked_positions({} if positions is None else positions, moving)
@@ -110,6 +110,8 @@ class RobotDescription:
         for name, follower in self.followers.items():
             if name not in given:
                 found[name] = follower.position(found[follower.leader])
+                if not math.isfinite(found[name]):
+                    raise NonFiniteError(f"position of joint '{name}'", found[name])
         return found
 
     def link_poses(self, positions: Mapping[str, float] | None = None) -> dict[str, Array]:

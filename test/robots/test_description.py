@@ -82,6 +82,14 @@ def test_circles_are_refused_however_one_gets_there():
         load_description(fixed)
 
 
+def test_a_joint_that_would_follow_out_of_all_numbers_is_named():
+    mimic = '<mimic joint="first" multiplier="1e308"/>'
+    joints = slide("first", "a", "b"), slide("second", "a", "c", mimic)
+    description = load_description(robot(*joints, links="a b c"))
+    with pytest.raises(NonFiniteError, match="position of joint 'second' is inf"):
+        description.link_poses({"first": 100.0})
+
+
 def test_many_that_mimic_each_other_in_a_row_take_no_time():
     count = 3000
     links = " ".join(f"l{i}" for i in range(count + 1))
