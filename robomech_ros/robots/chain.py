@@ -85,7 +85,7 @@ class SerialChain:
     drives : tuple of Drive
         Friction and rotor of each joint.  Default none.
     home_given : ndarray, shape (n,), or None
-        Where the robot stands to begin with (rad or m), within the limits; see :meth:`home`.
+        Where the robot stands to begin with (rad or m); see :meth:`home`.
     """
 
     name: str
@@ -133,15 +133,9 @@ class SerialChain:
         object.__setattr__(self, "drives", drives or (Drive(),) * n)
         if self.home_given is not None:
             self._freeze("home_given", np.float64, (n,))
-            self._check_home(self.home_given)
-
-    def _check_home(self, home: Array) -> None:
-        for name, value, low, high in zip(
-            self.joint_names, home.tolist(), self.lower, self.upper, strict=True
-        ):
-            if not low <= value <= high or not np.isfinite(value):
-                expected = f"a number from {low:.6g} to {high:.6g}"
-                raise BadValueError(f"home of joint '{name}'", value, expected)
+            for name, value in zip(self.joint_names, self.home_given.tolist(), strict=True):
+                if not np.isfinite(value):
+                    raise BadValueError(f"home of joint '{name}'", value, "a finite number")
 
     def _freeze(self, field: str, dtype: type, shape: tuple[int, ...]) -> None:
         array: NDArray = np.array(getattr(self, field), dtype=dtype, order="C")
@@ -279,10 +273,15 @@ class SerialChain:
     def home(self) -> Array:
         """Posture to begin with (rad or m), shape (n,): the one given, else :meth:`midrange`.
 
+        Where limits are narrower than the posture given, it is moved inside them.
+
         That of a robot of the library is far from singular, which the middle of its limits, an
         arm stretched out or straight up, mostly is not.
         """
-        return self.midrange() if self.home_given is None else self.home_given.copy()
+        if self.home_given is None:
+            return self.midrange()
+        inside: Array = np.clip(self.home_given, self.lower, self.upper)
+        return inside
 
     def midrange(self) -> Array:
         """Middle of the position limits (rad or m), shape (n,).

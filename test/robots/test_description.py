@@ -183,5 +183,7 @@ def test_home_of_a_chain_is_within_its_limits():
     from dataclasses import replace
 
     chain = load_robot("planar3r")
-    with pytest.raises(BadValueError, match="home of joint 'joint_2' is 3.5, expected a number"):
-        replace(chain, home_given=[0.0, 3.5, 0.0])
+    narrow = replace(chain, home_given=[0.0, 3.5, 0.0])
+    assert narrow.home().tolist() == [0.0, chain.upper[1], 0.0]
+    with pytest.raises(BadValueError, match="home of joint 'joint_2' is nan, expected a finite"):
+        replace(chain, home_given=[0.0, np.nan, 0.0])
