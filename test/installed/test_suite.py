@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import PlanJoint, QueryWorkspace, SolveFK, SolveIK
+from robomech_interfaces.srv import GetJacobian, PlanJoint, QueryWorkspace, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.nodes.common.joint_messages import joint_state
@@ -35,6 +35,14 @@ NODES = {
     "/trajectory_publisher",
 }
 PUMA_Q = [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
+
+
+def wait_until_the_state_is_known(outsider):
+    """Wait until `kinematics` has the joint states, which are the seed where none is given."""
+    deadline = time.monotonic() + PATIENCE
+    request = GetJacobian.Request()
+    while outsider.call(GetJacobian, "kinematics/get_jacobian", request).error_code:
+        assert time.monotonic() < deadline, "kinematics gets no joint states"
 
 
 def in_kinematics(outsider, chain, q, prefix=""):
@@ -105,9 +113,10 @@ def readme_call(repository, tool):
     return shlex.split(lines[start]), "".join(lines[start + 1 :])
 
 
-def test_call_of_the_readme_is_answered_as_it_shows(suite, bringup, repository):
+def test_call_of_the_readme_is_answered_as_it_shows(suite, bringup, repository, outsider):
     words, shown = readme_call(repository, "robomech call")
     with bringup("--robot", "puma560"):
+        wait_until_the_state_is_known(outsider)
         done = suite.run(*words, "--timeout", str(PATIENCE))
     assert done.returncode == 0, done.stderr
     answer, expected = yaml.safe_load(done.stdout), yaml.safe_load(shown)
