@@ -6,7 +6,6 @@ Run it with:  python examples/inverse_dynamics_three_ways.py
 import numpy as np
 
 from robomech_ros.dynamics import (
-    friction_torque,
     inverse_dynamics,
     inverse_dynamics_by_lagrange,
     inverse_dynamics_by_orthogonal_complement,
@@ -17,9 +16,9 @@ from robomech_ros.robots import load_robot
 chain = load_robot("puma560")
 q, qd, qdd = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 6))
 
-# The compiled recursion leaves out the friction of the drives; the other two include it.
+# All of them leave out the friction of the drives; friction_torque(chain, qd) adds it.
 torques = {
-    "Newton-Euler": inverse_dynamics(chain, q, qd, qdd) + friction_torque(chain, qd),
+    "Newton-Euler": inverse_dynamics(chain, q, qd, qdd),
     "Lagrange": inverse_dynamics_by_lagrange(chain, q, qd, qdd),
     "orthogonal complement": inverse_dynamics_by_orthogonal_complement(chain, q, qd, qdd),
 }

@@ -17,6 +17,7 @@ EXPRESSIONS = (
     "coriolis_matrix",
     "gravity_torque",
     "torque",
+    "friction_torque",
 )
 
 

@@ -12,7 +12,7 @@ from robomech_ros.kinematics.joint_values import as_states, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["as_vector", "finite_result", "finite_states"]
+__all__ = ["as_screw", "as_vector", "finite_result", "finite_states"]
 
 Array = NDArray[np.float64]
 P = ParamSpec("P")
@@ -51,6 +51,11 @@ def as_vector(what: str, value: ArrayLike, size: int) -> Array:
         raise WrongSizeError(what, vector.shape, (size,))
     _refuse_large(what, vector)
     return vector
+
+
+def as_screw(what: str, value: ArrayLike | None) -> Array:
+    """Give a twist, its rate or a wrench as six finite numbers, shape (6,): zeros for None."""
+    return np.zeros(6) if value is None else as_vector(what, value, 6)
 
 
 def _refuse_large(what: str, array: Array) -> None:

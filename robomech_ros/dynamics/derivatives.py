@@ -90,7 +90,7 @@ def inverse_dynamics_derivatives(
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
 ) -> InverseDerivatives:
-    """Compute the derivatives of :func:`inverse_dynamics`.
+    """Compute the derivatives of :func:`inverse_dynamics`, which leaves out friction.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def forward_dynamics_derivatives(
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
 ) -> ForwardDerivatives:
-    """Compute the derivatives of :func:`forward_dynamics`.
+    """Compute the derivatives of :func:`forward_dynamics`, which leaves out friction.
 
     Parameters
     ----------

@@ -38,8 +38,8 @@ def forward_dynamics(
 ) -> Array:
     r"""Compute the joint accelerations that torques give.
 
-    The inverse of :func:`inverse_dynamics`.  With friction, pass the torques of the drives less
-    those of :func:`friction_torque`.
+    The inverse of :func:`inverse_dynamics`, whatever the method.  Without the friction of the
+    drives: where there is some, pass their torques less :func:`friction_torque`.
 
     .. math:: M(q)\, \ddot q = \tau - h(q, \dot q)
 

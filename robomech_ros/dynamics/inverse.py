@@ -36,7 +36,7 @@ def inverse_dynamics(
     r"""Compute the joint torques that a motion takes, ``M(q) qdd + h(q, qd)``.
 
     Those of the rigid bodies and of the rotors, which add their inertia reflected to the joint, and
-    nothing else of their motion.  Friction is added by :func:`friction_torque`.
+    nothing else of their motion.  Without the friction of the drives: add :func:`friction_torque`.
 
     Outward from a base that accelerates by :math:`-g`, for a revolute joint i at :math:`o_i` and
     the mass centre :math:`c_i` of its link,
@@ -140,6 +140,8 @@ def bias_torque(
     base_twist_rate: ArrayLike | None = None,
 ) -> Array:
     """Compute the torques at which no joint accelerates: :func:`inverse_dynamics` with qdd = 0.
+
+    Without the friction of the drives: add :func:`friction_torque`.
 
     Parameters
     ----------

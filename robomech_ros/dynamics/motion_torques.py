@@ -79,7 +79,7 @@ def torque_summary(
     gravity: ArrayLike = (0.0, 0.0, -9.81),
     tip_wrench: ArrayLike | None = None,
 ) -> TorqueSummary:
-    """Summarise the efforts along a sampled motion.
+    """Summarise the efforts along a sampled motion, by :func:`inverse_dynamics`: without friction.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ import pytest
 from arms_with_bodies import ROBOTS, golden_arm, pinocchio_of
 from formulation_arms import GRAVITY, furnished, golden_planar, relative, states
 
-from robomech_ros.dynamics import forward_dynamics, friction_torque, inverse_dynamics
+from robomech_ros.dynamics import METHODS, forward_dynamics, friction_torque, inverse_dynamics
 from robomech_ros.dynamics.formulations.dynamics_by_complement import (
     forward_dynamics_by_cholesky,
     forward_dynamics_by_reflections,
@@ -58,13 +58,14 @@ def arm(request, random_chain):
 def agree_pairwise(arm, count):
     q, qd, qdd = states(arm, count)
     given = {"gravity": GRAVITY, "tip_wrench": WRENCH}
-    friction = friction_torque(arm, qd)
     torques = [inverse(arm, q, qd, qdd, **given) for inverse in INVERSE]
-    torques.append(inverse_dynamics(arm, q, qd, qdd, **given) + friction)
+    torques.append(inverse_dynamics(arm, q, qd, qdd, **given))
     for one, other in combinations(torques, 2):
         assert relative(one, other) < 1e-10
     accelerations = [forward(arm, q, qd, torques[0], **given) for forward in FORWARD]
-    accelerations.append(forward_dynamics(arm, q, qd, torques[0] - friction, **given))
+    accelerations += [
+        forward_dynamics(arm, q, qd, torques[0], method=method, **given) for method in METHODS
+    ]
     for one, other in combinations([qdd, *accelerations], 2):
         assert relative(one, other) < 1e-10
 
@@ -83,12 +84,23 @@ def test_agree_with_pinocchio(arm):
     data = model.createData()
     q, qd, qdd = states(arm, 100)
     theirs = [pinocchio.rnea(model, data, *state).copy() for state in zip(q, qd, qdd, strict=True)]
-    friction = friction_torque(arm, qd)
     for inverse in INVERSE:
-        assert relative(inverse(arm, q, qd, qdd, gravity=GRAVITY) - friction, theirs) < 1e-10
+        assert relative(inverse(arm, q, qd, qdd, gravity=GRAVITY), theirs) < 1e-10
     theirs = [pinocchio.aba(model, data, *state).copy() for state in zip(q, qd, qdd, strict=True)]
     for forward in FORWARD:
-        assert relative(forward(arm, q, qd, qdd + friction, gravity=GRAVITY), theirs) < 1e-10
+        assert relative(forward(arm, q, qd, qdd, gravity=GRAVITY), theirs) < 1e-10
+
+
+def test_no_method_of_a_robot_with_friction_includes_it():
+    """``forward_dynamics(method="cholesky")`` left it out, ``forward_dynamics_by_cholesky`` not."""
+    puma = load_robot("puma560")
+    q, qd, tau = states(puma, 20)
+    assert np.abs(friction_torque(puma, qd)).min() > 0.01
+    compiled = forward_dynamics(puma, q, qd, tau, method="cholesky")
+    for forward in FORWARD:
+        assert relative(forward(puma, q, qd, tau), compiled) < 1e-12
+    for inverse in INVERSE:
+        assert relative(inverse(puma, q, qd, compiled), tau) < 1e-11
 
 
 @pytest.mark.parametrize("inverse", INVERSE)

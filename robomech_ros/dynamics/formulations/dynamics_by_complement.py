@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import finite_result, finite_states
 from robomech_ros.dynamics.formulations.orthogonal_complement import (
-    AT_REST,
     OrthogonalComplement,
     natural_orthogonal_complement,
 )
@@ -20,7 +19,6 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
     times,
     transposed,
 )
-from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.robots.chain import SerialChain
 
@@ -41,37 +39,33 @@ def inverse_dynamics_by_orthogonal_complement(
     qdd: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = AT_REST,
-    base_twist: ArrayLike = AT_REST,
-    base_twist_rate: ArrayLike = AT_REST,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
 ) -> Array:
     """Compute the torques of a motion from ``I qdd + C qd`` and what acts on the bodies.
 
+    Without the friction of the drives, as :func:`inverse_dynamics`: add :func:`friction_torque`.
+
     Parameters
     ----------
-    chain, q, qd, base_twist, base_twist_rate
-        As for :func:`natural_orthogonal_complement`.
-    qdd : array_like, shape (..., n)
-        Joint accelerations (rad/s^2 or m/s^2).
-    gravity : array_like, shape (3,), optional
-        In the axes of the base (m/s^2).
-    tip_wrench : array_like, shape (6,)
-        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+    chain, q, qd, qdd, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`inverse_dynamics`; each of the last three is the same in all states of a
+        batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
-        :func:`friction_torque`.
+    ndarray, shape (n,) or (..., n)
+        Torques or forces that the drives exert on the joints (N m or N).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`natural_orthogonal_complement`.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
 
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_lagrange : from the energies.
     inverse_dynamics_by_kane : by partial velocities.
     natural_orthogonal_complement : the matrices and the formulas.
@@ -84,18 +78,18 @@ def inverse_dynamics_by_orthogonal_complement(
     --------
     >>> import numpy as np
     >>> from robomech_ros.dynamics import inverse_dynamics_by_orthogonal_complement
-    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.dynamics import inverse_dynamics
     >>> from robomech_ros.robots import load_robot
     >>> puma = load_robot("puma560")
     >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
-    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> expected = inverse_dynamics(puma, q, qd, qdd)
     >>> np.allclose(inverse_dynamics_by_orthogonal_complement(puma, q, qd, qdd), expected)
     True
     """
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    bias = _bias(chain, model, gravity, tip_wrench)
+    bias = _bias(model, gravity, tip_wrench)
     return times(model.generalised_inertia, qdd) + bias
 
 
@@ -107,30 +101,31 @@ def forward_dynamics_by_cholesky(
     tau: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = AT_REST,
-    base_twist: ArrayLike = AT_REST,
-    base_twist_rate: ArrayLike = AT_REST,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
 ) -> Array:
     r"""Compute joint accelerations by the Cholesky factors of the generalised inertia.
 
     .. math:: I = L L^T, \qquad L x = \tau - \bar\tau, \qquad L^T \ddot q = x
 
+    Without the friction of the drives, as :func:`forward_dynamics`.
+
     Parameters
     ----------
-    chain, q, qd, gravity, tip_wrench, base_twist, base_twist_rate
-        As for :func:`inverse_dynamics_by_orthogonal_complement`.
-    tau : array_like, shape (..., n)
-        Torques and forces of the drives (N m or N).
+    chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
+        As for :func:`forward_dynamics`; each of the last three is the same in all states of a
+        batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        rad/s^2 or m/s^2.
+    ndarray, shape (n,) or (..., n)
+        Accelerations (rad/s^2 or m/s^2).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`natural_orthogonal_complement`.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
 
     See Also
     --------
@@ -145,7 +140,7 @@ def forward_dynamics_by_cholesky(
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    moving = tau - _bias(model, gravity, tip_wrench)
     L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
     return solve(transposed(L), solve(L, moving))
 
@@ -158,9 +153,9 @@ def forward_dynamics_by_reflections(
     tau: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = AT_REST,
-    base_twist: ArrayLike = AT_REST,
-    base_twist_rate: ArrayLike = AT_REST,
+    tip_wrench: ArrayLike | None = None,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
 ) -> Array:
     r"""Compute joint accelerations without the generalised inertia, whose condition is squared.
 
@@ -168,20 +163,23 @@ def forward_dynamics_by_reflections(
 
     with the upper triangle U that Householder's reflections make of P.  A rotor is one more row.
 
+    Without the friction of the drives, as :func:`forward_dynamics`.
+
     Parameters
     ----------
     chain, q, qd, tau, gravity, tip_wrench, base_twist, base_twist_rate
-        As for :func:`forward_dynamics_by_cholesky`.
+        As for :func:`forward_dynamics`; each of the last three is the same in all states of a
+        batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        rad/s^2 or m/s^2.
+    ndarray, shape (n,) or (..., n)
+        Accelerations (rad/s^2 or m/s^2).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`natural_orthogonal_complement`.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
 
     See Also
     --------
@@ -196,21 +194,14 @@ def forward_dynamics_by_reflections(
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    moving = tau - _bias(chain, model, gravity, tip_wrench)
+    moving = tau - _bias(model, gravity, tip_wrench)
     rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
     P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
     U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
     return solve(U, solve(transposed(U), moving))
 
 
-def _bias(
-    chain: SerialChain, model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike
-) -> Array:
-    """Torques at rest of the joints' rates: coupling, base, friction, weights, tip."""
+def _bias(model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
+    """Torques at which no joint accelerates: of coupling, base, weights and tip."""
     applied = model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)
-    return (
-        times(model.coupling, model.qd)
-        + model.base_torque
-        + friction_torque(chain, model.qd)
-        - model.generalised(applied)
-    )
+    return times(model.coupling, model.qd) + model.base_torque - model.generalised(applied)

@@ -6,7 +6,7 @@ partial velocities, and for each joint the sum over the bodies of ``partial angu
 
 References
 ----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.3.3 and 7.8.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.3.
 Kane and Levinson, Dynamics: theory and applications, McGraw-Hill 1985, ch. 4 and 6.
 """
 
@@ -15,9 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
+from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
-from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
@@ -31,8 +30,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-_NO_WRENCH = (0.0,) * 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +77,7 @@ def inverse_dynamics_by_kane(
     qdd: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = _NO_WRENCH,
+    tip_wrench: ArrayLike | None = None,
 ) -> Array:
     r"""Compute the torques with which Kane's equations hold.
 
@@ -92,33 +89,26 @@ def inverse_dynamics_by_kane(
        (n_i - I_i \dot\omega_i - \omega_i \times I_i \omega_i)
        + \frac{\partial \dot c_i}{\partial \dot q_j} \cdot (f_i - m_i \ddot c_i) \right] = 0.
 
+    Without the friction of the drives, as :func:`inverse_dynamics`: add :func:`friction_torque`.
+
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
-    q, qd, qdd : array_like, shape (n,) or (..., n)
-        Joint values, rates and accelerations (rad or m; per s, per s^2).
-    gravity : array_like, shape (3,), optional
-        In the axes of the base (m/s^2).
-    tip_wrench : array_like, shape (6,)
-        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+    chain, q, qd, qdd, gravity, tip_wrench
+        As for :func:`inverse_dynamics`; the wrench is the same in all states of a batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
-        :func:`friction_torque`.
+    ndarray, shape (n,) or (..., n)
+        Torques or forces that the drives exert on the joints (N m or N).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Arguments that are no finite numbers of these shapes.
-    MissingInertiaError
-        Of some joints nothing is known that moves with them.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
 
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_lagrange : from the energies.
     inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
     partial_velocities : the derivatives.
@@ -130,12 +120,11 @@ def inverse_dynamics_by_kane(
     Examples
     --------
     >>> import numpy as np
-    >>> from robomech_ros.dynamics import inverse_dynamics_by_kane
-    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.dynamics import inverse_dynamics, inverse_dynamics_by_kane
     >>> from robomech_ros.robots import load_robot
     >>> puma = load_robot("puma560")
     >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
-    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> expected = inverse_dynamics(puma, q, qd, qdd)
     >>> np.allclose(inverse_dynamics_by_kane(puma, q, qd, qdd), expected)
     True
     """
@@ -145,7 +134,7 @@ def inverse_dynamics_by_kane(
     inertia_forces = _inertia_forces(chain, steps, partial, qd, qdd)
     active = _active_forces(chain, steps, partial, gravity, tip_wrench)
     rotors = reflected_inertias(chain) * qdd
-    return rotors + friction_torque(chain, qd) - inertia_forces - active
+    return rotors - inertia_forces - active
 
 
 @finite_result
@@ -156,26 +145,26 @@ def forward_dynamics_by_kane(
     tau: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = _NO_WRENCH,
+    tip_wrench: ArrayLike | None = None,
 ) -> Array:
     """Solve Kane's equations for the joint accelerations, in which they are linear.
 
+    Without the friction of the drives, as :func:`forward_dynamics`.
+
     Parameters
     ----------
-    chain, q, qd, gravity, tip_wrench
-        As for :func:`inverse_dynamics_by_kane`.
-    tau : array_like, shape (..., n)
-        Torques and forces of the drives (N m or N).
+    chain, q, qd, tau, gravity, tip_wrench
+        As for :func:`forward_dynamics`; the wrench is the same in all states of a batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        rad/s^2 or m/s^2.
+    ndarray, shape (n,) or (..., n)
+        Accelerations (rad/s^2 or m/s^2).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`inverse_dynamics_by_kane`.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
 
     See Also
     --------
@@ -191,8 +180,7 @@ def forward_dynamics_by_kane(
     turning = np.einsum("...ija,iab,...ikb->...jk", partial.angular, inertias, partial.angular)
     moving = np.einsum("...ija,i,...ika->...jk", partial.linear, masses, partial.linear)
     coefficients = turning + moving + np.diag(reflected_inertias(chain))
-    right = active - friction_torque(chain, qd)
-    return solve(coefficients, right)
+    return solve(coefficients, active)
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,13 +266,13 @@ def _active_forces(
     steps: _Steps,
     partial: PartialVelocities,
     gravity: ArrayLike,
-    tip_wrench: ArrayLike,
+    tip_wrench: ArrayLike | None,
 ) -> Array:
     """Generalised active forces (..., n) of weights and of the wrench at the tip."""
     masses, centres, _ = body_moments(chain)
     seen = np.swapaxes(steps.base, -1, -2)
     weights = masses[:, None] * (seen @ as_vector("gravity", gravity, 3))
-    wrench = as_vector("tip_wrench", tip_wrench, 6)
+    wrench = as_screw("tip_wrench", tip_wrench)
     moment, force = seen[..., -1, :, :] @ wrench[:3], seen[..., -1, :, :] @ wrench[3:]
     moment = moment + np.cross(steps.tip - centres[-1], force)
     total: Array = (

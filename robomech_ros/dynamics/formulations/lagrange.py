@@ -7,7 +7,7 @@ A_i' the rate of A_i.  Poses are differentiated exactly: ``dA_i/dq_j = S_j A_i``
 
 References
 ----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.3.2 and 7.8.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.3.2.
 Uicker, On the dynamic analysis of spatial linkages using 4x4 matrices, Ph.D. thesis, Northwestern
 University, 1965.
 """
@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.checked_states import as_vector, finite_result, finite_states
+from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
 from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
-from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia
@@ -35,8 +34,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-_NO_WRENCH = (0.0,) * 6
 
 
 @finite_result
@@ -111,45 +108,38 @@ def inverse_dynamics_by_lagrange(
     qdd: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = _NO_WRENCH,
+    tip_wrench: ArrayLike | None = None,
 ) -> Array:
     r"""Compute torques from the energies, by the Euler-Lagrange equations.
 
     .. math::
 
        \tau = \frac{d}{dt} \frac{\partial T}{\partial \dot q} - \frac{\partial T}{\partial q}
-       + \frac{\partial V}{\partial q} + \frac{\partial \Delta}{\partial \dot q}
+       + \frac{\partial V}{\partial q}
 
-    with the kinetic and potential energies T and V and the dissipation function
-    :math:`\Delta`.
+    with the kinetic and potential energies T and V.
+
+    Without the friction of the drives, as :func:`inverse_dynamics`: add :func:`friction_torque`,
+    the derivative of :func:`dissipation` by the rates.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
-    q, qd, qdd : array_like, shape (n,) or (..., n)
-        Joint values, rates and accelerations (rad or m; per s, per s^2).
-    gravity : array_like, shape (3,), optional
-        In the axes of the base (m/s^2).
-    tip_wrench : array_like, shape (6,)
-        [n; f] that acts on the tip at its origin, in the axes of the base (N m, N).  Default none.
+    chain, q, qd, qdd, gravity, tip_wrench
+        As for :func:`inverse_dynamics`; the wrench is the same in all states of a batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        Torques and forces of the drives (N m or N): :func:`inverse_dynamics` and
-        :func:`friction_torque`.
+    ndarray, shape (n,) or (..., n)
+        Torques or forces that the drives exert on the joints (N m or N).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Arguments that are no finite numbers of these shapes.
-    MissingInertiaError
-        Of some joints nothing is known that moves with them.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inverse_dynamics`.
 
     See Also
     --------
-    inverse_dynamics : Newton-Euler, the compiled one, without friction.
+    inverse_dynamics : Newton-Euler, the compiled one.
     inverse_dynamics_by_kane : by partial velocities.
     inverse_dynamics_by_orthogonal_complement : by constraints and what they leave free.
 
@@ -160,12 +150,11 @@ def inverse_dynamics_by_lagrange(
     Examples
     --------
     >>> import numpy as np
-    >>> from robomech_ros.dynamics import inverse_dynamics_by_lagrange
-    >>> from robomech_ros.dynamics import friction_torque, inverse_dynamics
+    >>> from robomech_ros.dynamics import inverse_dynamics, inverse_dynamics_by_lagrange
     >>> from robomech_ros.robots import load_robot
     >>> puma = load_robot("puma560")
     >>> q, qd, qdd = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 6))
-    >>> expected = inverse_dynamics(puma, q, qd, qdd) + friction_torque(puma, qd)
+    >>> expected = inverse_dynamics(puma, q, qd, qdd)
     >>> np.allclose(inverse_dynamics_by_lagrange(puma, q, qd, qdd), expected)
     True
     """
@@ -183,26 +172,26 @@ def forward_dynamics_by_lagrange(
     tau: ArrayLike,
     *,
     gravity: ArrayLike = GRAVITY,
-    tip_wrench: ArrayLike = _NO_WRENCH,
+    tip_wrench: ArrayLike | None = None,
 ) -> Array:
     """Solve the Euler-Lagrange equations for the joint accelerations.
 
+    Without the friction of the drives, as :func:`forward_dynamics`.
+
     Parameters
     ----------
-    chain, q, qd, gravity, tip_wrench
-        As for :func:`inverse_dynamics_by_lagrange`.
-    tau : array_like, shape (..., n)
-        Torques and forces of the drives (N m or N).
+    chain, q, qd, tau, gravity, tip_wrench
+        As for :func:`forward_dynamics`; the wrench is the same in all states of a batch.
 
     Returns
     -------
-    ndarray, shape (..., n)
-        rad/s^2 or m/s^2.
+    ndarray, shape (n,) or (..., n)
+        Accelerations (rad/s^2 or m/s^2).
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError, MissingInertiaError
-        As for :func:`inverse_dynamics_by_lagrange`.
+    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`forward_dynamics`.
 
     See Also
     --------
@@ -284,9 +273,9 @@ def _bias(
     derivatives: _Derivatives,
     qd: Array,
     gravity: ArrayLike,
-    tip_wrench: ArrayLike,
+    tip_wrench: ArrayLike | None,
 ) -> Array:
-    """Torques for vanishing accelerations: of rates, weight, friction and the tip's wrench."""
+    """Torques for vanishing accelerations: of rates, weight and the tip's wrench."""
     symbols = _symbols(_gradient(derivatives))
     coriolis = np.einsum("...ijk,...j,...k->...i", symbols, qd, qd)
     # V is the sum of -g . (mass times mass centre), and the last column of J_i is the latter.
@@ -294,10 +283,10 @@ def _bias(
         "...ijab,ib->...ja", derivatives.once[..., :3, :], derivatives.pseudo[:, :, 3]
     )
     weight = -moments @ as_vector("gravity", gravity, 3)
-    wrench = as_vector("tip_wrench", tip_wrench, 6)
+    wrench = as_screw("tip_wrench", tip_wrench)
     S, point = derivatives.screws, derivatives.tip
     velocity = np.einsum("...jab,...b->...ja", S[..., :3, :3], point) + S[..., :3, 3]
     turn = np.stack((S[..., 2, 1], S[..., 0, 2], S[..., 1, 0]), axis=-1)
     given = turn @ wrench[:3] + velocity @ wrench[3:]
-    bias: Array = coriolis + weight + friction_torque(chain, qd) - given
+    bias: Array = coriolis + weight - given
     return bias

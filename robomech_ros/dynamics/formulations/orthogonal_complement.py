@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.checked_states import as_vector, finite_states
+from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_states
 from robomech_ros.dynamics.formulations.stacked_matrices import (
     base_shaping,
     constraints,
@@ -32,12 +32,9 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["AT_REST", "OrthogonalComplement", "natural_orthogonal_complement"]
+__all__ = ["OrthogonalComplement", "natural_orthogonal_complement"]
 
 Array = NDArray[np.float64]
-
-# Twist, its rate, or wrench of what stands still and is not touched.
-AT_REST = (0.0,) * 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +118,9 @@ class OrthogonalComplement:
         wrenches[:, 3:] = np.outer(self.bodies.masses, as_vector("gravity", gravity, 3))
         return wrenches.ravel()
 
-    def tip_wrenches(self, wrench: ArrayLike) -> Array:
+    def tip_wrenches(self, wrench: ArrayLike | None) -> Array:
         """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 n)."""
-        given = as_vector("tip_wrench", wrench, 6)
+        given = as_screw("tip_wrench", wrench)
         arm = self.bodies.tip - self.bodies.centres[..., -1, :]
         wrenches = np.zeros(self.T.shape[:-1])
         wrenches[..., -6:-3] = given[:3] + np.cross(arm, given[3:])
@@ -170,8 +167,8 @@ def natural_orthogonal_complement(
     q: ArrayLike,
     qd: ArrayLike,
     *,
-    base_twist: ArrayLike = AT_REST,
-    base_twist_rate: ArrayLike = AT_REST,
+    base_twist: ArrayLike | None = None,
+    base_twist_rate: ArrayLike | None = None,
 ) -> OrthogonalComplement:
     r"""Form the matrices of a chain in motion.
 
@@ -200,7 +197,7 @@ def natural_orthogonal_complement(
         Of n joints, with the inertia of all its bodies.
     q, qd : array_like, shape (n,) or (..., n)
         Joint values and rates (rad or m; per s).
-    base_twist, base_twist_rate : array_like, shape (6,)
+    base_twist, base_twist_rate : array_like, shape (6,), optional
         Angular velocity of the base and velocity of its origin in its own axes, and the rates of
         these vectors (rad/s, m/s; per s).  Default at rest.
 
@@ -235,7 +232,7 @@ def natural_orthogonal_complement(
     True
     """
     q, qd = finite_states(chain, q=q, qd=qd)
-    t_0 = as_vector("base_twist", base_twist, 6)
+    t_0 = as_screw("base_twist", base_twist)
     bodies = posed_bodies(chain, q)
     T = twist_shaping(bodies)
     T_0 = base_shaping(bodies.centres)
@@ -256,5 +253,5 @@ def natural_orthogonal_complement(
         A=drive_wrenches(bodies),
         qd=qd,
         base_twist=t_0,
-        base_twist_rate=as_vector("base_twist_rate", base_twist_rate, 6),
+        base_twist_rate=as_screw("base_twist_rate", base_twist_rate),
     )

@@ -125,7 +125,7 @@ def identify(
     q, qd, qdd : array_like, shape (m, n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
     tau : array_like, shape (m, n)
-        Torques and forces of the drives (N m or N).
+        Torques and forces of the drives, as measured: with their friction (N m or N).
     gravity : array_like, shape (3,), optional
         In the base (m/s^2).
     deviations : array_like, shape (n,), optional

@@ -38,7 +38,8 @@ def torque_regressor(
     """Compute the matrix Y by which the bodies' parameters give the torques.
 
     :func:`inverse_dynamics` is ``Y p``, with p the rows of :func:`body_parameters` one after the
-    other, plus the rotors' reflected inertias times qdd.  The chain needs no bodies for it.
+    other, plus the rotors' reflected inertias times qdd.  The chain needs no bodies for it, and the
+    friction of the drives is left out.
 
     Parameters
     ----------

@@ -41,8 +41,9 @@ EXPRESSIONS = (
     "coriolis_matrix",
     "gravity_torque",
     "torque",
+    "friction_torque",
 )
-_KINEMATIC = EXPRESSIONS[:2]
+_WITHOUT_BODIES = ("forward_kinematics", "jacobian", "friction_torque")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,14 +123,19 @@ class SymbolicModel:
 
     @cached_property
     def torque(self) -> sympy.Matrix:
-        """Torques and forces of the drives for a motion, shape (n, 1), with friction."""
+        """Torques and forces of the drives for a motion, shape (n, 1), without their friction."""
         parameters = self.parameters
         rates, accelerations = (
             sympy.Matrix(parameters.rates),
             sympy.Matrix(parameters.accelerations),
         )
         moved = self.mass_matrix * accelerations + self.coriolis_matrix * rates
-        return moved + self.gravity_torque + sympy.Matrix(parameters.friction)
+        return moved + self.gravity_torque
+
+    @cached_property
+    def friction_torque(self) -> sympy.Matrix:
+        """Torques and forces that the friction of the drives takes, shape (n, 1)."""
+        return sympy.Matrix(self.parameters.friction)
 
     def expression(self, what: str) -> sympy.Matrix:
         """Give one of :data:`EXPRESSIONS` by name.
@@ -142,7 +148,7 @@ class SymbolicModel:
             It needs masses that are not known.
         """
         name = as_choice("expression", what, EXPRESSIONS)
-        if name not in _KINEMATIC:
+        if name not in _WITHOUT_BODIES:
             _ = self.chain.packed_bodies  # raises where masses are missing
         found: sympy.Matrix = getattr(self, name)
         return found

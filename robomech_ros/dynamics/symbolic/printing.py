@@ -18,6 +18,7 @@ _NAMES = {
     "coriolis_matrix": ("C", "C"),
     "gravity_torque": ("gamma", r"\gamma"),
     "torque": ("tau", r"\tau"),
+    "friction_torque": ("delta", r"\delta"),
 }
 
 

@@ -10,7 +10,6 @@ from robomech_ros.dynamics.formulations.kane import (
     partial_velocities,
 )
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
-from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.robots import Body, chain_from_dh
 
@@ -32,14 +31,13 @@ def test_partial_velocities_are_the_columns_of_the_twist_shaping_matrix(arm):
     np.testing.assert_allclose(np.concatenate(tuple(turned), axis=-2), T, atol=1e-12)
 
 
-def test_friction_and_rotors_are_added_to_the_rigid_bodies(arm):
+def test_rotors_are_added_to_the_rigid_bodies_and_friction_is_not(arm):
     bare = furnished(arm, 1)
     q, qd, qdd = states(arm, 10)
     whole, bodies = (
         inverse_dynamics_by_kane(one, q, qd, qdd, gravity=GRAVITY) for one in (arm, bare)
     )
-    drives = friction_torque(arm, qd) + reflected_inertias(arm) * qdd
-    assert relative(whole, bodies + drives) < 1e-12
+    assert relative(whole, bodies + reflected_inertias(arm) * qdd) < 1e-12
 
 
 def test_an_arm_let_go_falls_with_its_weight():

@@ -7,6 +7,7 @@ import pytest
 from formulation_arms import furnished, relative, states
 
 from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
+from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.identification.consistent_fit import consistent_fit
 from robomech_ros.dynamics.identification.fit import excitation, identify
 from robomech_ros.dynamics.model import body_parameters
@@ -33,9 +34,13 @@ def arm_of(name, seed=1):
     return replace(arm, drives=drives)
 
 
+def drive_torques(arm, q, qd, qdd):
+    return inverse_dynamics_by_lagrange(arm, q, qd, qdd, gravity=DOWN) + friction_torque(arm, qd)
+
+
 def measured(arm, count, noise, seed=0):
     q, qd, qdd = states(arm, count, seed)
-    tau = inverse_dynamics_by_lagrange(arm, q, qd, qdd, gravity=DOWN)
+    tau = drive_torques(arm, q, qd, qdd)
     return q, qd, qdd, tau + noise * np.random.default_rng(seed).normal(size=q.shape)
 
 
@@ -87,7 +92,7 @@ def test_consistent_bodies_meet_other_motions(noise):
     fit = consistent_fit(found)
     assert fit.converged and is_consistent(fit.parameters).all() and fit.deviation < 2.0
     q, qd, qdd, tau = measured(arm, 50, 0.0, seed=5)
-    predicted = inverse_dynamics_by_lagrange(fit.chain, q, qd, qdd, gravity=DOWN)
+    predicted = drive_torques(fit.chain, q, qd, qdd)
     assert np.sqrt(np.mean((predicted - tau) ** 2)) < 0.5 * noise
 
 

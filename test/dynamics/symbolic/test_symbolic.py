@@ -13,6 +13,7 @@ from robomech_ros.cli import main as cli
 from robomech_ros.cli import symbolic as command
 from robomech_ros.dynamics.formulations.lagrange import inverse_dynamics_by_lagrange
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.friction import friction_torque
 from robomech_ros.dynamics.symbolic.closed_forms import EXPRESSIONS, symbolic_model
 from robomech_ros.dynamics.symbolic.printing import (
     FORMS,
@@ -106,6 +107,8 @@ def test_torques_of_general_arms_with_friction_and_rotors_agree(random_chain, ki
     q, qd, qdd = states(arm, 100)
     expected = inverse_dynamics_by_lagrange(arm, q, qd, qdd, gravity=gravity)
     assert relative(model.compiled("torque")(q, qd, qdd), expected) < 1e-10
+    friction = model.compiled("friction_torque")(q, qd)
+    np.testing.assert_allclose(friction, friction_torque(arm, qd), rtol=1e-12)
     inertia = natural_orthogonal_complement(arm, q, qd).generalised_inertia
     np.testing.assert_allclose(model.compiled("mass_matrix")(q), inertia, rtol=1e-10, atol=1e-11)
 
