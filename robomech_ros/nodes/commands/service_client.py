@@ -11,6 +11,7 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class
+from robomech_ros.nodes.common.deep_queues import ask
 
 __all__ = ["NoAnswerError", "call_service"]
 
@@ -66,7 +67,7 @@ def _answer(
     interface = interface_class(kind or _type_in_graph(node, service, deadline))
     request = interface.Request()
     fill_message(request, values)
-    client = node.create_client(interface, service)
+    client = ask(node, interface, service)
     if not client.wait_for_service(timeout_sec=max(0.0, deadline - time.monotonic())):
         raise NoAnswerError(f"service '{service}' is not there after {timeout:g} s")
     future = client.call_async(request)

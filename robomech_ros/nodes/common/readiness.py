@@ -6,6 +6,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from robomech_ros.nodes.common.deep_queues import serve
+
 __all__ = ["Readiness"]
 
 # How often a node that waits says so in its log, s.
@@ -26,7 +28,7 @@ class Readiness:
     def __init__(self, node: Node, waits_for: str = "") -> None:
         self._node = node
         self._waits_for = waits_for
-        node.create_service(Trigger, "~/ready", self._answer)
+        serve(node, Trigger, "~/ready", self._answer)
         if waits_for:
             node.get_logger().info(waits_for)
             # By the machine's time: simulated time may stand still.

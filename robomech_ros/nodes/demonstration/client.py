@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
+from robomech_ros.nodes.common.deep_queues import ask
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite
 from robomech_ros.nodes.process.run import Spinner
@@ -81,7 +82,7 @@ class DemoClient:
     def wait_until_up(self, services: dict[str, Any]) -> None:
         """Wait for services, name to type, and for the first joint state."""
         for name, kind in services.items():
-            self._clients[name] = self._node.create_client(kind, name)
+            self._clients[name] = ask(self._node, kind, name)
         if not self._wait(lambda: not self._missing(), _START_SECONDS):
             missing = ", ".join(self._missing())
             raise DemoFailedError(f"not up after {_START_SECONDS:g} s: {missing}")

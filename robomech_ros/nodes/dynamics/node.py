@@ -23,6 +23,7 @@ from robomech_ros.dynamics import (
 )
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -69,13 +70,13 @@ class DynamicsNode(Node):
             (SetPayload, "~/set_payload", self._set_payload),
             (SummarizeTorques, "~/summarize_torques", self._summarize_torques),
         ):
-            self.create_service(kind, name, callback)
+            serve(self, kind, name, callback)
         # While one of these waits for a joint state, others are served.
         for kind, name, callback in (
             (ForwardDynamics, "~/forward_dynamics", self._forward_dynamics),
             (MassMatrix, "~/mass_matrix", self._mass_matrix),
         ):
-            self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+            serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         try:
             # The kernels are compiled or loaded now, not in the first request.
             self._announce(model.chain)

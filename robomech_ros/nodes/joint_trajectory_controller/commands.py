@@ -9,6 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
@@ -48,8 +49,8 @@ class Commands:
         self._on_reset = on_reset
         self._on_refused = on_refused
         subscribe_reliably(node, JointTrajectory, "~/joint_trajectory", self._execute, _DEPTH)
-        node.create_service(Trigger, "~/hold", self._hold)
-        node.create_service(Trigger, "~/reset", self._reset)
+        serve(node, Trigger, "~/hold", self._hold)
+        serve(node, Trigger, "~/reset", self._reset)
 
     def _execute(self, trajectory: JointTrajectory) -> None:
         try:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from builtin_interfaces.msg import Time
-from rclpy.action import ActionServer, CancelResponse
+from rclpy.action import CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
@@ -19,6 +19,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
+from robomech_ros.nodes.common.deep_queues import serve_action
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.outcomes import Code
@@ -86,7 +87,7 @@ class GoalServer:
         self._served: dict[bytes, _ServedGoal] = {}
         self._idle: Future = Future()
         self._destroyed = False
-        self._server = ActionServer(
+        self._server = serve_action(
             node,
             messages.kind,
             f"~/{messages.name}",

@@ -11,6 +11,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state, past_the_end
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
@@ -106,7 +107,7 @@ class StateQuery:
     def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
         self._robot = robot
         self._clock = clock
-        node.create_service(QueryTrajectoryState, "~/query_state", self._answer)
+        serve(node, QueryTrajectoryState, "~/query_state", self._answer)
 
     def _answer(self, request: Any, response: Any) -> Any:
         response.name = self._robot.joint_names

@@ -22,6 +22,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import point_jacobian, singularity_report
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -100,7 +101,7 @@ class KinematicsNode(Node):
         chain = model.chain
         # The kernels are compiled or loaded on import; this decides the solver family, too.
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
-        self.create_service(SolveIK, "~/solve_ik", self._solve_ik)
+        serve(self, SolveIK, "~/solve_ik", self._solve_ik)
         # While one of these waits, for a joint state or for its turn, others are served.
         for kind, name, callback in (
             (SolveFK, "~/solve_fk", self._solve_fk),
@@ -109,7 +110,7 @@ class KinematicsNode(Node):
             (AnalyzeSingularity, "~/analyze_singularity", self._analyze_singularity),
             (QueryWorkspace, "~/query_workspace", self._query_workspace),
         ):
-            self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+            serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         self._space = SpaceFinder(self, chain)
         self._markers = MarkerPublisher(self, chain.base, self._show_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)

@@ -26,6 +26,7 @@ from robomech_ros.cartesian import (
     waypoint_fraction,
 )
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.pauses import Worker
@@ -80,7 +81,8 @@ class CartesianPathService:
         self._monitor = monitor
         self._settings = settings
         self._worker = worker
-        node.create_service(
+        serve(
+            node,
             GetCartesianPath,
             "~/compute_cartesian_path",
             answering(node, self._compute),

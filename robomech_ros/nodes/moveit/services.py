@@ -12,6 +12,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
@@ -73,7 +74,7 @@ class MoveItServices:
             (GetPositionFK, "~/compute_fk", self._compute_fk),
         ):
             group = ReentrantCallbackGroup()
-            node.create_service(kind, name, answering(node, callback), callback_group=group)
+            serve(node, kind, name, answering(node, callback), callback_group=group)
 
     async def _compute_ik(self, request: Any, response: Any) -> tuple[int, str]:
         question = await self._read(request.ik_request)

@@ -11,6 +11,7 @@ from std_srvs.srv import SetBool
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -64,7 +65,7 @@ class ServoNode(Node):
         self._driver = Driver(
             self, model, servo, self._monitor, self._motion_clock, lambda: self._table.settings
         )
-        self.create_service(SetBool, "~/pause_servo", self._pause)
+        serve(self, SetBool, "~/pause_servo", self._pause)
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, "
             f"{settings.publish_rate:g} Hz to '{self._driver.topic}'"

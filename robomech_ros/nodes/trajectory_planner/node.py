@@ -17,6 +17,7 @@ from robomech_ros.cartesian.arms import load_inverse_kinematics
 from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
@@ -73,7 +74,7 @@ class TrajectoryPlannerNode(Node):
             (PlanJoint, "~/plan_joint", self._plan_joint),
             (PlanCartesian, "~/plan_cartesian", self._plan_cartesian),
         ):
-            self.create_service(kind, name, callback, callback_group=ReentrantCallbackGroup())
+            serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_cartesian_path_service(
             self, model, self._monitor, lambda: self._table.settings, self._worker
         )

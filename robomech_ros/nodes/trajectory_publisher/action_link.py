@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from action_msgs.msg import GoalStatus
-from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.verdict import Verdict
+from robomech_ros.nodes.common.deep_queues import ask_action
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult"]
@@ -87,7 +87,7 @@ class ActionLink:
     ) -> None:
         name = f"{controller}/{goals.name}"
         self.name = node.resolve_service_name(name)
-        self._client = ActionClient(node, goals.kind, name)
+        self._client = ask_action(node, goals.kind, name)
         self._goals = goals
         self._tolerances = tolerances
         self._on_result = on_result

@@ -12,6 +12,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
 from robomech_ros.execution.client.position_check import off_goal, off_start
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
@@ -71,9 +72,7 @@ class ExecuteService:
         self._loop = loop
         self._link = link
         self._transport = transport
-        node.create_service(
-            Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup()
-        )
+        serve(node, Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup())
 
     async def _execute(self, request: Any, response: Any) -> Any:
         if _asks_for_latest(request.trajectory):

@@ -7,6 +7,7 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
@@ -54,7 +55,7 @@ class ProgramService:
         self._runner = runner
         self._loop = loop
         self._link = link
-        node.create_service(Trigger, "~/run_program", self._run_program)
+        serve(node, Trigger, "~/run_program", self._run_program)
 
     def _run_program(self, request: Any, response: Any) -> Any:
         try:

@@ -9,6 +9,7 @@ from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError
+from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
@@ -41,10 +42,10 @@ class SpeedServices:
         self._dispatcher = loop.dispatcher
         self._loop = loop
         self._cancel_program = cancel_program
-        node.create_service(Trigger, "~/pause", self._pause)
-        node.create_service(Trigger, "~/resume", self._resume)
-        node.create_service(Trigger, "~/cancel", self._cancel)
-        node.create_service(SetSpeed, "~/set_speed", self._set_speed)
+        serve(node, Trigger, "~/pause", self._pause)
+        serve(node, Trigger, "~/resume", self._resume)
+        serve(node, Trigger, "~/cancel", self._cancel)
+        serve(node, SetSpeed, "~/set_speed", self._set_speed)
 
     def _pause(self, request: Any, response: Any) -> Any:
         if self._dispatcher.paused:

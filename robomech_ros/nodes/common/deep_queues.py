@@ -1,0 +1,54 @@
+"""Services and actions whose queues hold a burst of calls.
+
+The default queue of a ROS service holds ten requests; those that come while it is full vanish,
+and their clients wait for ever. The same holds for a client's queue of answers.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import ActionClient, ActionServer
+from rclpy.callback_groups import CallbackGroup
+from rclpy.client import Client
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.service import Service
+
+__all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
+
+# Calls that a queue holds; a thousand at once took 30 MB.
+DEPTH = 2000
+_DEEP = QoSProfile(depth=DEPTH)
+# The three services of an action.
+_ACTION = ("goal_service_qos_profile", "result_service_qos_profile", "cancel_service_qos_profile")
+
+
+def serve(
+    node: Node,
+    kind: Any,
+    name: str,
+    callback: Callable[[Any, Any], Any],
+    *,
+    callback_group: CallbackGroup | None = None,
+) -> Service:
+    """Create a service that keeps up to `DEPTH` requests which wait."""
+    return node.create_service(
+        kind, name, callback, qos_profile=_DEEP, callback_group=callback_group
+    )
+
+
+def ask(node: Node, kind: Any, name: str) -> Client:
+    """Create a client that keeps up to `DEPTH` answers, its own and those of its fellow clients."""
+    return node.create_client(kind, name, qos_profile=_DEEP)
+
+
+def serve_action(
+    node: Node, kind: Any, name: str, execute: Callable[[Any], Any], **options: Any
+) -> ActionServer:
+    """Create an action server that keeps up to `DEPTH` goals, cancellations and asked results."""
+    return ActionServer(node, kind, name, execute, **dict.fromkeys(_ACTION, _DEEP), **options)
+
+
+def ask_action(node: Node, kind: Any, name: str) -> ActionClient:
+    """Create an action client that keeps up to `DEPTH` answers."""
+    return ActionClient(node, kind, name, **dict.fromkeys(_ACTION, _DEEP))
