@@ -143,8 +143,8 @@ def _kernels() -> Finding:
         return Finding(what, False, str(error), SET_UP)
     place = cache_directory()
     if place is None:
-        mend = "export ROBOMECH_CACHE_DIR=<a folder that can be written>"
-        return Finding(what, False, "no place to keep them can be written", mend)
+        mend = "export ROBOMECH_CACHE_DIR=<a folder that you alone can write>"
+        return Finding(what, False, "no place to keep them that you alone can write", mend)
     if not any(place.glob("*.nbi")):
         return Finding(what, False, f"none in {place}: the first start takes a minute",
                        "robomech warmup")  # fmt: skip

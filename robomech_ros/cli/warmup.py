@@ -70,7 +70,7 @@ def warm(silent: bool = False, silent_if_quick: bool = False) -> None:
         prune(place, _INSTALLATION, digests.values())
     seconds = time.perf_counter() - start
     if not silent and not (silent_if_quick and seconds < _QUICK):
-        kept = place or "nowhere: no place to keep them is writable"
+        kept = place or "nowhere: there is no place that you alone can write"
         print(f"{len(digests)} kernel modules in {seconds:.1f} s, kept in {kept}")
 
 

@@ -102,6 +102,32 @@ def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
     assert found == "None"
 
 
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777])
+@pytest.mark.parametrize("level", ["", "above", "above/cache"])
+def test_a_place_that_others_can_write_is_refused_at_every_level(
+    tmp_path, tmp_path_factory, level, mode
+):
+    place = tmp_path / "above" / "cache"
+    place.mkdir(mode=0o700, parents=True)
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (tmp_path / level).chmod(mode)
+    found = run(elsewhere / "program", ROBOMECH_CACHE_DIR=str(place), TMPDIR=str(elsewhere))
+    (tmp_path / level).chmod(0o700)
+    assert found.startswith(f"{elsewhere}/robomech_ros-")
+    assert run(elsewhere / "program", ROBOMECH_CACHE_DIR=str(place)).startswith(f"{place}/")
+
+
+def test_a_link_leads_to_the_folder_that_is_judged(tmp_path):
+    there, elsewhere = tmp_path / "open" / "there", tmp_path / "elsewhere"
+    for folder in (there, elsewhere):
+        folder.mkdir(mode=0o700, parents=True)
+    (tmp_path / "open").chmod(0o777)
+    (tmp_path / "link").symlink_to(there)
+    program = tmp_path / "program"
+    found = run(program, ROBOMECH_CACHE_DIR=str(tmp_path / "link"), TMPDIR=str(elsewhere))
+    assert found.startswith(f"{elsewhere}/robomech_ros-")
+
+
 def test_it_works_without_compilation(tmp_path):
     run(tmp_path, NUMBA_DISABLE_JIT="1", ROBOMECH_CACHE_DIR=str(tmp_path))
 

@@ -11,7 +11,6 @@ import functools
 import hashlib
 import logging
 import os
-import stat
 import sys
 import tempfile
 from collections.abc import Callable
@@ -24,6 +23,7 @@ import numpy
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
+from robomech_ros._kernels.compiling.trust import who_else_can_write
 
 __all__ = ["KernelCache", "cache_directory"]
 
@@ -95,7 +95,8 @@ def cache_directory() -> Path | None:
     Path or None
         ``<root>/<digest of versions>`` with root the first usable one of
         ``$ROBOMECH_CACHE_DIR``, ``$XDG_CACHE_HOME/robomech_ros``, ``~/.cache/robomech_ros`` and a
-        directory of this user under the temporary directory; None where none is writable.
+        directory of this user under the temporary directory; None where none is writable by this
+        user and by nobody else.
     """
     places = (root / _versions() for root in _cache_roots())
     return next((place for place in places if _is_usable(place)), None)
@@ -120,17 +121,14 @@ def _cache_roots() -> list[Path]:
 def _is_usable(directory: Path) -> bool:
     """Make the directory for this user alone and try to write in it.
 
-    Cached code is executed: a directory that somebody else owns, or everybody may write, is
-    refused.
+    Cached code is executed: a directory that somebody else could fill is refused.
     """
     try:
         directory.mkdir(mode=0o700, parents=True, exist_ok=True)
-        for place in (directory, directory.parent):
-            found = place.stat()
-            if hasattr(os, "getuid") and found.st_uid != os.getuid():
-                return False
-            if found.st_mode & stat.S_IWOTH:
-                return False
+        danger = who_else_can_write(directory)
+        if danger:
+            logging.getLogger(__name__).warning("no compiled kernels in %s: %s", directory, danger)
+            return False
         with tempfile.TemporaryFile(dir=directory):
             pass
     except OSError:

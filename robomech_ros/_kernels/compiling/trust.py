@@ -1,0 +1,47 @@
+"""Folders whose files may be executed: nobody but this user can put any there."""
+
+import os
+import stat
+from pathlib import Path
+
+__all__ = ["who_else_can_write"]
+
+
+def who_else_can_write(directory: Path) -> str:
+    """Say who else could put files into a directory, or put another one in its place.
+
+    All levels are looked at, up to the home of the user or, elsewhere, to the first that belongs
+    to the system: what stands above is trusted, as everything on the machine depends on it.
+
+    Parameters
+    ----------
+    directory : Path
+        One that exists.
+
+    Returns
+    -------
+    str
+        The level that is open and to whom; empty where none is.
+
+    Raises
+    ------
+    OSError
+        A level cannot be looked at.
+    """
+    if not hasattr(os, "getuid"):
+        return ""
+    real = directory.resolve()
+    home = Path(os.path.expanduser("~")).resolve()
+    for place in (real, *real.parents):
+        found = place.stat()
+        of_system = place != real and found.st_uid == 0
+        if found.st_uid != os.getuid() and not of_system:
+            return f"{place} belongs to user {found.st_uid}, expected {os.getuid()}"
+        # Where the sticky bit is set, as on /tmp, only the owner may rename or remove a file.
+        sticky = place != real and found.st_mode & stat.S_ISVTX
+        if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not sticky:
+            rights = f"{stat.S_IMODE(found.st_mode):o}"
+            return f"{place} can be written by its group or by others (mode {rights})"
+        if place == home or (of_system and os.getuid() != 0):
+            return ""
+    return ""
