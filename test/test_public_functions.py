@@ -164,7 +164,7 @@ def calls():
     ):
         found |= with_options(function, chain=PUMA, q=q)
     found |= with_options(joint_accelerations, chain=PUMA, q=q, qd=q, twist_rate=q)
-    found |= with_options(joint_torques, chain=PUMA, q=q, wrench=q)
+    found |= with_options(joint_torques, chain=PUMA, q=q, exerted_wrench=q)
     found |= with_options(wrench_from_torques, chain=PUMA, q=q, torques=q)
     found |= with_options(task_jacobian, chain=PUMA, q=q, mask=[True] * 6)
     for function in (decoupled_jacobian, planar_jacobian):

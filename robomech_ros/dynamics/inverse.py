@@ -72,7 +72,8 @@ def inverse_dynamics(
         In the axes of the base (m/s^2).
     tip_wrench : array_like, shape (6,) or (..., 6), optional
         Moment and force [n; f] that the surroundings exert on the tip (N m and N), at the tip's
-        origin, in the axes of the base.  Default none.
+        origin, in the axes of the base: minus the ``exerted_wrench`` of :func:`joint_torques`.
+        Default none.
     base_twist, base_twist_rate : array_like, shape (6,) or (..., 6), optional
         Of a base that moves: angular velocity and velocity of its origin [omega; v] (rad/s, m/s),
         and the accelerations [omega'; v'] (rad/s^2, m/s^2), in the axes that the base has at that

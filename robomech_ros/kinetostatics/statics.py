@@ -21,7 +21,7 @@ _POSE = 6
 def joint_torques(
     chain: SerialChain,
     q: ArrayLike,
-    wrench: ArrayLike,
+    exerted_wrench: ArrayLike,
     *,
     point: ArrayLike = TIP,
     axes: ArrayLike | str | None = None,
@@ -30,8 +30,9 @@ def joint_torques(
 
     .. math:: \tau = J^T w, \qquad w = \begin{bmatrix} n \\ f \end{bmatrix}
 
-    What the surroundings exert on the tip is ``-w``: to hold a load of weight G,
-    ask for the force G upwards.  The weight of the links themselves is not in it.  In motion
+    What the surroundings exert on the tip, the ``tip_wrench`` of :func:`gravity_torque` and the
+    other functions of the dynamics, is ``-w``: to hold a load of weight G, ask for the force G
+    upwards.  The weight of the links themselves is not in it.  In motion
     ``tau . qd = w . t`` is the power that goes to the surroundings, t the twist of the point.
 
     Parameters
@@ -40,7 +41,7 @@ def joint_torques(
         Of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
-    wrench : array_like, shape (6,) or (..., 6)
+    exerted_wrench : array_like, shape (6,) or (..., 6)
         Moment about the point, then force, of the tip on its surroundings (N m and N); one for all
         of a batch or one each.
     point : array_like, shape (3,), optional
@@ -63,6 +64,7 @@ def joint_torques(
     See Also
     --------
     wrench_from_torques : the inverse.
+    gravity_torque : for the weight of the links and, with the other sign, for a ``tip_wrench``.
     jacobian : the matrix.
 
     References
@@ -79,12 +81,12 @@ def joint_torques(
     array([0.   , 4.521, 0.203, 0.   , 0.   , 0.   ])
     """
     J = point_jacobian(chain, q, point, axes)
-    w = _rows("wrench", as_finite("wrench", wrench, (_POSE,)), J)
+    w = _rows("exerted_wrench", as_finite("exerted_wrench", exerted_wrench, (_POSE,)), J)
     with np.errstate(over="ignore", invalid="ignore"):
         torques: Array = np.einsum("...ij,...i->...j", J, w)
     if not np.isfinite(torques).all():
         largest = float(np.abs(w).max(initial=0.0))
-        raise BadValueError("largest of the wrench", largest, "a wrench with finite torques")
+        raise BadValueError("largest of exerted_wrench", largest, "a wrench with finite torques")
     return torques
 
 
@@ -119,7 +121,8 @@ def wrench_from_torques(
     Returns
     -------
     ndarray, shape (6,) or (..., 6)
-        Moment about the point, then force (N m and N).  NaN where the posture is singular: there
+        Moment about the point, then force, of the tip on its surroundings (N m and N), as the
+        ``exerted_wrench`` of :func:`joint_torques`.  NaN where the posture is singular: there
         are wrenches there that load no joint, ``singularity_report(chain, q).idle_wrenches``.
 
     Raises

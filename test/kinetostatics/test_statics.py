@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from robomech_ros.dynamics import gravity_torque
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownLinkError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import (
@@ -34,6 +35,15 @@ def test_power_goes_from_the_joints_to_the_surroundings(robot):
         twist = np.einsum("kij,kj->ki", point_jacobian(chain, q, POINT, axes), qd)
         given, taken = (torques * qd).sum(axis=1), (wrench * twist).sum(axis=1)
         np.testing.assert_allclose(given, taken, rtol=1e-12, atol=1e-11)
+
+
+def test_what_the_tip_exerts_is_minus_what_the_surroundings_exert_on_it():
+    """``tip_wrench`` and the wrench of ``joint_torques`` had opposite senses and one name."""
+    puma, rng = load_robot("puma560"), np.random.default_rng(6)
+    q, wrench = rng.uniform(-2, 2, (20, 6)), rng.normal(size=(20, 6))
+    exerted = joint_torques(puma, q, exerted_wrench=-wrench)
+    felt = gravity_torque(puma, q, gravity=np.zeros(3), tip_wrench=wrench)
+    np.testing.assert_allclose(exerted, felt, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("robot", ["puma560", "iiwa14", "stanford"])
@@ -87,13 +97,13 @@ def test_singular_arms_resist_some_wrenches_for_free(robot, q):
 
 def test_what_is_refused():
     puma, q = load_robot("puma560"), np.zeros(6)
-    with pytest.raises(WrongSizeError, match=r"wrench has shape \(5,\)"):
+    with pytest.raises(WrongSizeError, match=r"exerted_wrench has shape \(5,\)"):
         joint_torques(puma, q, np.zeros(5))
-    with pytest.raises(WrongSizeError, match=r"wrench .*\(6,\) or \(2, 6\), as q"):
+    with pytest.raises(WrongSizeError, match=r"exerted_wrench .*\(6,\) or \(2, 6\), as q"):
         joint_torques(puma, np.zeros((2, 6)), np.zeros((3, 6)))
-    with pytest.raises(NonFiniteError, match=r"wrench\[2\] is nan"):
+    with pytest.raises(NonFiniteError, match=r"exerted_wrench\[2\] is nan"):
         joint_torques(puma, q, [0, 0, np.nan, 0, 0, 0])
-    with pytest.raises(BadValueError, match="largest of the wrench .*finite torques"):
+    with pytest.raises(BadValueError, match="largest of exerted_wrench .*finite torques"):
         joint_torques(puma, q + 0.1, np.full(6, 1.7e308))
     with pytest.raises(UnknownLinkError, match="unknown link 'tol0'.*did you mean 'tool0'"):
         joint_torques(puma, q, np.zeros(6), axes="tol0")
