@@ -11,7 +11,8 @@ from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
-from robomech_ros.kinetostatics.indices import NORMS, PARTS
+from robomech_ros.kinetostatics.indices import NORMS
+from robomech_ros.kinetostatics.task_parts import PARTS, TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice
@@ -25,7 +26,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-_Rows = NDArray[np.int64]
 
 # Powers of the Schatten norms that lead from the Frobenius norm to the 2-norm.
 _POWERS = tuple(2.0 * 4.0**k for k in range(1, 12))
@@ -39,6 +39,8 @@ _FOLLOWED = ((_POWERS[:4], 6), (_POWERS[4:], 2))
 # Lengths whose logarithm is further from that of the arm's size are not looked at: with fewer
 # joints than conditions positions alone, or orientations, can be best, and there would be no end.
 _FARTHEST = math.log(1e3)
+# The first of the linear rows of the Jacobian.
+_LINEAR = 3
 # Minima whose condition numbers differ by less (relative) are one.
 _SAME = 1e-9
 # What stands for the logarithm of the condition number of a singular posture.
@@ -59,7 +61,7 @@ class CharacteristicLength(float):
     condition_number : float
         The least that any posture has with any length.
     q : ndarray, shape (n,)
-        A posture that has it (rad or m).
+        A posture that has it (rad from -pi to pi, or m).
     """
 
     condition_number: float
@@ -79,7 +81,7 @@ class ConditioningIndex(float):
     condition_number : float
         The least of all postures.
     q : ndarray, shape (n,)
-        A posture that has it (rad or m).
+        A posture that has it (rad from -pi to pi, or m).
     """
 
     condition_number: float
@@ -135,9 +137,9 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     >>> round(length.conditioning_index, 2)
     38.63
     """
-    x, condition = _best(chain, norm, PARTS["pose"])
+    x, condition = _best(chain, norm, "pose")
     result = CharacteristicLength(_length(chain, x))
-    result.q = x[:-1]
+    result.q = _within_a_turn(chain, x[:-1])
     result.condition_number = condition
     return result
 
@@ -158,7 +160,8 @@ def conditioning_index(
         Of one joint or more.
     part : {"pose", "position", "orientation"}, optional
         Which rows of the Jacobian count; for "pose" the linear ones are divided by the
-        characteristic length.
+        characteristic length.  Directions that the arm has in no posture, such as those out of the
+        plane of a planar one, do not count.
     norm : {"2", "frobenius"}, optional
         Of the condition number, as for :func:`condition_number`.
 
@@ -189,32 +192,39 @@ def conditioning_index(
     >>> round(float(conditioning_index(arm, part="position")), 3)
     100.0
     """
-    x, condition = _best(chain, norm, PARTS[as_choice("part", part, tuple(PARTS))])
+    x, condition = _best(chain, norm, as_choice("part", part, tuple(PARTS)))
     result = ConditioningIndex(100.0 / condition)
-    result.q = x[:-1]
+    result.q = _within_a_turn(chain, x[:-1])
     result.condition_number = condition
     return result
 
 
-def _best(chain: SerialChain, norm: str, rows: _Rows) -> tuple[Array, float]:
+def _best(chain: SerialChain, norm: str, part: str) -> tuple[Array, float]:
     """Give joint values and the logarithm of the length (n + 1,) of least condition, and that."""
     check_chain(chain)
     index = NORMS[as_choice("norm", norm, tuple(NORMS))]
-    starts = _starts(chain, rows)
+    task = task_part(chain, part)
+    starts = _starts(chain, task)
     if not starts:
         raise BadValueError("chain", chain.name, "one that is regular in some posture")
-    found = _distinct(chain, rows, [_descent(chain, rows, start) for start in starts])
+    found = _distinct(chain, task, [_descent(chain, task, start) for start in starts])
     if index == kernels.CONDITION:
         for powers, count in _FOLLOWED:
-            found = [_followed(chain, rows, x, powers) for x in found[:count]]
-            found.sort(key=lambda x: _evaluate(chain, rows, x, 2.0, index)[0])
-    return found[0], _evaluate(chain, rows, found[0], 2.0, index)[0]
+            found = [_followed(chain, task, x, powers) for x in found[:count]]
+            found.sort(key=lambda x: _evaluate(chain, task, x, 2.0, index)[0])
+    return found[0], _evaluate(chain, task, found[0], 2.0, index)[0]
 
 
-def _distinct(chain: SerialChain, rows: _Rows, ends: list[Array]) -> list[Array]:
+def _within_a_turn(chain: SerialChain, q: Array) -> Array:
+    """Give the same posture with its angles from -pi to pi."""
+    wrapped: Array = q - 2.0 * math.pi * np.round(q / (2.0 * math.pi))
+    return np.where(chain.types == PRISMATIC, q, wrapped)
+
+
+def _distinct(chain: SerialChain, task: TaskPart, ends: list[Array]) -> list[Array]:
     """Give the ends of descents, the best first, each minimum once."""
     ranked = sorted(
-        (_evaluate(chain, rows, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends)
+        (_evaluate(chain, task, x, 2.0, kernels.SCHATTEN)[0], k) for k, x in enumerate(ends)
     )
     values = [value for value, _ in ranked]
     return [
@@ -225,12 +235,12 @@ def _distinct(chain: SerialChain, rows: _Rows, ends: list[Array]) -> list[Array]
 
 
 def _evaluate(
-    chain: SerialChain, rows: _Rows, x: Array, power: float, index: int
+    chain: SerialChain, task: TaskPart, x: Array, power: float, index: int
 ) -> tuple[float, Array]:
     """Give an index at x, joint values and the logarithm of the length, and its gradient."""
     values, gradient = np.empty((1, kernels.COUNT)), np.empty((1, chain.n + 1))
     q, weights = np.ascontiguousarray(x[None, :-1]), _weights(_length(chain, x))
-    kernels.index_gradients(chain.packed, q, weights, rows, power, index, values, gradient)
+    kernels.index_gradients(task.packed, q, weights, task.rows, power, index, values, gradient)
     if not abs(x[-1] - math.log(length_scale(chain))) < _FARTHEST:
         gradient[0, -1] = 0.0
     return float(values[0, index]), gradient[0]
@@ -254,18 +264,18 @@ def _weights(length: float) -> Array:
     return np.repeat((1.0, 1.0 / length), 3)
 
 
-def _logarithm(x: Array, chain: SerialChain, rows: _Rows, power: float) -> tuple[float, Array]:
+def _logarithm(x: Array, chain: SerialChain, task: TaskPart, power: float) -> tuple[float, Array]:
     """Give the logarithm of the condition number by the Schatten norm of this power at x."""
-    value, gradient = _evaluate(chain, rows, x, power, kernels.SCHATTEN)
+    value, gradient = _evaluate(chain, task, x, power, kernels.SCHATTEN)
     if not math.isfinite(value):
         return _SINGULAR, np.zeros_like(x)
     return math.log(value), gradient / value
 
 
-def _second_derivatives(x: Array, chain: SerialChain, rows: _Rows, power: float) -> Array:
+def _second_derivatives(x: Array, chain: SerialChain, task: TaskPart, power: float) -> Array:
     steps = _STEP / power * np.eye(len(x))
     ahead, behind = (
-        np.array([_logarithm(x + sign * step, chain, rows, power)[1] for step in steps])
+        np.array([_logarithm(x + sign * step, chain, task, power)[1] for step in steps])
         for sign in (1.0, -1.0)
     )
     H = (ahead - behind) * (power / (2.0 * _STEP))
@@ -273,28 +283,28 @@ def _second_derivatives(x: Array, chain: SerialChain, rows: _Rows, power: float)
     return symmetric
 
 
-def _descent(chain: SerialChain, rows: _Rows, start: Array) -> Array:
+def _descent(chain: SerialChain, task: TaskPart, start: Array) -> Array:
     """Descend to a minimum of the condition number by the Frobenius norm."""
     from scipy.optimize import minimize  # a second and 40 MB that few need
 
-    given = (chain, rows, 2.0)
+    given = (chain, task, 2.0)
     end: Array = minimize(_logarithm, start, given, "BFGS", True, options=_OPTIONS).x
     return end
 
 
-def _followed(chain: SerialChain, rows: _Rows, x: Array, powers: Sequence[float]) -> Array:
+def _followed(chain: SerialChain, task: TaskPart, x: Array, powers: Sequence[float]) -> Array:
     """Follow a minimum from power to power, where the valley becomes ever narrower."""
     from scipy.optimize import minimize
 
     for power in powers:
-        given = (chain, rows, power)
+        given = (chain, task, power)
         x = minimize(
             _logarithm, x, given, "trust-exact", True, _second_derivatives, options=_FEWER
         ).x
     return x
 
 
-def _starts(chain: SerialChain, rows: _Rows) -> list[Array]:
+def _starts(chain: SerialChain, task: TaskPart) -> list[Array]:
     """Give the best conditioned of many postures and lengths, none of them singular."""
     size = length_scale(chain)
     half = np.where(chain.types == PRISMATIC, size, math.pi)
@@ -303,9 +313,10 @@ def _starts(chain: SerialChain, rows: _Rows) -> list[Array]:
     out = np.empty((_POSTURES, kernels.COUNT))
     ranked = []
     # Rows of one kind are conditioned alike with any length.
-    lengths = size * np.geomspace(*_LENGTHS) if len(rows) == len(PARTS["pose"]) else [1.0]
+    mixed = task.rows[0] < _LINEAR <= task.rows[-1]
+    lengths = size * np.geomspace(*_LENGTHS) if mixed else [1.0]
     for length in lengths:
-        kernels.indices(chain.packed, q, _weights(length), rows, 2.0, out)
+        kernels.indices(task.packed, q, _weights(length), task.rows, 2.0, out)
         for k in np.argsort(out[:, kernels.SCHATTEN])[:_STARTS]:
             ranked.append((out[k, kernels.SCHATTEN], np.append(q[k], math.log(length))))
     ranked.sort(key=lambda start: start[0])

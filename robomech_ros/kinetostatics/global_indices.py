@@ -9,7 +9,8 @@ from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.conditioning import characteristic_length
-from robomech_ros.kinetostatics.indices import NORMS, PARTS, as_length, evaluate
+from robomech_ros.kinetostatics.indices import NORMS, as_length, evaluate
+from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice, as_flag

@@ -10,12 +10,12 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.kinetostatics import indices as kernels
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
+from robomech_ros.kinetostatics.task_parts import PARTS, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, real_number
 
 __all__ = [
     "NORMS",
-    "PARTS",
     "as_length",
     "condition_number",
     "condition_number_gradient",
@@ -28,8 +28,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Rows of the Jacobian that a part of the task means.
-PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
 # Columns of the kernels that hold a condition number.
 NORMS = {"2": kernels.CONDITION, "frobenius": kernels.SCHATTEN}
 
@@ -40,8 +38,9 @@ _index_gradient_one = direct(kernels.index_gradient_one)
 
 
 class _Task(NamedTuple):
-    """The rows of the Jacobian that count, and what they are multiplied by."""
+    """The chain, the rows of its Jacobian that count, and what they are multiplied by."""
 
+    packed: Array
     weights: Array
     rows: NDArray[np.int64]
     power: float = 2.0
@@ -55,6 +54,8 @@ def manipulability(
     .. math:: \mu = \sigma_1 \cdots \sigma_m = \sqrt{\det J J^T}
 
     The root is for no fewer joints than rows: how much the joints move the tip, in volume.
+    Directions that the arm has in no posture, such as those out of the plane of a planar one, do
+    not count.
 
     Parameters
     ----------
@@ -116,7 +117,8 @@ def condition_number(
        \kappa_F = \frac1m \sqrt{\textstyle\sum_i \sigma_i^2 \sum_i \sigma_i^{-2}}
 
     with the m singular values of the rows that count, the linear ones divided by the length.
-    :math:`\kappa_F` is never larger, and smooth.
+    :math:`\kappa_F` is never larger, and smooth.  As for :func:`manipulability`, directions that
+    the arm has in no posture do not count.
 
     Parameters
     ----------
@@ -277,10 +279,10 @@ def _value(
 
 def evaluate(chain: SerialChain, q: Array, part: str, length: float | None) -> Array:
     """Give all indices of the postures q (..., n), one row each as the kernels lay them out."""
-    task = _task(part, length)
+    packed, *task = _task(chain, part, length)
     rows = q[None] if q.ndim == 1 else as_rows(q)
     out = np.empty((len(rows), kernels.COUNT))
-    if _indices(chain.packed, rows, *task, out):
+    if _indices(packed, rows, *task, out):
         raise_not_finite(chain, q)
     return out
 
@@ -289,16 +291,16 @@ def _gradient(
     chain: SerialChain, q: ArrayLike, part: str, length: float | None, index: int
 ) -> Array:
     q = as_joint_values(chain, q)
-    weights, kept, power = _task(part, length)
+    packed, weights, kept, power = _task(chain, part, length)
     if q.ndim == 1:
         gradient = np.empty(q.shape)
-        if _index_gradient_one(chain.packed, q, weights, kept, power, index, gradient):
+        if _index_gradient_one(packed, q, weights, kept, power, index, gradient):
             raise_not_finite(chain, q)
         return gradient
     rows = as_rows(q)
     out = np.empty((len(rows), chain.n + 1))
     values = np.empty((len(rows), kernels.COUNT))
-    if _index_gradients(chain.packed, rows, weights, kept, power, index, values, out):
+    if _index_gradients(packed, rows, weights, kept, power, index, values, out):
         raise_not_finite(chain, q)
     return out[:, :-1].reshape(q.shape)
 
@@ -324,17 +326,17 @@ def _norm(norm: str) -> int:
         return NORMS[as_choice("norm", norm, tuple(NORMS))]
 
 
-def _task(part: str, length: float | None) -> _Task:
+def _task(chain: SerialChain, part: str, length: float | None) -> _Task:
     try:
-        return _known_task(part, length)
+        return _known_task(chain, part, length)
     except TypeError:  # what cannot be a key is refused by name, or is a number in an array
-        return _new_task(part, length)
+        return _new_task(chain, part, length)
 
 
-def _new_task(part: str, length: float | None) -> _Task:
-    rows = PARTS[as_choice("part", part, tuple(PARTS))]
+def _new_task(chain: SerialChain, part: str, length: float | None) -> _Task:
+    packed, rows = task_part(chain, as_choice("part", part, tuple(PARTS)))
     metres = 1.0 if length is None else as_length(length)
-    return _Task(np.repeat((1.0, 1.0 / metres), 3), rows)
+    return _Task(packed, np.repeat((1.0, 1.0 / metres), 3), rows)
 
 
 _known_task = functools.lru_cache(maxsize=64, typed=True)(_new_task)

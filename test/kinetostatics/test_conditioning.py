@@ -1,5 +1,7 @@
 """The characteristic length: golden values, isotropic designs, random postures, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,9 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import (
     characteristic_length,
     condition_number,
+    condition_number_gradient,
     conditioning_index,
+    planar_jacobian,
 )
 from robomech_ros.robots import chain_from_dh, load_robot
 
@@ -108,9 +112,64 @@ def test_what_is_refused():
         characteristic_length(load_robot("puma560"), norm="1")
     with pytest.raises(BadValueError, match="a SerialChain"):
         characteristic_length("puma560")
-    twice = chain_from_dh([0.0, 0.0], [0.1, 0.1], [0.0, 0.0])
+    wrist = chain_from_dh([0.0] * 3, [0.0] * 3, [QUARTER, -QUARTER, 0.0])
     with pytest.raises(BadValueError, match="regular in some posture"):
-        characteristic_length(twice)
+        conditioning_index(wrist, part="position")
+
+
+def turned(chain, rng):
+    """The chain on a base that leans."""
+    axis, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    packed = chain.packed.copy()
+    packed[0, 1:10] = (axis * np.linalg.det(axis)).ravel()
+    return replace(chain, packed=packed)
+
+
+@pytest.mark.parametrize("leans", [False, True])
+@pytest.mark.parametrize(
+    ("robot", "part", "rows"),
+    [
+        ("planar3r", "position", slice(1, 3)),
+        ("planar3r", "orientation", slice(0, 1)),
+        ("planar4r", "pose", slice(0, 3)),
+        ("planar4r", "position", slice(1, 3)),
+    ],
+)
+def test_a_planar_arm_is_judged_by_what_it_does_in_its_plane(robot, part, rows, leans):
+    """``conditioning_index(planar3r, part="position")`` was refused."""
+    rng = np.random.default_rng(5)
+    lengths = (1.0, 0.8, 0.5) if robot == "planar3r" else (0.5, 0.4, 0.3, 0.2)
+    arm = chain_from_dh(lengths, [0.0] * len(lengths), [0.0] * len(lengths))
+    arm = turned(arm, rng) if leans else arm
+    q = rng.uniform(-3.0, 3.0, (4000, arm.n))
+    J = planar_jacobian(arm, q)
+    J[:, 1:] /= 0.4
+    expected = np.linalg.cond(J[:, rows])
+    given = {"part": part, "length": 0.4}
+    np.testing.assert_allclose(condition_number(arm, q, **given), expected, rtol=1e-9)
+    step = 1e-6
+    ahead, behind = (
+        condition_number(arm, q[0] + s * step * np.eye(arm.n), **given) for s in (1, -1)
+    )
+    gradient = condition_number_gradient(arm, q[0], **given)
+    np.testing.assert_allclose(gradient, (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-7)
+    best = conditioning_index(arm, part=part)
+    assert 1.0 <= best.condition_number <= expected.min() + (1.0 if part == "pose" else 1e-9)
+    length = float(characteristic_length(arm)) if part == "pose" else None
+    again = condition_number(arm, best.q, part=part, length=length)
+    assert again == pytest.approx(best.condition_number, rel=1e-9)
+    if part == "position":
+        assert best == pytest.approx(100.0, abs=1e-6)  # an isotropic posture
+
+
+@pytest.mark.parametrize("robot", ["scara", "stanford", "puma560"])
+def test_the_angles_of_the_best_posture_are_within_a_turn(robot):
+    """Of PUMA an angle of ``characteristic_length(puma).q`` was -17.8 rad."""
+    chain = load_robot(robot)
+    length = characteristic_length(chain)
+    assert np.abs(length.q[chain.types == 0]).max() <= np.pi
+    again = condition_number(chain, length.q, length=length)
+    assert again == pytest.approx(length.condition_number, rel=1e-12)
 
 
 @pytest.mark.parametrize(

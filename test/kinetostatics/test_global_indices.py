@@ -81,10 +81,11 @@ def test_what_is_wrong_is_said():
     with pytest.raises(BadValueError, match="postures is 1"):
         global_conditioning_index(WRIST, postures=1)
     with pytest.raises(BadValueError, match="regular in some posture as to its position"):
-        global_conditioning_index(load_robot("planar3r"), part="position")
+        global_conditioning_index(WRIST, part="position")
     with pytest.raises(BadValueError, match="norm is '1'"):
         global_conditioning_index(WRIST, norm="1")
     slide = chain_from_dh(a=[0.0, 1.0], b=[0.0, 0.0], alpha=[QUARTER, 0.0], types="PR")
     with pytest.raises(MissingLimitsError, match="no position limit for joint"):
         global_conditioning_index(slide, part="position")
+    assert 0.0 < global_conditioning_index(load_robot("planar3r"), part="position") < 1.0
     assert np.isfinite(global_conditioning_index(planar_2r(1.0, 1.0), part="position"))

@@ -32,6 +32,8 @@ def test_agrees_with_numpy(robot, part):
     J = jacobian(chain, q)
     J[:, 3:] /= 0.3
     s = np.linalg.svd(J[:, ROWS[part]], compute_uv=False)
+    # What the arm does in no posture, as out of the plane of a planar one, does not count.
+    s = s[:, (s > 1e-9 * s[:, :1]).any(axis=0)]
     k = s.shape[1]
     regular = s[:, -1] > 1e-9 * s[:, 0]
     given = {"part": part, "length": 0.3}

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, MapFileError, NotEnoughMemoryError, RobomechError
-from robomech_ros.kinetostatics.indices import PARTS, as_length
+from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid, as_grid
 from robomech_ros.kinetostatics.maps.cells import CELL, UNFINISHED
 from robomech_ros.kinetostatics.maps.request import MapRequest, RobotIdentity
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
+from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.spatial.arrays import as_choice
 

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, MapFileError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinetostatics.indices import PARTS
 from robomech_ros.kinetostatics.maps.box_grid import BoxGrid, as_grid
 from robomech_ros.kinetostatics.maps.cells import CELL, UNFINISHED, chunk_cells
 from robomech_ros.kinetostatics.maps.engines import (
@@ -26,6 +25,7 @@ from robomech_ros.kinetostatics.maps.map_file import as_path, check_writable, lo
 from robomech_ros.kinetostatics.maps.request import MapRequest, RobotIdentity, identity_of
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
+from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.memory import check_memory
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_flag

@@ -31,8 +31,8 @@ def _length(chain: SerialChain) -> float:
 def scaling_length(chain: SerialChain, length: float | None) -> float:
     """Give the length (m) that a caller wants, or the characteristic length.
 
-    An arm with more joints than its motions have degrees of freedom, such as a planar one of four,
-    has none: it is singular in every posture, and its size takes the place.
+    The size of the arm takes the place of the latter where there is none, since more joints move
+    the tip than it has degrees of freedom in any posture.
 
     Raises
     ------

@@ -1,0 +1,86 @@
+"""Which rows of the Jacobian a part of a task means: those of what the arm does in any posture."""
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.chain.serial import jacobian
+from robomech_ros._kernels.tolerances import RANK
+from robomech_ros.kinematics.mobility import arm_size
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["PARTS", "TaskPart", "task_part"]
+
+Array = NDArray[np.float64]
+
+# Rows of the Jacobian that a part of the task means.
+PARTS = {"pose": np.arange(6), "orientation": np.arange(3), "position": np.arange(3, 6)}
+# Postures whose Jacobians span all that an arm does.
+_POSTURES = 16
+# Entries of projections onto axes, 0 or 1, are as exact as this.
+_ROUNDING = 1e-6
+
+
+class TaskPart(NamedTuple):
+    """A chain as kernels read it, its base perhaps turned, and the rows that count.
+
+    Attributes
+    ----------
+    packed : ndarray, shape (n + 1, 13)
+        The chain's, or with the base turned so that what it never does are rows of zeros.
+    rows : ndarray of int, shape (r,)
+    """
+
+    packed: Array
+    rows: NDArray[np.int64]
+
+
+@functools.lru_cache(maxsize=64)
+def task_part(chain: SerialChain, part: str) -> TaskPart:
+    """Find the rows of a part of the task, less the directions that the arm has in no posture.
+
+    A planar arm of three joints is asked for velocities in its plane only, a SCARA for angular
+    velocities about the vertical only; where the arm has no more joints than rows are left out of,
+    or where the directions of turning and moving do not go with each other, all rows count.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    part : str
+        One of PARTS.
+    """
+    rows = PARTS[part]
+    if chain.n:
+        turning, moving = _projections(chain)
+        axes = np.linalg.eigh(turning + 2.0 * moving)[1]
+        axes[:, 0] *= np.sign(np.linalg.det(axes))
+        seen = [axes.T @ one @ axes for one in (turning, moving)]
+        done = np.concatenate([np.diag(one) for one in seen])
+        exact = max(float(np.abs(one - np.diag(np.round(np.diag(one)))).max()) for one in seen)
+        kept = rows[done[rows] > 0.5]
+        if exact < _ROUNDING and 0 < len(kept) < min(chain.n, len(rows)):
+            packed = chain.packed.copy()
+            packed[0, 1:10] = (axes.T @ packed[0, 1:10].reshape(3, 3)).ravel()
+            packed[0, 10:] = axes.T @ packed[0, 10:]
+            return TaskPart(packed, kept)
+    return TaskPart(chain.packed, rows)
+
+
+def _projections(chain: SerialChain) -> tuple[Array, Array]:
+    """Give the projections (3, 3) onto what turning and moving the joints span in all postures."""
+    size = arm_size(chain)
+    q = np.random.default_rng(0).uniform(-math.pi, math.pi, (_POSTURES, chain.n))
+    q[:, chain.types == PRISMATIC] *= size
+    J = np.empty((_POSTURES, 6, chain.n))
+    jacobian(chain.packed, q, J, np.empty((4, 4)))
+    J[:, 3:] /= size
+    spans = [np.concatenate(list(J[:, k : k + 3]), axis=1) for k in (0, 3)]
+    (left, values), (right, more) = (np.linalg.svd(span)[:2] for span in spans)
+    least = RANK * max(values[0], more[0])
+    turning, moving = left[:, values > least], right[:, more > least]
+    return turning @ turning.T, moving @ moving.T
