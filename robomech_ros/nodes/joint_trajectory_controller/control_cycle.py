@@ -59,7 +59,7 @@ class ControlCycle:
     ) -> None:
         self._logger = node.get_logger()
         self._robot = robot
-        self.states = StatePublisher(node, model, robot.dynamic)
+        self.states = StatePublisher(node, model, [robot])
         self._frames = frame_publisher(node, model.description, settings.publish_frames)
         self._control = control
         self._servers = servers
@@ -82,8 +82,7 @@ class ControlCycle:
 
     def publish_joint_states(self) -> None:
         """Publish where the joints are; the robot's lock is to be held."""
-        robot = self._robot
-        self.states.publish(robot.follower.actual, robot.simulated_joints.effort, robot.stamp())
+        self.states.publish(self._robot.stamp())
 
     def _move(self) -> None:
         try:

@@ -56,7 +56,7 @@ def frame_publisher(
 class FramePublisher:
     """Publishes the pose of every link in the one before it.
 
-    Links behind a joint that follows another, or has several degrees of freedom, are left out.
+    Links behind a joint of several degrees of freedom are left out.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class FramePublisher:
     def __init__(self, node: Node, description: RobotDescription, message: Any) -> None:
         self._clock = node.get_clock()
         joints = description.joints
-        self._moving = [joint for joint in joints if joint.moves and joint.mimic is None]
+        self._moving = [joint for joint in joints if joint.moves]
         fixed = [joint for joint in joints if joint.type == "fixed"]
         left_out = set(joints) - set(self._moving) - set(fixed)
         if left_out:

@@ -21,7 +21,7 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.deep_queues import serve_action
 from robomech_ros.nodes.common.pauses import wake
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionMessages", "GoalServer"]
@@ -74,13 +74,13 @@ class GoalServer:
     ----------
     node : Node
         Owner of the action server.
-    robot : SimulatedRobot
+    robot : CommandedJoints
         What executes.
     messages : ActionMessages
         Those of the action.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot, messages: ActionMessages) -> None:
+    def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
         self._node = node
         self._robot = robot
         self._messages = messages

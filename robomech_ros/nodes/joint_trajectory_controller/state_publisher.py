@@ -1,13 +1,14 @@
 """Publishes joint_states, without making anything new for each message."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robomech_ros.execution.joints import State
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 
 __all__ = ["StatePublisher"]
 
@@ -16,10 +17,10 @@ _DEPTH = 10
 
 
 class StatePublisher:
-    """Publishes the positions and velocities of all joints of a robot, in the order of its URDF.
+    """Publishes the positions and velocities of all joints of a robot, those of its chain first.
 
-    Joints that do not belong to the chain stand still at 0, or at the limit nearest to it; their
-    efforts are not known, NaN.
+    Joints that mimic others follow them; those that nothing commands stand still at 0, or at the
+    limit nearest to it.  Efforts that are not known are NaN.
 
     Parameters
     ----------
@@ -27,22 +28,34 @@ class StatePublisher:
         Owner of the publisher.
     model : RobotModel
         The robot and its chain.
-    with_effort : bool
-        Whether there are efforts to be published.
+    commanded : sequence of CommandedJoints
+        What moves: the joints of the chain, and those of a gripper.
     """
 
-    def __init__(self, node: Node, model: RobotModel, with_effort: bool) -> None:
-        joints = [joint for joint in model.description.joints if joint.moves and not joint.mimic]
-        rest = np.array([min(max(0.0, joint.lower), joint.upper) for joint in joints])
-        names = [joint.name for joint in joints]
-        self._places = np.array([names.index(name) for name in model.chain.joint_names])
+    def __init__(self, node: Node, model: RobotModel, commanded: Sequence[CommandedJoints]) -> None:
+        description, chain = model.description, model.chain
+        names = list(dict.fromkeys((*chain.joint_names, *model.joint_names)))
+        at_rest = description.joint_positions()
+        self._commanded = [
+            (joints, np.array([names.index(name) for name in joints.joint_names]))
+            for joints in commanded
+        ]
+        following = description.followers
+        self._following = np.array([names.index(name) for name in following], dtype=np.int64)
+        self._leading = np.array(
+            [names.index(follower.leader) for follower in following.values()], dtype=np.int64
+        )
+        self._multiplier = np.array([follower.multiplier for follower in following.values()])
+        self._offset = np.array([follower.offset for follower in following.values()])
         self._message = JointState(
-            name=names, position=floats(rest), velocity=floats(np.zeros(len(names)))
+            name=names,
+            position=floats(np.array([at_rest[name] for name in names])),
+            velocity=floats(np.zeros(len(names))),
         )
         # The message's arrays, written in place.
-        if with_effort:
+        if any(joints.simulated_joints.effort is not None for joints in commanded):
             self._message.effort = floats(np.full(len(names), np.nan))
-        self._effort = np.frombuffer(self._message.effort) if with_effort else None
+        self._effort = np.frombuffer(self._message.effort) if self._message.effort else None
         self._position = np.frombuffer(self._message.position)
         self._velocity = np.frombuffer(self._message.velocity)
         self._publisher = node.create_publisher(JointState, "joint_states", _DEPTH)
@@ -52,17 +65,22 @@ class StatePublisher:
         """Position (rad or m) of every joint, as published last."""
         return dict(zip(self._message.name, self._message.position, strict=True))
 
-    def publish(
-        self, state: State, effort: NDArray[np.float64] | None, stamp: tuple[int, int]
-    ) -> None:
-        """Publish a state, what the drives exert (N m or N), and their ROS time (s and ns)."""
-        self._put(self._position, state.position)
-        self._put(self._velocity, state.velocity)
-        if self._effort is not None and effort is not None:
-            self._put(self._effort, effort)
+    def publish(self, stamp: tuple[int, int]) -> None:
+        """Publish where the joints are, at a ROS time (s and ns); their lock is to be held."""
+        for joints, places in self._commanded:
+            state, effort = joints.follower.actual, joints.simulated_joints.effort
+            self._position[places] = state.position
+            self._velocity[places] = state.velocity
+            if self._effort is not None and effort is not None:
+                self._effort[places] = effort
+        if len(self._following):
+            self._follow()
         when = self._message.header.stamp
         when.sec, when.nanosec = stamp
         self._publisher.publish(self._message)
 
-    def _put(self, place: NDArray[np.float64], values: NDArray[np.float64]) -> None:
-        place[self._places] = values
+    def _follow(self) -> None:
+        """Let the joints that mimic others follow."""
+        position, velocity = self._position, self._velocity
+        position[self._following] = self._multiplier * position[self._leading] + self._offset
+        velocity[self._following] = self._multiplier * velocity[self._leading]

@@ -14,8 +14,8 @@ from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
 __all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
 
@@ -29,11 +29,11 @@ class ControllerState:
     ----------
     node : Node
         Owner of the publisher.
-    robot : SimulatedRobot
+    robot : CommandedJoints
         What moves.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+    def __init__(self, node: Node, robot: CommandedJoints) -> None:
         self._robot = robot
         self._follower = robot.follower
         self._message = JointTrajectoryControllerState(joint_names=robot.joint_names)
@@ -72,11 +72,11 @@ class SpeedScaling:
     ----------
     node : Node
         Owner of the subscription.
-    robot : SimulatedRobot
+    robot : CommandedJoints
         What moves.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+    def __init__(self, node: Node, robot: CommandedJoints) -> None:
         self._robot = robot
         self._logger = node.get_logger()
         node.create_subscription(SpeedScalingFactor, "~/speed_scaling_input", self._take, _DEPTH)
@@ -98,13 +98,13 @@ class StateQuery:
     ----------
     node : Node
         Owner of the service.
-    robot : SimulatedRobot
+    robot : CommandedJoints
         What moves.
     clock : MotionClock
         Its time.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot, clock: MotionClock) -> None:
+    def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:
         self._robot = robot
         self._clock = clock
         serve(node, QueryTrajectoryState, "~/query_state", self._answer)

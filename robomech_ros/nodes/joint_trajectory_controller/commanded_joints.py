@@ -1,0 +1,174 @@
+"""Joints that trajectories of messages command: those of the arm, or those of its gripper."""
+
+import threading
+from collections.abc import Callable, Sequence
+
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
+from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
+from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.motion_tolerances import Tolerances
+from robomech_ros.execution.received_trajectory import read_waypoints
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
+from robomech_ros.nodes.common.refusals import trajectory_label
+from robomech_ros.nodes.joint_trajectory_controller.motion_counts import MotionCounts
+from robomech_ros.nodes.joint_trajectory_controller.settings import (
+    ControllerSettings,
+    default_tolerances,
+    follower_settings,
+)
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["CommandedJoints"]
+
+_NANO = 1_000_000_000
+
+
+class CommandedJoints:
+    """A follower that understands messages.
+
+    Cycles come from another thread than callbacks: its lock is to be held while it or its follower
+    is used, other than by `execute`.
+
+    Parameters
+    ----------
+    place : str
+        Where its topics and actions are, such as ``~``.
+    joints : Joints
+        Names and limits of n joints.
+    simulated_joints : SimulatedJoints
+        The joints themselves, where a reset puts them.
+    settings : ControllerSettings
+        Parameters of the node.
+    clock : MotionClock
+        The time.
+    lock : RLock
+        Shared by all joints that are commanded in one process.
+
+    Attributes
+    ----------
+    lock : RLock
+        To be held while the joints are used.
+    joint_names : list of str
+        Their names.
+    counts : MotionCounts
+        What has become of trajectories so far.
+    follower : Follower
+        What moves them.
+    refuse_all : str
+        Why no trajectory is accepted any more; empty while trajectories are accepted.
+    """
+
+    def __init__(
+        self,
+        place: str,
+        joints: Joints,
+        simulated_joints: SimulatedJoints,
+        settings: ControllerSettings,
+        clock: MotionClock,
+        lock: "threading.RLock",
+    ) -> None:
+        self.place = place
+        self.joint_names: Sequence[str] = list(joints.names)
+        self.lock = lock
+        self.counts = MotionCounts()
+        self.refuse_all = ""
+        self.simulated_joints = simulated_joints
+        self._settings = settings
+        self._clock = clock
+        self._initial = simulated_joints.position
+        self._tolerances = default_tolerances(settings, len(self.joint_names))
+        self.follower = Follower(joints, simulated_joints, follower_settings(settings), clock.now())
+        clock.on_jump(self.follower.clock_jumped)
+
+    def advance(self) -> None:
+        """Move on to the present time."""
+        self.follower.advance(self._clock.now())
+
+    def stamp(self) -> tuple[int, int]:
+        """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
+        return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
+
+    def execute(
+        self,
+        trajectory: JointTrajectory,
+        by: str,
+        on_end: Callable[[GoalResult], None],
+        tolerances: Callable[[Tolerances], Tolerances] = lambda default: default,
+    ) -> TrajectoryGoal:
+        """Execute a trajectory from now on, or from its stamp on.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            From outside.
+        by : str
+            Who sent it, for the text of the motion that it replaces.
+        on_end : callable
+            Called once, with the result.
+        tolerances : callable, optional
+            Makes the tolerances of the motion from those that hold by default.
+
+        Returns
+        -------
+        TrajectoryGoal
+
+        Raises
+        ------
+        RobomechError
+            It is refused; the present motion goes on.
+        """
+        try:
+            waypoints = self._read(trajectory)
+            held_to = tolerances(self._tolerances)
+
+            def end(result: GoalResult) -> None:
+                self.counts.end(result)
+                on_end(result)
+
+            with self.lock:
+                now = self._clock.now()
+                delay = self._clock.until(trajectory.header.stamp, now)
+                goal = self._start(waypoints, held_to, now, delay, end, by)
+                self.counts.accept()
+                return goal
+        except RobomechError as error:
+            with self.lock:
+                self.counts.refuse(code_of(error), str(error), trajectory_label(trajectory))
+            raise
+
+    def _start(
+        self,
+        waypoints: Waypoints,
+        tolerances: Tolerances,
+        now: float,
+        delay: float,
+        on_end: Callable[[GoalResult], None],
+        by: str,
+    ) -> TrajectoryGoal:
+        """Have a trajectory followed that has been read; see `Follower.start`."""
+        return self.follower.start(waypoints, tolerances, now, delay, on_end, by)
+
+    def _read(self, trajectory: JointTrajectory) -> Waypoints:
+        """Check a trajectory; cycles go on while a long one is read, so without the lock."""
+        if self.refuse_all:
+            raise TrajectoryRefusedError(self.refuse_all)
+        settings = self._settings
+        return read_waypoints(
+            received_trajectory(trajectory),
+            self.joint_names,
+            settings.max_points,
+            settings.max_duration,
+            partial=settings.allow_partial_joints_goal,
+            to_rest=not settings.allow_nonzero_velocity_at_trajectory_end,
+        )
+
+    def reset(self, text: str) -> None:
+        """Put the joints back to where they were at start, at once."""
+        self.follower.reset(self._initial, text)
