@@ -35,6 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
+    parser.add_argument(
+        "--frame-prefix",
+        help="what the names of frames begin with in headers and on /tf; default: the namespace "
+        "and a slash, such as left/, none without a namespace",
+    )
     parser.add_argument("--rate", type=float, help="rate of joint_states in Hz (100)")
     parser.add_argument(
         "--joint-limits",
@@ -51,6 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
         "--in-one-process", action="store_true", help="all nodes in one process and one executor"
+    )
+    parser.add_argument(
+        "--ros-args",
+        nargs=argparse.REMAINDER,
+        default=[],
+        metavar="...",
+        help="all that follows goes to every node, such as -r /tf:=tf -p use_sim_time:=true",
     )
 
 
@@ -70,11 +82,13 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         base_link=args.base_link,
         tip_link=args.tip_link,
         namespace=args.namespace,
+        frame_prefix=args.frame_prefix,
         rate=args.rate,
         joint_limits=args.joint_limits,
         dynamic=args.dynamic,
         params_files=tuple(args.params_file),
         servo=not args.no_servo,
+        ros_args=tuple(args.ros_args),
     )
 
 
@@ -106,6 +120,26 @@ def _check(args: argparse.Namespace) -> None:
     if args.namespace.strip("/") and not all(_PART_OF_A_NAME.fullmatch(part) for part in parts):
         expected = "words of letters, digits and underscores, such as /left or /cell_1/left"
         raise BadValueError("--namespace", args.namespace, expected)
+    if args.frame_prefix and args.frame_prefix.startswith("/"):
+        expected = "a text without a slash in front, such as left/"
+        raise BadValueError("--frame-prefix", args.frame_prefix, expected)
+    if args.ros_args:
+        _check_ros_args(args.ros_args)
+
+
+def _check_ros_args(words: list[str]) -> None:
+    from rclpy.context import Context
+
+    context = Context()
+    try:
+        context.init(["robomech", "--ros-args", *words], initialize_logging=False)
+        context.shutdown()
+    except Exception as error:
+        # rclpy has one class for each kind of fault, below none of its own.
+        if not type(error).__module__.startswith(("rclpy", "_rclpy_pybind11")):
+            raise
+        expected = f"arguments as `ros2 run` takes them ({' '.join(str(error).split())})"
+        raise BadValueError("--ros-args", " ".join(words), expected) from None
 
 
 def _factory(node: str) -> Any:

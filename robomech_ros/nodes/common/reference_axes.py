@@ -21,7 +21,8 @@ def reference_axes(model: RobotModel, frame: str, chain: SerialChain, q: Array) 
     model : RobotModel
         The robot.
     frame : str
-        "" or the base, a frame fixed to it, or a link of the chain or fixed to one.
+        "" or the base, a frame fixed to it, or a link of the chain or fixed to one; with or
+        without the prefix of frames.
     chain : SerialChain
         From the base to the link that the request is about.
     q : ndarray, shape (n,)
@@ -32,13 +33,14 @@ def reference_axes(model: RobotModel, frame: str, chain: SerialChain, q: Array) 
     FrameUnavailableError
         Any other frame.
     """
-    moving = {link.name: link for link in chain.frames}
-    if frame in moving and frame not in model.fixed_frames:
-        part = chain.with_tip(frame)
+    moving = [link.name for link in chain.frames]
+    link = model.link_of(frame)
+    if link in moving and link not in model.fixed_frames:
+        part = chain.with_tip(link)
         return forward_kinematics(part, q[: part.n])[:3, :3]
     try:
         fixed = model.frame_in_base(frame)
     except FrameUnavailableError:
-        known = dict.fromkeys([*model.fixed_frames, *moving])
+        known = dict.fromkeys(map(model.frame_of, (*model.fixed_frames, *moving)))
         raise FrameUnavailableError(frame, known, "it is no frame of this chain") from None
     return None if fixed is None else fixed[:3, :3]

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError, UnknownLinkError
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
-from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
 
@@ -36,6 +36,11 @@ class RobotSettings:
     tip_link: str = parameter(
         "", "Last link of the chain. Empty = the one leaf that joints move, else tool0 or flange"
     )
+    frame_prefix: str = parameter(
+        "",
+        "What the names of this robot's frames begin with in headers and on /tf, such as left/; "
+        "links keep their names. As robot_state_publisher has it",
+    )
 
 
 class RobotModel:
@@ -47,17 +52,65 @@ class RobotModel:
         The whole robot.
     base_link, tip_link : str
         Ends of the chain; empty for the defaults of the description.
+    frame_prefix : str
+        What the names of its frames begin with, before the name of the link.
+
+    Raises
+    ------
+    ParameterError
+        The prefix begins with a slash, which tf does not allow.
     """
 
-    def __init__(self, description: RobotDescription, base_link: str = "", tip_link: str = ""):
+    def __init__(
+        self,
+        description: RobotDescription,
+        base_link: str = "",
+        tip_link: str = "",
+        frame_prefix: str = "",
+    ):
+        if frame_prefix.startswith("/"):
+            expected = "a text without a slash in front, such as left/: tf has no such frames"
+            raise ParameterError("frame_prefix", frame_prefix, expected)
         self.description = description
+        self.frame_prefix = frame_prefix
         self.chain: SerialChain = description.chain(base_link, tip_link)
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
         self._chains = {self.chain.tip: self.chain, "": self.chain}
         self.fixed_frames = _fixed_frames(description, self.chain.base)
 
+    @property
+    def base_frame(self) -> str:
+        """The frame of the base, as tf knows it."""
+        return self.frame_of(self.chain.base)
+
+    def frame_of(self, link: str) -> str:
+        """Give the frame of a link, as tf knows it: its name behind the prefix."""
+        return f"{self.frame_prefix}{link}"
+
+    def link_of(self, frame: str) -> str:
+        """Give the link of a frame; what is none of this robot's comes back as it is.
+
+        Parameters
+        ----------
+        frame : str
+            A link with or without the prefix, or something else.
+        """
+        bare = frame.removeprefix(self.frame_prefix)
+        links = self.description.links
+        return bare if frame not in links and bare in links else frame
+
+    def full_frame(self, frame: str) -> str:
+        """Give a frame as tf knows it, where a request may leave out the prefix; "" is the base."""
+        link = self.link_of(frame or self.chain.base)
+        return self.frame_of(link) if link in self.description.links else link
+
     def chain_to(self, link: str) -> SerialChain:
         """Give the chain from the base to any link of the robot; "" is the configured tip.
+
+        Parameters
+        ----------
+        link : str
+            With or without the prefix of frames.
 
         Raises
         ------
@@ -66,6 +119,7 @@ class RobotModel:
         RobotDescriptionError
             There is no chain to it: it is above the base, or a joint between follows another.
         """
+        link = self.link_of(link)
         if link not in self._chains:
             self._chains[link] = self._new_chain(link)
         return self._chains[link]
@@ -86,12 +140,13 @@ class RobotModel:
         FrameUnavailableError
             A link that moves, or no link of the robot.
         """
-        if not frame or frame == self.chain.base:
+        link = self.link_of(frame)
+        if not link or link == self.chain.base:
             return None
-        if frame in self.fixed_frames:
-            return self.fixed_frames[frame]
-        why = "it moves with the joints" if frame in self.description.links else ""
-        raise FrameUnavailableError(frame, self.fixed_frames, why)
+        if link in self.fixed_frames:
+            return self.fixed_frames[link]
+        why = "it moves with the joints" if link in self.description.links else ""
+        raise FrameUnavailableError(frame, map(self.frame_of, self.fixed_frames), why)
 
 
 def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:
@@ -139,11 +194,12 @@ def when_robot_known(
         The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
         logged, and the node goes on waiting for a better one.
     """
-    base, tip = settings.base_link, settings.tip_link
+    base, tip, prefix = settings.base_link, settings.tip_link, settings.frame_prefix
 
     def model_of(robot: str) -> RobotModel:
         description = load_description(robot)
-        return RobotModel(supplemented(description) if supplemented else description, base, tip)
+        whole = supplemented(description) if supplemented else description
+        return RobotModel(whole, base, tip, prefix)
 
     if settings.robot_description:
         on_robot(model_of(settings.robot_description))

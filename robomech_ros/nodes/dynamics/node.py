@@ -125,7 +125,7 @@ class DynamicsNode(Node):
     @guarded
     def _set_payload(self, request: Any, response: Any) -> Any:
         chain, given = self._model.chain, request.payload
-        load = payload_body(given.inertia, given.header.frame_id, chain)
+        load = payload_body(given.inertia, self._model.link_of(given.header.frame_id), chain)
         loaded = chain if load is None else with_payload(chain, load)
         self._announce(loaded)
         self._loaded = loaded

@@ -33,7 +33,7 @@ class MarkerPublisher:
     node : Node
         Owner of the publisher.
     base : str
-        First link of the chain.
+        Frame of the base of all chains.
     on_watched : callable
         Coroutine that runs when somebody subscribes.
     """
@@ -57,7 +57,7 @@ class MarkerPublisher:
         T = forward_kinematics(chain, q)
         J = point_jacobian(chain, q, point)
         at = T[:3, :3] @ point + T[:3, 3]
-        self._posture = posture_markers(chain.base, at, J, report)
+        self._posture = posture_markers(self._base, at, J, report)
         self._show()
 
     def show_boundary(self, space: Workspace) -> None:

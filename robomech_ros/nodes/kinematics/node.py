@@ -112,7 +112,7 @@ class KinematicsNode(Node):
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         self._space = SpaceFinder(self, chain)
-        self._markers = MarkerPublisher(self, chain.base, self._show_boundary)
+        self._markers = MarkerPublisher(self, model.base_frame, self._show_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
             self,
@@ -133,7 +133,7 @@ class KinematicsNode(Node):
         patience = self._table.settings.state_timeout
         rows = await self._joints.rows(chains, request.states, patience)
         poses = [forward_kinematics(chain, q) for chain, q in zip(chains, rows, strict=True)]
-        base, turns = self._model.chain.base, Turns(self)
+        base, turns = self._model.base_frame, Turns(self)
         for of_state in zip(*poses, strict=True):
             for T in of_state:
                 response.poses.append(stamped_pose(T, base))
@@ -191,7 +191,8 @@ class KinematicsNode(Node):
             await beside(self, lambda: singularity_report(chain, q))
             self._measured.add(chain)
         report = singularity_report(chain, q, point=point)
-        encode_report(report, asked.axes, request.reference_frame or chain.base, response)
+        frame = self._model.full_frame(request.reference_frame)
+        encode_report(report, asked.axes, frame, response)
         if self._table.settings.publish_markers:
             self._markers.show_posture(chain, q, point, report)
         return answer(response)
@@ -206,7 +207,8 @@ class KinematicsNode(Node):
         done = await query.work(self, allowed)
         query.fill(response)
         if len(T):
-            self._cloud.publish(workspace_cloud(chain.base, T, query.count, query.distance))
+            cloud = workspace_cloud(self._model.base_frame, T, query.count, query.distance)
+            self._cloud.publish(cloud)
         return answer_in_time(response, done, len(T), allowed)
 
     async def _posture_asked(self, request: Any) -> _Posture:

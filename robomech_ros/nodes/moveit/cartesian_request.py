@@ -103,7 +103,7 @@ async def read_question(
     limited = chain_to(
         robot.model, getattr(request, "cartesian_speed_limited_link", "") or chain.tip
     )
-    frame = request.header.frame_id
+    frame = robot.model.link_of(request.header.frame_id)
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         check_waypoints("waypoints", len(request.waypoints), most_waypoints)
         if not request.waypoints:

@@ -135,7 +135,7 @@ class CartesianPathService:
             np.hstack([points.velocities, np.zeros((count, len(still)))]),
             np.hstack([points.accelerations, np.zeros((count, len(still)))]),
         )
-        message.header.frame_id = chain.base
+        message.header.frame_id = self._robot.model.base_frame
         return message
 
 

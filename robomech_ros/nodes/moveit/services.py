@@ -85,7 +85,7 @@ class MoveItServices:
         if broken:
             return MoveItErrorCodes.NO_IK_SOLUTION, broken
         response.solution.joint_state = self._robot.state(positions)
-        frame = self._robot.model.chain.base
+        frame = self._robot.model.base_frame
         response.solution.multi_dof_joint_state.header.frame_id = frame
         return MoveItErrorCodes.SUCCESS, result.reason
 
@@ -141,7 +141,7 @@ class MoveItServices:
             needed = dict.fromkeys(name for links in joints.values() for name in links)
             positions = await self._robot.with_needed(given, needed, self._patience())
         to_frame = np.eye(4) if frame is None else inverse_pose(frame)
-        where, turns = request.header.frame_id or self._robot.model.chain.base, Turns(self._node)
+        where, turns = self._robot.model.full_frame(request.header.frame_id), Turns(self._node)
         poses = {}
         for link in joints:
             poses[link] = stamped_pose(to_frame @ self._robot.pose(link, positions), where)

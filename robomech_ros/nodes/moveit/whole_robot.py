@@ -140,7 +140,7 @@ class WholeRobot:
         """Make the joint_state of a RobotState from the positions (rad or m) that are known."""
         names = [name for name in self.joint_names if name in positions]
         message = joint_state(names, np.array([positions[name] for name in names]))
-        message.header.frame_id = self.model.chain.base
+        message.header.frame_id = self.model.base_frame
         return message
 
     def joints_to(self, frame: str) -> tuple[str, ...]:
@@ -151,7 +151,7 @@ class WholeRobot:
         UnknownLinkError, RobotDescriptionError
             There is no such link, or no chain to it.
         """
-        if frame in self.model.fixed_frames:
+        if self.model.link_of(frame) in self.model.fixed_frames:
             return ()
         return self.model.chain_to(frame).joint_names
 
@@ -171,7 +171,7 @@ class WholeRobot:
 
     def pose(self, frame: str, positions: Positions) -> Array:
         """Give the pose of a link in the base, shape (4, 4) (m); "" is the base itself."""
-        fixed = self.model.fixed_frames.get(frame or self.model.chain.base)
+        fixed = self.model.fixed_frames.get(self.model.link_of(frame) or self.model.chain.base)
         if fixed is not None:
             return fixed
         chain = self.model.chain_to(frame)

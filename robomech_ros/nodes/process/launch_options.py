@@ -23,6 +23,8 @@ class LaunchOptions:
         Ends of the chain; empty for the defaults of the robot.
     namespace : str, optional
         Of all nodes.
+    frame_prefix : str, optional
+        What the names of frames begin with; default the namespace and a slash, if there is one.
     rate : float, optional
         Of joint_states (Hz).
     joint_limits : str, optional
@@ -33,17 +35,21 @@ class LaunchOptions:
         Paths of YAML files with parameters.
     servo : bool, optional
         Whether the servo is one of the nodes.
+    ros_args : tuple of str, optional
+        Other ROS arguments for every node; parameters among them replace those of the options.
     """
 
     robot: str = ""
     base_link: str = ""
     tip_link: str = ""
     namespace: str = ""
+    frame_prefix: str | None = None
     rate: float | None = None
     joint_limits: str = ""
     dynamic: bool = False
     params_files: tuple[str, ...] = ()
     servo: bool = True
+    ros_args: tuple[str, ...] = ()
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -66,6 +72,7 @@ class LaunchOptions:
             "robot_description": self._robot(),
             "base_link": self.base_link,
             "tip_link": self.tip_link,
+            "frame_prefix": self._frame_prefix(),
         }
         for name, value in values.items():
             if value:
@@ -78,7 +85,12 @@ class LaunchOptions:
             result += ["-p", f"joint_trajectory_controller:publish_rate:={float(self.rate)}"]
         if self.dynamic:
             result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
-        return result
+        return [*result, *self.ros_args]
+
+    def _frame_prefix(self) -> str:
+        if self.frame_prefix is not None:
+            return self.frame_prefix
+        return f"{self.namespace.strip('/')}/" if self.namespace.strip("/") else ""
 
     def _robot(self) -> str:
         is_path = bool(Path(self.robot).suffix) or "/" in self.robot

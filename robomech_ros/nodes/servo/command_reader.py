@@ -185,8 +185,8 @@ class CommandReader:
     def _find_axes(self, frame: str) -> Axes:
         model, chain = self._model, self._chain
         at_first = reference_axes(model, frame, chain, chain.midrange())
-        links = [link.name for link in chain.frames]
-        if frame not in links or frame in model.fixed_frames:
+        link, links = model.link_of(frame), [each.name for each in chain.frames]
+        if link not in links or link in model.fixed_frames:
             return lambda q: at_first
-        part = chain.with_tip(frame)
+        part = chain.with_tip(link)
         return lambda q: forward_kinematics(part, q[: part.n])[:3, :3]

@@ -68,7 +68,7 @@ class TrajectoryPlannerNode(Node):
         self._joints = JointPositions(model, self._monitor)
         self._points = TrajectoryPoints()
         self._plan_once("poly345")
-        self._plans = PlanPublication(self, model.chain)
+        self._plans = PlanPublication(self, model)
         # While one request waits for a joint state, others are served.
         for kind, name, callback in (
             (PlanJoint, "~/plan_joint", self._plan_joint),

@@ -34,10 +34,12 @@ class PlannedPath:
         Gets the topic ``planned_path`` under its own name.
     chain : SerialChain
         n joints.
+    base : str
+        Frame of its base.
     """
 
-    def __init__(self, node: Node, chain: SerialChain) -> None:
-        self._chain = chain
+    def __init__(self, node: Node, chain: SerialChain, base: str) -> None:
+        self._chain, self._base = chain, base
         self._poses: list[PoseStamped] = []
         self._unsent: NDArray[np.float64] | None = None
         self._heard = False
@@ -68,11 +70,11 @@ class PlannedPath:
         transforms = tip_poses(self._chain, positions)
         new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
         for message in new:
-            message.header.frame_id = self._chain.base
+            message.header.frame_id = self._base
         poses = self._poses[: len(transforms)] + new
         for message, T in zip(poses, transforms, strict=True):
             fill_pose(message.pose, T)
         self._poses += new[: max(0, _POSES_KEPT - len(self._poses))]
         path = Path(poses=poses)
-        path.header.frame_id = self._chain.base
+        path.header.frame_id = self._base
         return path

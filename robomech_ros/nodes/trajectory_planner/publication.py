@@ -3,9 +3,8 @@
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.trajectory_planner.planned_path import PlannedPath
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import SampledPlan
 
 __all__ = ["PlanPublication"]
@@ -18,14 +17,14 @@ class PlanPublication:
     ----------
     node : Node
         Gets the topics ``planned_trajectory`` and ``planned_path`` under its own name.
-    chain : SerialChain
+    model : RobotModel
         Whose motions they are.
     """
 
-    def __init__(self, node: Node, chain: SerialChain) -> None:
+    def __init__(self, node: Node, model: RobotModel) -> None:
         self._node = node
         self._trajectories = node.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
-        self._path = PlannedPath(node, chain)
+        self._path = PlannedPath(node, model.chain, model.base_frame)
         self._waiting: tuple[JointTrajectory, SampledPlan] | None = None
 
     def publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:

@@ -48,6 +48,45 @@ def test_paths_are_made_absolute(tmp_path, monkeypatch):
     assert f'trajectory_planner:joint_limits:="{tmp_path}/limits.yaml"' in command
 
 
+@pytest.mark.parametrize(
+    ("given", "prefix"),
+    [
+        ((), None),
+        (("--namespace", "left"), "left/"),
+        (("--namespace", "/cell_1/left/"), "cell_1/left/"),
+        (("--namespace", "left", "--frame-prefix", ""), None),
+        (("--namespace", "left", "--frame-prefix", "l_"), "l_"),
+        (("--frame-prefix", "l_"), "l_"),
+    ],
+)
+def test_frames_of_a_namespace_have_its_name_in_front(given, prefix):
+    for command in commands("--robot", "ur5e", *given).values():
+        found = [word for word in command if word.startswith("frame_prefix:=")]
+        assert found == ([f'frame_prefix:="{prefix}"'] if prefix else [])
+
+
+def test_ros_arguments_go_to_every_node():
+    given = ("-r", "/tf:=tf", "-p", "use_sim_time:=true", "--log-level", "debug")
+    for command in commands("--robot", "ur5e", "--rate", "50", "--ros-args", *given).values():
+        assert command[-len(given) :] == [*given]
+        assert command.count("--ros-args") == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        (
+            ("-r", "/tf"),
+            "--ros-args is '-r /tf', expected arguments as `ros2 run` takes them .*/tf",
+        ),
+        (("--remap-it", "a:=b"), "--ros-args is '--remap-it a:=b', expected arguments as"),
+    ],
+)
+def test_wrong_ros_arguments_are_refused_once(given, text):
+    with pytest.raises(BadValueError, match=text):
+        bringup.run(parsed("--robot", "puma560", "--ros-args", *given))
+
+
 def test_drives_may_move_the_robot():
     given = "joint_trajectory_controller:simulation:=dynamic"
     assert given in commands("--robot", "ur5e", "--dynamic")["joint_trajectory_controller"]
@@ -61,7 +100,8 @@ def test_without_a_robot_the_nodes_wait_for_the_topic():
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("--params-file", "/no/such.yaml"), ("--namespace", "bad name")]
+    ("option", "value"),
+    [("--params-file", "/no/such.yaml"), ("--namespace", "bad name"), ("--frame-prefix", "/left")],
 )
 def test_what_no_node_could_use_is_refused_once(option, value):
     with pytest.raises(BadValueError, match=f"{option} is '{value}', expected "):
