@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.chain import jacobian_points as kernels
-from robomech_ros.errors import WrongSizeError
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
@@ -55,8 +56,8 @@ def point_jacobian(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        As for :func:`jacobian`, and for a point that is not three finite numbers or axes that are
-        no rotation.
+        As for :func:`jacobian`, and for a point that is not three numbers up to 1e6 m or axes that
+        are no rotation.
     UnknownLinkError
         The chain has no link with the name of the axes.
 
@@ -104,6 +105,9 @@ def as_point(point: ArrayLike) -> Array:
     arm = as_finite("point", point, (3,))
     if arm.ndim != 1:
         raise WrongSizeError("point", arm.shape, (3,))
+    if np.abs(arm).max() > LARGEST_LENGTH:
+        expected = f"coordinates of at most {LARGEST_LENGTH:g} m, as of links"
+        raise BadValueError("point", arm.tolist(), expected)
     return np.ascontiguousarray(arm)
 
 

@@ -107,6 +107,7 @@ def newton_raphson(
     (array([1.41421356]), True)
     """
     start = _start(x)
+    _check_callable("f", f)
     size = real_array("f(x)", f(start)).shape
     if size != start.shape:
         raise WrongSizeError("f(x)", size, start.shape)
@@ -178,9 +179,13 @@ def newton_gauss(
     (array([1.916914, 0.547951]), True)
     """
     point = _start(x)
+    _check_callable("f", f)
+    _check_callable("jacobian", jacobian)
     if real_number("tolerance", tolerance, _POSITIVE) <= 0.0 or not np.isfinite(tolerance):
         raise BadValueError("tolerance", tolerance, _POSITIVE)
-    if not isinstance(iterations, int | np.integer) or iterations < 1:
+    if isinstance(iterations, bool) or not isinstance(iterations, int | np.integer):
+        raise BadValueError("iterations", iterations, "a positive integer")
+    if iterations < 1:
         raise BadValueError("iterations", iterations, "a positive integer")
     residual, shortest = _residual(f, point), np.inf
     for count in range(iterations):
@@ -212,6 +217,11 @@ def newton_gauss(
 def _is_normal(slope: Array, residual: Array) -> bool:
     bound = _NORMAL * np.linalg.norm(slope, axis=0) * np.linalg.norm(residual)
     return bool(np.all(np.abs(slope.T @ residual) <= bound))
+
+
+def _check_callable(what: str, value: object) -> None:
+    if not callable(value):
+        raise BadValueError(what, value, "a function of x")
 
 
 def _start(x: ArrayLike) -> Array:

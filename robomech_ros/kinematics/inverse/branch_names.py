@@ -12,7 +12,7 @@ from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import REVOLUTE
 
-__all__ = ["branch_name", "distinct_names", "largest_difference"]
+__all__ = ["branch_name", "distinct_names", "largest_difference", "numbered_names"]
 
 Array = NDArray[np.float64]
 
@@ -76,13 +76,29 @@ def distinct_names(chain: SerialChain, q: Array, names: Sequence[str]) -> tuple[
         return tuple(names)
     for name in several:
         rows = [k for k, other in enumerate(names) if other == name]
-        rows.sort(key=lambda k: np.remainder(q[k], 2.0 * math.pi).tolist())
-        found: list[int] = []
-        for k in rows:
-            away = largest_difference(chain, q[found], q[k])
-            if not (away < SAME_POSTURE).any():
-                found.append(k)
-        for k in rows if len(found) > 1 else ():
-            which = int(np.argmin(largest_difference(chain, q[found], q[k])))
-            unique[k] = f"{name} number-{which + 1}"
+        numbers = _numbers(chain, q[rows])
+        for k, number in zip(rows, numbers if max(numbers) > 1 else (), strict=False):
+            unique[k] = f"{name} number-{number}"
     return tuple(unique)
+
+
+def numbered_names(chain: SerialChain, q: Array, branches: Sequence[int]) -> tuple[str, ...]:
+    """Name postures q (k, n) that have no other names by numbers, and say what is singular.
+
+    The numbers follow their joint values, so that the seed changes nothing.
+    """
+    names = []
+    for number, branch in zip(_numbers(chain, q), branches, strict=True):
+        words = [f"posture-{number}", *(word for mark, word in _SINGULAR if branch & mark)]
+        names.append(" ".join(words))
+    return tuple(names)
+
+
+def _numbers(chain: SerialChain, q: Array) -> list[int]:
+    """Give postures q (k, n) numbers from 1 on by their joint values; windings share one."""
+    turned = np.where(chain.types == REVOLUTE, np.remainder(q, 2.0 * math.pi), q)
+    found: list[int] = []
+    for k in sorted(range(len(q)), key=lambda k: turned[k].tolist()):
+        if not (largest_difference(chain, q[found], q[k]) < SAME_POSTURE).any():
+            found.append(k)
+    return [int(np.argmin(largest_difference(chain, q[found], one))) + 1 for one in q]

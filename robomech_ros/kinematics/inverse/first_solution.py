@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.inverse.iterative import layout as at
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.iterative import task_data
 from robomech_ros.kinematics.inverse.families.selection import iterative_family
 from robomech_ros.kinematics.inverse.iterative_search import iterative_search
@@ -18,6 +19,10 @@ from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["first_solution"]
+
+# Names of the options of `inverse_kinematics`: what ranks and lists, and what the task is.
+_RANKING = ("respect_limits", "include_windings", "metric", "max_solutions")
+_TASK = ("task_mask", "position_tolerance", "orientation_tolerance", "timeout")
 
 
 def first_solution(
@@ -47,15 +52,19 @@ def first_solution(
 
     Raises
     ------
+    BadValueError
+        An option that `inverse_kinematics` does not have.
     RobomechError
         As `inverse_kinematics` does.
     """
-    task = ("task_mask", "position_tolerance", "orientation_tolerance", "timeout")
-    respect_limits, metric = options.get("respect_limits", True), options.get("metric", "linf")
+    for name in options:
+        if name not in _RANKING + _TASK:
+            raise BadValueError("option", name, f"one of {', '.join(_RANKING + _TASK)}")
+    usual = {"respect_limits": True, "include_windings": False, "metric": "linf"}
+    ranking = (options.get(name, usual.get(name)) for name in _RANKING)
     request = with_task(
-        as_request(chain, seed, respect_limits, False, metric, 1),
-        *(options.get(name) for name in task),
-    )
+        as_request(chain, seed, *ranking), *(options.get(name) for name in _TASK)
+    )._replace(include_windings=False, max_solutions=1)
     target = as_targets(as_target(T))[0]
     data, turned = task_data(
         chain,

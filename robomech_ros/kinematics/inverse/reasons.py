@@ -120,19 +120,24 @@ def describe_gap(
     )
 
 
-def describe_continuum(chain: SerialChain, q: Array, branch: NDArray[np.int64]) -> str:
+def describe_continuum(
+    chain: SerialChain, q: Array, branch: NDArray[np.int64], sampled: bool = False
+) -> str:
     """Say which joints of the solutions q (k, n) move while the tip stays, and in what ratio.
 
-    The direction is that of the first solution that stands for a continuum.
+    The direction is that of the first solution that stands for a continuum, of which the others
+    are samples, or one for each branch.
     """
     ways = [_still_motions(chain, q[k]) for k in np.flatnonzero(branch & bit.CONTINUUM)]
     moving = np.flatnonzero(np.concatenate(ways).any(axis=0)).tolist()
     joints = [f"'{chain.joint_names[i]}'" for i in moving]
     directions = _and([f"({', '.join(f'{x:.6g}' for x in one)})" for one in ways[0]])
+    listed = "of this continuum these are samples"
+    if not sampled:
+        listed = "every branch of this continuum is represented by one posture"
     return (
         f"singular: joints {_and(joints)} can move while the tip stays, those of the nearest such "
-        f"solution in the direction {directions}; every branch of this continuum is represented "
-        "by one posture"
+        f"solution in the direction {directions}; {listed}"
     )
 
 

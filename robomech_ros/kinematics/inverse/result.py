@@ -11,8 +11,13 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.branch_names import branch_name, distinct_names
+from robomech_ros.kinematics.inverse.branch_names import (
+    branch_name,
+    distinct_names,
+    numbered_names,
+)
 from robomech_ros.kinematics.inverse.nearly_named import named_branches
+from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
@@ -33,6 +38,8 @@ NO_EXCESS.setflags(write=False)
 _WHOLE_WEIGHTS = np.ones(6)
 # Families that number the postures of arms that nearly are special ones.
 _MAY_BE_NAMED = ("three-parallel", "general-6r")
+# Those whose postures have nothing but numbers.
+_NUMBERED_FAMILIES = ("short", "iterative")
 _NUMBERED = bit.ARM_NUMBERED | bit.POSTURE_NUMBERED
 
 
@@ -203,11 +210,14 @@ class InverseKinematicsResult:
     def branches(self) -> tuple[str, ...]:
         """Names of the postures, all different except for windings and samples of a self-motion.
 
-        They are empty strings where the family has none.
+        Where nothing is known of shoulder, elbow and wrist, as of planar arms and partial tasks,
+        they are numbers; samples of the self-motion of a redundant arm may have empty names.
         """
-        if self.family == "iterative":
-            return ("",) * len(self.q)
         bits = self.branch_bits
+        if self.family in _NUMBERED_FAMILIES:
+            if self.family == "short":
+                bits = bits | singular_marks(self.chain, self.target, self.task, self.q)
+            return numbered_names(self.chain, self.q, bits.tolist())
         if self.family in _MAY_BE_NAMED and (bits & _NUMBERED).any():
             bits = named_branches(self.chain, self.q, bits)
         names = tuple(branch_name(branch) for branch in bits.tolist())

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import rank
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
@@ -16,12 +17,14 @@ from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, it
 from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
 from robomech_ros.kinematics.inverse.reasons import (
     NO_GAP,
+    describe_continuum,
     describe_gap,
     explain_limits,
     no_solution,
 )
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
+from robomech_ros.kinematics.inverse.singular_marks import singular_marks
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
 from robomech_ros.robots.chain import SerialChain
@@ -109,11 +112,19 @@ def ranked_solutions(
         distances,
     )
     ranked, names, distances = ranked[:count], names[:count], distances[:count]
+    names = singular_marks(chain, T, request.task, ranked)
+    continuum = ""
+    if (names & bit.CONTINUUM).any():
+        continuum = describe_continuum(chain, ranked, names, sampled=True)
     if request.include_windings:
         ranked, names, distances = rank_windings(chain, family.turns, request, ranked, names)
     kept = slice(request.max_solutions)
     findings = Findings(
-        family.name, complete, Status.SUCCESS, _reason(chain, request, search), task=request.task
+        family.name,
+        complete and not continuum,
+        Status.SUCCESS,
+        "; ".join(filter(None, (continuum, _reason(chain, request, search)))),
+        task=request.task,
     )
     listing = Listing(T, distances[kept], names[kept])
     return InverseKinematicsResult(chain, ranked[kept], findings, listing)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward_uncompiled import tip_poses
+from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.numerics import newton_gauss
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
@@ -60,6 +61,7 @@ class ClosureEquations:
         BadValueError
             No arm of six revolute joints.
         """
+        check_chain(chain)
         if chain.n != 6 or chain.types.any():
             raise BadValueError("chain", chain.name, "an arm of six revolute joints")
         C = unpack_chain(chain.packed)

@@ -132,8 +132,8 @@ def singularity_report(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        q or the point is not an array of n, or three, finite real numbers, the length is not
-        from 1e-9 to 1e9 m, or the chain has no joint.
+        q is not an array of n finite real numbers or the point of three up to 1e6 m, the length
+        is not from 1e-9 to 1e9 m, or the chain has no joint.
 
     See Also
     --------

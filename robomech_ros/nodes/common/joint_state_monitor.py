@@ -155,7 +155,12 @@ class JointStateMonitor:
             await pause(self._node, _LOOK)
 
     def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
-        """Find the fastest of joints that are known, and its speed (rad/s or m/s)."""
+        """Find the fastest of joints that are known, and its speed (rad/s or m/s).
+
+        Of no joints, as before a link that nothing moves, it is one without a name that stands.
+        """
+        if not joint_names:
+            return "", 0.0
         speeds = np.abs([self._states[name].velocity for name in joint_names])
         speeds = np.where(np.isnan(speeds), 0.0, speeds)
         fastest = int(np.argmax(speeds))

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, LimitExceededError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, listed
 from robomech_ros.trajectory.curves.bounds import extremes_and_steps
 from robomech_ros.trajectory.curves.checked_pieces import checked_pieces
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -100,7 +101,8 @@ def verify(
     Raises
     ------
     BadValueError, NonFiniteError, WrongSizeError
-        If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes.
+        If waypoints or pieces make no curve: times that do not increase, NaN, wrong shapes; or
+        another option is not what it should be.
 
     See Also
     --------
@@ -115,7 +117,7 @@ def verify(
     >>> check.ok, bool(check.peak_velocity_ratio.max() <= 1.0)
     (True, True)
     """
-    known = Limits.of(limits)
+    known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)
     low, high, largest = extremes_and_steps(curve, doubts)
     ratios = np.maximum(np.maximum(-low, high), 0.0)[1:] / known.rates
@@ -160,11 +162,19 @@ def first_violation(
     BadValueError, NonFiniteError, WrongSizeError
         As `verify` does.
     """
-    known = Limits.of(limits)
+    known, rates = Limits.of(limits), _checked_rates(rates)
     curve, doubts = _curve_and_doubts(trajectory, known)
     found = list(end_violations(curve, known, start, start_tolerance, from_zero, to_rest))
     allowed = _allowed_steps(trajectory, curve, known, rates)
     return _first(found + violations_between(curve, known, doubts, allowed, rates))
+
+
+def _checked_rates(rates: Sequence[Rate]) -> tuple[Rate, ...]:
+    """Check which rates are asked for."""
+    given = listed("rates", rates, f"a list of {', '.join(RATES)}")
+    for rate in given:
+        as_choice("one of rates", rate, RATES)
+    return given
 
 
 def _first(found: list[Violation]) -> Violation | None:

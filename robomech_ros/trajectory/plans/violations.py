@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.arrays import real_array, real_number
+from robomech_ros.spatial.arrays import as_flag, real_array, real_number
 from robomech_ros.trajectory.curves.bounds import first_above, hull, steps
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
@@ -87,6 +87,7 @@ def end_violations(
     slack = real_number("start_tolerance", start_tolerance, expected)
     if not slack >= 0.0:
         raise BadValueError("start_tolerance", start_tolerance, expected)
+    from_zero, to_rest = as_flag("from_zero", from_zero), as_flag("to_rest", to_rest)
     begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
     if from_zero and begin != 0.0:
         yield Violation("start time", "", begin, begin, 0.0)

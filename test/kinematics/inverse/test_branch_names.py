@@ -6,7 +6,7 @@ import pytest
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.branch_names import distinct_names
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix
 
@@ -112,3 +112,52 @@ def test_windings_of_one_posture_keep_one_name_and_others_are_numbered():
     assert numbered == ("elbow-up number-2", "elbow-up number-1", "elbow-up number-1")
     assert distinct_names(arm, np.array([wound, other, q]), names)[1] == "elbow-up number-2"
     assert distinct_names(arm, np.array([q, other]), ("", "")) == ("", "")
+
+
+XYZ, XY_RZ = (1, 1, 1, 0, 0, 0), (1, 1, 0, 0, 0, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "mask"),
+    [
+        ("planar3r", None),
+        ("planar3r", XY_RZ),
+        ("planar3r", (1, 1, 0, 0, 0, 0)),
+        ("scara", None),
+        ("ur5e", XYZ),
+        ("ur5e", (1, 1, 1, 1, 1, 0)),
+        ("puma560", XYZ),
+        ("panda", XYZ),
+    ],
+)
+def test_issue_12_names_are_unique_of_partial_tasks_and_planar_arms(name, mask):
+    """They were empty; the seed changes the order of the postures and not their names."""
+    chain = load_robot(name)
+    q = chain.midrange() + 0.3
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, seed=q, task_mask=mask, respect_limits=False)
+    assert len(set(result.branches)) == len(result) > 1
+    assert "" not in result.branches
+    if mask is None:
+        other = inverse_kinematics(chain, T, seed=q - 1.0, respect_limits=False)
+        for posture, name in zip(other.q, other.branches, strict=True):
+            k, away = nearest(result, posture)
+            assert away < 1e-9 and result.branches[k] == name
+
+
+@pytest.mark.parametrize("mask", [None, XY_RZ])
+def test_issue_12_a_double_root_of_a_planar_arm_is_at_the_boundary(mask):
+    chain = load_robot("planar3r")
+    for q, count in (([0.3, 0.0, 0.4], 1), ([0.3, 0.02, 0.4], 2)):
+        result = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q, task_mask=mask)
+        assert len(result) == count and not result.continuum
+        assert all(name.endswith(" at-boundary") == (count == 1) for name in result.branches)
+
+
+def test_issue_12_double_roots_of_a_spatial_3r_arm_are_at_the_boundary():
+    chain = chain_from_dh([0.0, 0.4, 0.3], [0.3, 0.0, 0.0], [np.pi / 2, 0.0, 0.0])
+    for q, count in (([0.3, 0.5, 0.0], 2), ([0.3, 0.5, 0.7], 4)):
+        T = forward_kinematics(chain, q)
+        result = inverse_kinematics(chain, T, seed=q, task_mask=XYZ, respect_limits=False)
+        assert len(set(result.branches)) == len(result) == count
+        assert all(("at-boundary" in name) == (q[2] == 0.0) for name in result.branches)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.errors import SeedOutsideLimitsError
+from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import Status, forward_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.robots import load_robot
@@ -50,3 +50,14 @@ def test_options_and_errors_are_those_of_inverse_kinematics():
     np.testing.assert_allclose(forward_kinematics(arm, loose.q[0])[:3, 3], T[:3, 3], atol=1e-6)
     with pytest.raises(SeedOutsideLimitsError):
         first_solution(arm, T, seed=q + 100.0)
+
+
+@pytest.mark.parametrize("option", ["metrik", "mode", "q"])
+def test_issue_12_unknown_options_are_refused_with_those_there_are(option):
+    arm = load_robot("puma560")
+    with pytest.raises(BadValueError, match=f"option is '{option}', expected one of .*metric"):
+        first_solution(arm, np.eye(4), **{option: "l2"})
+    with pytest.raises(BadValueError, match="max_solutions"):
+        first_solution(arm, np.eye(4), max_solutions=0)
+    with pytest.raises(BadValueError, match="include_windings"):
+        first_solution(arm, np.eye(4), include_windings="all")

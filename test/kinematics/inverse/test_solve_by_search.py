@@ -145,3 +145,38 @@ def test_more_than_a_hundred_joints_are_refused():
     chain = chain_from_dh([0.1] * 101, [0.0] * 101, [0.0] * 101)
     with pytest.raises(BadValueError, match="number of joints is 101, expected at most 100"):
         inverse_kinematics(chain, forward_kinematics(chain, np.zeros(101)))
+
+
+COINCIDENT = {
+    "two of three": chain_from_dh([0.3, 0.0, 0.2], [0.0, 0.1, 0.0], [0.0] * 3),
+    "two of six": chain_from_dh(
+        [0.0, 0.0, 0.3, 0.0, 0.0, 0.0],
+        [0.3, 0.1, 0.0, 0.3, 0.0, 0.2],
+        [0.0, np.pi / 2, 0.0, np.pi / 2, -np.pi / 2, 0.0],
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "moving"), [("two of three", (1, 2)), ("two of six", (0, 1))])
+def test_issue_12_arms_with_two_axes_on_one_line_have_a_continuum_everywhere(name, moving):
+    """Sixteen of infinitely many postures were listed as if they were all there is to say."""
+    chain = COINCIDENT[name]
+    q = np.linspace(0.2, 0.9, chain.n)
+    T = forward_kinematics(chain, q)
+    result = inverse_kinematics(chain, T, seed=q, respect_limits=False)
+    assert result.status is Status.SUCCESS and result.continuum and not result.complete
+    first, second = (f"'{chain.joint_names[k]}'" for k in moving)
+    assert f"joints {first} and {second} can move while the tip stays" in result.reason
+    assert result.reason.endswith("of this continuum these are samples")
+    assert all(name.endswith(" self-motion") for name in result.branches)
+    assert len(set(result.branches)) == len(result)
+    along = np.zeros(chain.n)
+    along[list(moving)] = 0.3, -0.3
+    np.testing.assert_allclose(forward_kinematics(chain, result.q[0] + along), T, atol=1e-9)
+
+
+def test_issue_12_a_regular_arm_that_is_searched_has_no_continuum():
+    chain = load_robot("planar3r")
+    for T in random_targets(chain, 20, 5):
+        result = inverse_kinematics(chain, T, task_mask=X_Y_RZ)
+        assert len(result) and not result.continuum and not result.reason

@@ -84,6 +84,13 @@ def test_fk_of_many_states_and_links_is_state_major(puma):
         assert pose.header.frame_id == PUMA.base
 
 
+def test_issue_13_the_base_alone_needs_no_joint_state(puma):
+    """Its code was 900: the fastest of no joints was looked for."""
+    response = solve_fk(puma, links=[PUMA.base])
+    assert (response.error_code, response.error_msg) == (0, "")
+    assert [matrix_from_pose(pose.pose).tolist() for pose in response.poses] == [np.eye(4).tolist()]
+
+
 def test_fk_takes_states_without_names_in_the_order_of_the_chain(puma):
     links = ["tool0", PUMA.links[2], PUMA.base]
     named = solve_fk(puma, states=[joint_state(PUMA.joint_names, Q)], links=links)

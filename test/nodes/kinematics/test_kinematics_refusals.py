@@ -253,6 +253,11 @@ JACOBIAN_REFUSALS = {
         ErrorCode.NON_FINITE,
         ("tool_point",),
     ),
+    "point too far away": (
+        {"state": state(NAMES, Q), "tool_point": Point(x=1e155)},
+        ErrorCode.BAD_VALUE,
+        ("point is [1e+155, 0.0, 0.0]", "1e+06 m"),
+    ),
     "wrong number of joints": (
         {"state": state([], [*Q, 0.0])},
         ErrorCode.WRONG_SIZE,
