@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.common.polled_subscription import Unattended
+from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
 
 __all__ = ["JointStateMonitor"]
 
@@ -203,7 +203,10 @@ class JointStateMonitor:
 
 def _read(data: bytes) -> tuple[dict[str, _Seen], str]:
     """Give the states in a message, of joints with a finite position, and what is wrong with it."""
-    message = deserialize_message(data, JointState)
+    try:
+        message = unpack(data, JointState)
+    except UnreadableMessageError as error:
+        return {}, str(error)
     if fault := _fault_of(message):
         return {}, fault
     states = _states_in(message)

@@ -7,7 +7,12 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
+
 __all__ = ["Inbox", "Unattended"]
+
+# How often bytes that cannot be read are logged at most, s.
+_LOG_PERIOD = 10.0
 
 
 class Unattended(CallbackGroup):
@@ -58,25 +63,25 @@ class Inbox:
     def __init__(
         self, node: Node, kind: type, topic: str, depth: int, wake: Callable[[], None]
     ) -> None:
-        self._kind, self._depth, self._wake = kind, depth, wake
+        self._node, self._kind, self._depth, self._wake = node, kind, depth, wake
         self._group = Unattended(attended=True)
-        self._early: list[Any] = []
+        self._early: list[bytes] = []
         qos = QoSProfile(
             depth=depth,
             history=HistoryPolicy.KEEP_LAST,
             reliability=ReliabilityPolicy.BEST_EFFORT,
         )
         self._subscription = node.create_subscription(
-            kind, topic, self._receive, qos, callback_group=self._group
+            kind, topic, self._receive, qos, callback_group=self._group, raw=True
         )
 
     def attend(self, attended: bool) -> None:
         """Have the executor look after it, or not."""
         self._group.attended = attended
 
-    def _receive(self, message: Any) -> None:
+    def _receive(self, data: bytes) -> None:
         # Some executors do not honour callback groups.
-        self._early.append(message)
+        self._early.append(data)
         del self._early[: -self._depth]
         if self._group.attended:
             self._wake()
@@ -87,13 +92,24 @@ class Inbox:
         return str(self._subscription.topic_name)
 
     def take(self) -> Iterator[Any]:
-        """Give what has come since the last look, the oldest first."""
+        """Give the messages that have come since the last look, the oldest first."""
+        for data in self._waiting():
+            try:
+                message = unpack(data, self._kind)
+            except UnreadableMessageError as error:
+                self._node.get_logger().warning(
+                    f"passed over on '{self.topic}': {error}", throttle_duration_sec=_LOG_PERIOD
+                )
+            else:
+                yield message
+
+    def _waiting(self) -> Iterator[bytes]:
         early, self._early = self._early, []
         yield from early
         subscription = self._subscription
         with subscription.handle:
             for _ in range(self._depth):
-                taken = subscription.handle.take_message(self._kind, False)
+                taken = subscription.handle.take_message(self._kind, True)
                 if taken is None:
                     return
                 yield taken[0]
