@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.regular_files import read_regular
 
 __all__ = ["read_source"]
 
@@ -16,17 +17,7 @@ def read_source(path: Path, largest: int) -> bytes:
         There is no such file, it is no regular one, too large, or cannot be read.
     """
     try:
-        if not path.exists():
-            raise RobotDescriptionError(str(path), "no such file")
-        if not path.is_file():
-            raise RobotDescriptionError(str(path), "not a regular file")
-        with path.open("rb") as file:
-            data = file.read(largest + 1)
-    except RobotDescriptionError:
-        raise
+        return read_regular(path, largest)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else None
-        raise RobotDescriptionError(str(path), reason or str(error)) from None
-    if len(data) > largest:
-        raise RobotDescriptionError(str(path), f"more than {largest} bytes, the most allowed")
-    return data
+        reason = getattr(error, "strerror", None) or str(error)
+        raise RobotDescriptionError(str(path), reason) from None

@@ -235,7 +235,7 @@ def test_paths_that_are_no_robot(tmp_path):
     (tmp_path / "long.yaml").write_bytes(b"#" * 300_000)
     os.mkfifo(tmp_path / "pipe.yaml")
     cases = {
-        "missing.urdf": "no such file",
+        "missing.urdf": "No such file or directory",
         "folder.urdf": "not a regular file",
         "pipe.yaml": "not a regular file",
         "arm.xacro": "xacro must be expanded first",
@@ -259,7 +259,7 @@ def test_an_unreadable_file(tmp_path, monkeypatch):
     def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(type(path), "open", refuse)
+    monkeypatch.setattr(os, "open", refuse)
     with pytest.raises(RobotDescriptionError, match=r"arm\.yaml: Permission denied"):
         load_robot(path)
 

@@ -19,6 +19,7 @@ from robomech_ros.kinetostatics.maps.request import MapRequest, RobotIdentity
 from robomech_ros.kinetostatics.rotation_sets import as_orientations
 from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.memory import check_memory
+from robomech_ros.regular_files import open_regular
 from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["as_path", "check_writable", "load_map", "save_map"]
@@ -105,7 +106,7 @@ def load_map(path: Path) -> tuple[MapRequest, NDArray]:
         It does not fit.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return _read(path, file)
     except OSError as error:
         raise MapFileError(str(path), f"cannot be read: {error.strerror or error}") from None

@@ -18,6 +18,7 @@ from typing import Any
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.joint import Joint
@@ -115,10 +116,7 @@ def read_joint_limits(path: str) -> JointLimitsFile:
     """
     file = Path(path).expanduser()
     try:
-        if not file.is_file():
-            raise OSError("not a file" if file.exists() else "no such file")
-        with file.open("rb") as stream:
-            text = stream.read(LARGEST_YAML + 1)
+        text = read_regular(file, LARGEST_YAML)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         allowed = f"the path of a YAML file with joint limits ({reason})"

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import zipfile
 
 import numpy as np
@@ -110,6 +111,12 @@ def test_a_damaged_file_is_refused_with_a_reason(change, text, whole, tmp_path):
     assert str(file) in str(caught.value)
     with pytest.raises(MapFileError):
         reach_map(PUMA, **BOX, length=0.3, file=file)
+
+
+def test_nobody_waits_for_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "map.npz")
+    with pytest.raises(MapFileError, match="cannot be read: not a regular file"):
+        load_reach_map(tmp_path / "map.npz")
 
 
 def test_a_file_cut_or_with_a_flipped_bit_is_refused(whole, tmp_path):

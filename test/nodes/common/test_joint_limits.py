@@ -79,7 +79,7 @@ def test_what_is_wrong_is_named(limited, text, words):
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize(("name", "why"), [("no.yaml", "no such file"), ("", "not a file")])
+@pytest.mark.parametrize(("name", "why"), [("no.yaml", "No such file"), ("", "not a regular file")])
 def test_a_file_that_cannot_be_read(tmp_path, name, why):
     with pytest.raises(ParameterError, match="parameter 'joint_limits' is") as caught:
         read_joint_limits(str(tmp_path / name))
