@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.kinetostatics import jacobian, singularity_report
+from robomech_ros.kinetostatics import jacobian
 from robomech_ros.kinetostatics.singularities.determinant_factors import named_parts
+from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
@@ -83,7 +84,7 @@ def singular_part(chain: SerialChain, joints: JointPath) -> str:
         Such as "the elbow is straight"; empty where no part with a name is.
     """
     q = joints.derivatives(joints.length)[0]
-    factors = singularity_report(chain, q, length=arm_size(chain)).factors
+    factors = posture_report(chain, q, length=arm_size(chain)).factors
     if not factors:
         return ""
     name = min(factors, key=lambda one: abs(factors[one]))

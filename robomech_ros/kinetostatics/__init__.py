@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     )
     from robomech_ros.kinetostatics.singularities.report import (
         SingularityReport,
+        SingularityReports,
         singularity_report,
     )
     from robomech_ros.kinetostatics.statics import joint_torques, wrench_from_torques
@@ -74,6 +75,7 @@ __all__ = [
     "ReachMap",
     "SingularityFree",
     "SingularityReport",
+    "SingularityReports",
     "Workspace",
     "bias_acceleration",
     "characteristic_length",
@@ -119,6 +121,7 @@ _MODULES = {
     "DecoupledJacobian": "decoupled_blocks",
     "SingularityFree": "singularities.free_intervals",
     "SingularityReport": "singularities.report",
+    "SingularityReports": "singularities.report",
     "Workspace": "workspace.boundary",
     "bias_acceleration": "accelerations",
     "characteristic_length": "conditioning",

@@ -1,4 +1,4 @@
-"""What the Jacobian of one posture says: singular values, what is lost, what is free, factors.
+"""What the Jacobian of a posture says: singular values, what is lost, what is free, factors.
 
 The Jacobian is that of a point of the tip link; its linear rows are divided by a length.
 """
@@ -6,7 +6,6 @@ The Jacobian is that of a point of the tip link; its linear rows are divided by 
 import math
 
 import numpy as np
-from numba import types
 
 from robomech_ros._kernels.algebra.singular_values import (
     condition_of,
@@ -19,10 +18,10 @@ from robomech_ros._kernels.compiling.jit import (
     IIN1,
     IN1,
     IN2,
-    OUT1,
+    IOUT2,
     OUT2,
     OUT3,
-    f8,
+    OUT4,
     i8,
     inline,
     kernel,
@@ -32,7 +31,7 @@ from robomech_ros._kernels.kinetostatics.indices import fill_weighted
 from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
 from robomech_ros._kernels.tolerances import RANK
 
-__all__ = ["FACTORS", "MOVING", "posture_report"]
+__all__ = ["FACTORS", "MOVING", "posture_reports"]
 
 # A named factor of the determinant below this is zero in a posture that is singular.
 FACTOR_ZERO = 1e-4
@@ -161,51 +160,77 @@ def _moving(free, rank, out):
             out[k] = max(out[k], abs(free[i, k]))
 
 
-@kernel(types.UniTuple(i8, 3)(IN2, IN1, IN1, f8, IIN1, f8, IN2, i8, OUT1, OUT1, OUT3, OUT2))
-def posture_report(
-    packed, q, point, length, parts, size, motions, regular, values, numbers, twists, free
-):
-    """Report on q (n,) of the point (3,) with linear rows divided by a length.
+@inline
+def _judge(s, order, regular):
+    """Give product and condition number of the largest singular values that an arm has at all.
 
-    ``parts`` and ``size`` are those of ``named_factors``; ``motions`` (r, 6) spans all twists of
-    the arm, ``regular`` is the largest rank it has.  Returned are the status, the rank, and how
-    many twists are lost.  Written are singular values (min(6, n),); numbers (MOVING + n,); the
-    twists that are lost in the first rows of twists[0] (6, 6); from row ``rank`` on the wrenches
-    that load no joint, in twists[1] (6, 6), and the joint rates that do not move the tip, in free
-    (n, n).
+    All of s where it has that many; else, as of a planar arm of four joints, the rest is 0 in every
+    posture.
     """
-    lost, idle = twists[0], twists[1]
-    n = q.size
-    J, pose = np.empty((6, n)), np.empty((4, 4))
-    status = jacobian_body(packed, q, J, pose)
-    if status != OK:
-        return status, 0, 0
-    move_jacobian(J, pose, point)
+    _in_order(s, order)
+    kept = np.empty(min(s.size, regular))
+    product = 1.0
+    for i in range(kept.size):
+        kept[i] = s[order[i]]
+        product *= kept[i]
+    return product, condition_of(kept)
+
+
+@inline
+def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle, free):
+    """Write what the Jacobian J (6, n) says; return the rank and how many twists are lost."""
+    n, length = J.shape[1], place[3]
+    move_jacobian(J, pose, place[:3])
     small, large = min(6, n), max(6, n)
     s, plain = np.empty(small), np.empty((small, large))
+    order = np.empty(small, dtype=np.int64)
     for i in range(small):
         for k in range(large):
             plain[i, k] = J[i, k] if n >= 6 else J[k, i]
     make_rows_orthogonal(plain, large)
     row_lengths(plain, large, s)
-    product = 1.0
-    for value in s:
-        product *= value
-    numbers[0] = product
-    numbers[1] = condition_of(s)
+    numbers[0], numbers[1] = _judge(s, order, regular)
     W, weights = np.empty((small, small + large)), np.ones(6)
     weights[3:] = 1.0 / length
     fill_weighted(J, weights, np.arange(6), W)
     make_rows_orthogonal(W, large)
     row_lengths(W, large, s)
     rank = _decompose(W, s, idle, free, values)
-    numbers[2] = condition_of(s)
+    numbers[2] = _judge(s, order, regular)[1]
     _complete(idle, rank)
     _complete(free, rank)
     count = _lost(idle, rank, motions, weights, lost) if rank < regular else 0
     for i in range(rank, 6):
         for k in range(3):
             idle[i, k] *= length
-    named_factors(J, parts, size, numbers[FACTORS:MOVING])
+    named_factors(J, parts, place[4], numbers[FACTORS:MOVING])
     _moving(free, rank, numbers[MOVING:])
-    return status, rank, count
+    return rank, count
+
+
+@kernel(i8(IN2, IN2, IN1, IIN1, IN2, i8, OUT2, OUT2, OUT4, OUT3, IOUT2))
+def posture_reports(
+    packed, q, place, parts, motions, regular, values, numbers, twists, free, counts
+):
+    """Report on postures q (m, n); returned is the status.
+
+    ``place`` (5,) is the point, the length that linear rows are divided by, and the size of
+    ``named_factors``, whose ``parts`` follow; ``motions`` (r, 6) spans all twists of the arm,
+    ``regular`` is the largest rank it has.  Written are, for each posture, singular values
+    (min(6, n),); numbers (MOVING + n,); the twists that are lost in the first rows of twists[k, 0]
+    (6, 6); from row ``rank`` on the wrenches that load no joint, in twists[k, 1] (6, 6), and the
+    joint rates that do not move the tip, in free (n, n); and the rank and how many twists are lost
+    in counts (2,).
+    """
+    n = q.shape[1]
+    J, pose = np.empty((6, n)), np.empty((4, 4))
+    status = OK
+    for k in range(q.shape[0]):
+        status |= jacobian_body(packed, q[k], J, pose)
+        if status != OK:
+            return status
+        counts[k, 0], counts[k, 1] = _report(
+            J, pose, place, parts, motions, regular,
+            values[k], numbers[k], twists[k, 0], twists[k, 1], free[k],
+        )  # fmt: skip
+    return status

@@ -13,20 +13,19 @@ from robomech_ros._kernels.kinetostatics.posture_report import (
     FACTOR_ZERO,
     FACTORS,
     MOVING,
-    posture_report,
+    posture_reports,
 )
-from robomech_ros.errors import WrongSizeError
-from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
+from robomech_ros.kinematics.joint_values import as_joint_values, as_rows, raise_not_finite
 from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
 from robomech_ros.kinetostatics.singularities.determinant_factors import NamedParts, named_parts
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_motions, scaling_length
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["SingularityReport", "singularity_report"]
+__all__ = ["SingularityReport", "SingularityReports", "posture_report", "singularity_report"]
 
 Array = NDArray[np.float64]
 
-_report = direct(posture_report)
+_compiled = direct(posture_reports)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +42,13 @@ class SingularityReport:
     length : float
         By which linear rows are divided (m).
     manipulability : float
-        Product of the singular values of the Jacobian in SI units.
+        Product of the singular values of the Jacobian in SI units; of an arm that has fewer
+        directions than singular values in every posture, such as a planar one of four joints, of
+        those that it has.
     condition_number : float
         Of the Jacobian in SI units; infinite where singular.
     normalised_condition_number : float
-        Largest over least of ``singular_values``; infinite where singular.
+        Largest over least of ``singular_values`` that the arm has; infinite where singular.
     lost_directions : ndarray, shape (r, 6)
         Twists at the point in base axes that no joint rates give, as an orthonormal basis after
         division of their linear part by the length, angular first (rad/s and m/s).
@@ -82,6 +83,64 @@ class SingularityReport:
         return bool(self.kinds)
 
 
+@dataclass(frozen=True, eq=False)
+class SingularityReports:
+    """What the Jacobians of many postures say: the fields of :class:`SingularityReport`.
+
+    ``reports[k]`` is the report on one posture, k an index of the leading axes of q.
+
+    Attributes
+    ----------
+    singular_values : ndarray, shape (..., k)
+    rank : ndarray of int, shape (...)
+    length : float
+    manipulability, condition_number, normalised_condition_number : ndarray, shape (...)
+    lost_directions, idle_wrenches : ndarray, shape (..., 6, 6)
+        Rows after the last of a posture are NaN.
+    self_motions : ndarray, shape (..., n, n)
+        The same.
+    factors : dict
+        From the name of a part of the arm to its factors, shape (...).
+    kinds : ndarray of tuples of str, shape (...)
+        Empty where a posture is not singular.
+    """
+
+    singular_values: Array
+    rank: NDArray[np.int64]
+    length: float
+    manipulability: Array
+    condition_number: Array
+    normalised_condition_number: Array
+    lost_directions: Array
+    idle_wrenches: Array
+    self_motions: Array
+    factors: dict[str, Array]
+    kinds: NDArray[np.object_]
+
+    @property
+    def singular(self) -> NDArray[np.bool_]:
+        """Where the tip has lost a motion that the arm has in other postures, shape (...)."""
+        return self.kinds.astype(bool)
+
+    def __getitem__(self, index: int | tuple[int, ...]) -> SingularityReport:
+        """Give the report on one posture."""
+        rows = (self.lost_directions, self.idle_wrenches, self.self_motions)
+        lost, idle, free = (one[index][~np.isnan(one[index][:, 0])] for one in rows)
+        return SingularityReport(
+            singular_values=self.singular_values[index],
+            rank=int(self.rank[index]),
+            length=self.length,
+            manipulability=float(self.manipulability[index]),
+            condition_number=float(self.condition_number[index]),
+            normalised_condition_number=float(self.normalised_condition_number[index]),
+            lost_directions=lost,
+            idle_wrenches=idle,
+            self_motions=free,
+            factors={name: float(values[index]) for name, values in self.factors.items()},
+            kinds=self.kinds[index],
+        )
+
+
 class _GenericFacts(NamedTuple):
     """What of an arm is the same in every posture.
 
@@ -110,15 +169,15 @@ def singularity_report(
     *,
     point: ArrayLike = TIP,
     length: float | None = None,
-) -> SingularityReport:
-    """Say what the tip can do in a posture, and what not.
+) -> SingularityReport | SingularityReports:
+    """Say what the tip can do in a posture, or in each of many, and what not.
 
     Parameters
     ----------
     chain : SerialChain
         Of one joint or more.
-    q : array_like, shape (n,)
-        Joint values (rad or m).
+    q : array_like, shape (n,) or (..., n)
+        Joint values (rad or m); a batch runs inside one compiled loop.
     point : array_like, shape (3,), optional
         Of the tip link, in its frame (m), whose motion is judged; default the tip's origin.
     length : float, optional
@@ -127,7 +186,8 @@ def singularity_report(
 
     Returns
     -------
-    SingularityReport
+    SingularityReport or SingularityReports
+        The latter for a batch: the same fields with its leading axes.
 
     Raises
     ------
@@ -152,36 +212,107 @@ def singularity_report(
     >>> report = singularity_report(puma, [0.3, 0.5, -1.2, 0.4, 0.0, 0.2], length=0.283)
     >>> report.rank, report.kinds
     (5, ('wrist',))
+    >>> postures = [[0.3, 0.5, -1.2, 0.4, 0.0, 0.2], [0.3, 0.5, -1.2, 0.4, 0.6, 0.2]]
+    >>> reports = singularity_report(puma, postures, length=0.283)
+    >>> reports.rank, reports.singular
+    (array([5, 6]), array([ True, False]))
     """
     q = as_joint_values(chain, q)
-    if q.ndim != 1:
-        raise WrongSizeError("q", q.shape, (chain.n,))
-    arm, metres, n = as_point(point), scaling_length(chain, length), chain.n
-    rank, motions, parts = _generic_facts(chain)
-    values, numbers = np.empty(min(6, n)), np.empty(MOVING + n)
-    twists, free = np.empty((2, 6, 6)), np.empty((n, n))
-    constants = (parts.joints, parts.size, motions, rank)
-    found = (values, numbers, twists, free)
-    status, here, count = _report(chain.packed, q, arm, metres, *constants, *found)
-    if status:
-        raise_not_finite(chain, q)
-    singular = here < rank
+    if q.ndim == 1:
+        return posture_report(chain, q, point=point, length=length)
+    return _many(chain, _measured(chain, q, point, length), q.shape[:-1])
+
+
+def posture_report(
+    chain: SerialChain, q: Array, *, point: ArrayLike = TIP, length: float | None = None
+) -> SingularityReport:
+    """Give :func:`singularity_report` of one posture, q (n,)."""
+    found = _measured(chain, q, point, length)
+    (values,), (numbers,), (twists,), (free,) = found[:4]
+    rank, count = found.counts[0].tolist()
+    singular = rank < found.facts.rank
     manipulability, condition, normalised, *others = numbers.tolist()
-    factors, moving = others[: MOVING - FACTORS], others[MOVING - FACTORS :]
-    named = dict(zip(parts.names, factors, strict=False))
+    named = dict(zip(found.facts.parts.names, others[: MOVING - FACTORS], strict=False))
     return SingularityReport(
         singular_values=values,
-        rank=here,
-        length=metres,
+        rank=rank,
+        length=found.length,
         manipulability=manipulability,
         condition_number=math.inf if singular else condition,
-        normalised_condition_number=math.inf if here < len(values) else normalised,
+        normalised_condition_number=math.inf if singular else normalised,
         lost_directions=twists[0, :count],
-        idle_wrenches=twists[1, here:],
-        self_motions=free[here:],
+        idle_wrenches=twists[1, rank:],
+        self_motions=free[rank:],
         factors=named,
-        kinds=_kinds(chain, named, moving) if singular else (),
+        kinds=_kinds(chain, named, others[MOVING - FACTORS :]) if singular else (),
     )
+
+
+class _Measured(NamedTuple):
+    """What the kernel writes for m postures, and what it was given of the arm."""
+
+    values: Array
+    numbers: Array
+    twists: Array
+    free: Array
+    counts: NDArray[np.int64]
+    length: float
+    facts: _GenericFacts
+
+
+def _measured(chain: SerialChain, q: Array, point: ArrayLike, length: float | None) -> _Measured:
+    """Measure postures (..., n) in one compiled loop."""
+    arm, metres = as_point(point), scaling_length(chain, length)
+    facts, n = _generic_facts(chain), chain.n
+    rows = q[None] if q.ndim == 1 else as_rows(q)
+    m, place = len(rows), np.array((*arm.tolist(), metres, facts.parts.size))
+    out = (np.empty((m, min(6, n))), np.empty((m, MOVING + n)), np.empty((m, 2, 6, 6)))
+    free, counts = np.empty((m, n, n)), np.empty((m, 2), np.int64)
+    constants = (place, facts.parts.joints, facts.motions, facts.rank)
+    if _compiled(chain.packed, rows, *constants, *out, free, counts):
+        raise_not_finite(chain, q)
+    return _Measured(*out, free, counts, metres, facts)
+
+
+def _many(chain: SerialChain, found: _Measured, batch: tuple[int, ...]) -> SingularityReports:
+    """Report on postures in a batch of some shape."""
+    values, numbers, twists, free, counts, metres, facts = found
+    m, n = len(values), chain.n
+    rank, count = counts.T
+    singular = rank < facts.rank
+    manipulability, condition, normalised = numbers[:, :FACTORS].T
+    condition = np.where(singular, math.inf, condition)
+    normalised = np.where(singular, math.inf, normalised)
+    names = facts.parts.names
+    factors = dict(zip(names, numbers[:, FACTORS:MOVING].T, strict=False))
+    kinds = np.empty(m, dtype=object)
+    for k in range(m):
+        here = {name: float(one[k]) for name, one in factors.items()} if singular[k] else {}
+        kinds[k] = _kinds(chain, here, numbers[k, MOVING:].tolist()) if singular[k] else ()
+    return SingularityReports(
+        singular_values=values.reshape(*batch, values.shape[1]),
+        rank=rank.reshape(batch),
+        length=metres,
+        manipulability=manipulability.reshape(batch),
+        condition_number=condition.reshape(batch),
+        normalised_condition_number=normalised.reshape(batch),
+        lost_directions=_padded(twists[:, 0], np.zeros(m, np.int64), count, batch),
+        idle_wrenches=_padded(twists[:, 1], rank, np.full(m, 6), batch),
+        self_motions=_padded(free, rank, np.full(m, n), batch),
+        factors={name: one.reshape(batch) for name, one in factors.items()},
+        kinds=kinds.reshape(batch),
+    )
+
+
+def _padded(
+    rows: Array, first: NDArray[np.int64], end: NDArray[np.int64], batch: tuple[int, ...]
+) -> Array:
+    """Move rows from the first to before the end (m,) of each of (m, k, w) up, and add NaN."""
+    k = rows.shape[1]
+    index = first[:, None] + np.arange(k)
+    moved = np.take_along_axis(rows, np.minimum(index, k - 1)[:, :, None], axis=1)
+    padded: Array = np.where((index < end[:, None])[:, :, None], moved, np.nan)
+    return padded.reshape(*batch, *rows.shape[1:])
 
 
 def _kinds(chain: SerialChain, factors: dict[str, float], moving: list[float]) -> tuple[str, ...]:

@@ -21,7 +21,8 @@ from robomech_interfaces.srv import (
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
-from robomech_ros.kinetostatics import point_jacobian, singularity_report
+from robomech_ros.kinetostatics import point_jacobian
+from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
@@ -188,9 +189,9 @@ class KinematicsNode(Node):
         chain, q, point = asked.chain, asked.q, asked.point
         if chain not in self._measured:
             # The first report finds the characteristic length, which takes a second or two.
-            await beside(self, lambda: singularity_report(chain, q))
+            await beside(self, lambda: posture_report(chain, q))
             self._measured.add(chain)
-        report = singularity_report(chain, q, point=point)
+        report = posture_report(chain, q, point=point)
         frame = self._model.full_frame(request.reference_frame)
         encode_report(report, asked.axes, frame, response)
         if self._table.settings.publish_markers:

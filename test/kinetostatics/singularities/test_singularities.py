@@ -152,13 +152,41 @@ def test_nearest_of_arms_with_more_or_fewer_joints(robot):
 
 def test_what_is_refused():
     chain = load_robot("puma560")
+    with pytest.raises(WrongSizeError, match="q "):
+        nearest_singular_posture(chain, np.zeros((2, 6)), length=LENGTH)
+    with pytest.raises(NonFiniteError, match="joint 'shoulder' in row 1"):
+        singularity_report(chain, [[0.0] * 6, [0.0, np.nan, 0, 0, 0, 0]], length=LENGTH)
     for ask in (singularity_report, nearest_singular_posture):
         with pytest.raises(WrongSizeError, match="q "):
-            ask(chain, np.zeros((2, 6)), length=LENGTH)
+            ask(chain, np.zeros((2, 5)), length=LENGTH)
         with pytest.raises(BadValueError, match="length .*a length from 1e-9 to 1e9 m"):
             ask(chain, np.zeros(6), length=-1.0)
         with pytest.raises(NonFiniteError, match="joint 'waist'"):
             ask(chain, [np.inf, 0, 0, 0, 0, 0], length=LENGTH)
+
+
+@pytest.mark.parametrize("robot", ["puma560", "ur5e", "scara", "planar3r", "iiwa14"])
+def test_a_batch_says_of_each_posture_what_is_said_of_it_alone(robot):
+    """Postures in rows were refused."""
+    chain, rng = load_robot(robot), np.random.default_rng(4)
+    q = rng.uniform(-2.0, 2.0, (3, 4, chain.n))
+    q[0, :2] = next(posture for name, posture, _ in NAMED if name == robot)
+    given = {"point": (0.1, 0.0, 0.2), "length": LENGTH}
+    reports = singularity_report(chain, q, **given)
+    assert reports.singular.shape == (3, 4) and reports.singular[0, :2].all()
+    for k in np.ndindex(3, 4):
+        alone, one = singularity_report(chain, q[k], **given), reports[k]
+        assert one.kinds == alone.kinds == reports.kinds[k] and one.rank == reports.rank[k]
+        assert one.factors == alone.factors and one.singular == alone.singular
+        for field in ("lost_directions", "idle_wrenches", "self_motions", "singular_values"):
+            np.testing.assert_array_equal(getattr(one, field), getattr(alone, field))
+        for field in ("manipulability", "condition_number", "normalised_condition_number"):
+            assert getattr(one, field) == getattr(alone, field) == getattr(reports, field)[k]
+        assert np.isfinite(reports.idle_wrenches[k][:, 0]).sum() == 6 - one.rank
+        J = jacobian(chain, q[k])
+        assert one.rank == np.linalg.matrix_rank(J, tol=1e-7)
+    none = singularity_report(chain, q[:0], **given)
+    assert none.rank.shape == (0, 4) and none.lost_directions.shape == (0, 4, 6, 6)
 
 
 def test_an_arm_with_more_joints_than_freedoms_is_judged_by_the_rank_it_has():
@@ -167,6 +195,10 @@ def test_an_arm_with_more_joints_than_freedoms_is_judged_by_the_rank_it_has():
     report = singularity_report(snake, [0.3, 0.6, 0.9, 1.2])
     assert not report.singular and report.rank == 3
     assert report.length == characteristic_length(snake)
+    expected = condition_number(snake, [0.3, 0.6, 0.9, 1.2])
+    assert report.condition_number == pytest.approx(expected, rel=1e-14)
+    expected = manipulability(snake, [0.3, 0.6, 0.9, 1.2])
+    assert report.manipulability == pytest.approx(expected, rel=1e-14)
     straight = singularity_report(snake, [0.3, 0.0, 0.0, 1.2])
     assert straight.kinds == ("elbow",) and straight.rank == 2
     assert len(straight.lost_directions) == 1
