@@ -7,6 +7,7 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh, dh_from_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
+from robomech_ros.robots.group_chains import group_chain, groups_by_links, main_chain
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.library import (
     list_robots,
@@ -21,7 +22,7 @@ from robomech_ros.robots.semantic import (
     Group,
     SemanticDescription,
 )
-from robomech_ros.robots.srdf import load_srdf
+from robomech_ros.robots.srdf.document import load_srdf
 from robomech_ros.robots.urdf.writer import urdf_from_description
 
 __all__ = [
@@ -42,10 +43,13 @@ __all__ = [
     "chain_from_dh",
     "combined",
     "dh_from_chain",
+    "group_chain",
+    "groups_by_links",
     "list_robots",
     "load_description",
     "load_robot",
     "load_srdf",
+    "main_chain",
     "robot_folders",
     "urdf_from_description",
 ]

@@ -153,6 +153,34 @@ class RobotDescription:
                 waiting.append(joint.child)
         return poses
 
+    @property
+    def link_depths(self) -> Mapping[str, int]:
+        """How many joints are above each link."""
+        return self._tree.depths
+
+    def parted_way(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
+        """List the joints on the way from one link to another, whatever their kind.
+
+        Parameters
+        ----------
+        first, second : str
+            Links; neither needs to be below the other.
+
+        Returns
+        -------
+        tuple of list of Joint
+            Those up from the first link, then those down to the second, in the order of the way.
+
+        Raises
+        ------
+        UnknownLinkError
+            No such link.
+        """
+        for link in (first, second):
+            if link not in self._tree.to_children:
+                raise UnknownLinkError(link, self.links)
+        return self._tree.way(first, second)
+
     def chain(self, base: str | None = None, tip: str | None = None) -> SerialChain:
         """Extract the chain from one link to a link below it, fixed joints folded.
 

@@ -50,6 +50,36 @@ class LinkTree:
             children[joint.parent].append(joint)
         return children
 
+    @cached_property
+    def depths(self) -> dict[str, int]:
+        """How many joints are above each link."""
+        root = next(link for link in self.links if link not in self.to_parent)
+        depths = {root: 0}
+        waiting = [root]
+        while waiting:
+            link = waiting.pop()
+            for joint in self.to_children[link]:
+                depths[joint.child] = depths[link] + 1
+                waiting.append(joint.child)
+        return depths
+
+    def way(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
+        """List the joints up from one link to where both ways meet, and those down to the other.
+
+        It looks at no joint that is not on the way.
+        """
+        up: list[Joint] = []
+        down: list[Joint] = []
+        while first != second:
+            if self.depths[first] >= self.depths[second]:
+                up.append(self.to_parent[first])
+                first = up[-1].parent
+            else:
+                down.append(self.to_parent[second])
+                second = down[-1].parent
+        down.reverse()
+        return up, down
+
     def branch(self, base: str, tip: str | None) -> tuple[str, Array]:
         """Find the link above the tip that fixed joints hold the base to, and its pose in the base.
 

@@ -1,11 +1,21 @@
-"""What an SRDF says of a robot: groups of joints, end effectors, named postures."""
+"""What an SRDF says of a robot: groups of joints, end effectors, named postures.
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+One place for named postures: a robot without an SRDF has ``home`` of its own description.
+"""
 
-from robomech_ros.errors import BadValueError
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
-__all__ = ["DisabledCollision", "EndEffector", "Group", "SemanticDescription"]
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["HOME", "DisabledCollision", "EndEffector", "Group", "SemanticDescription"]
+
+# The posture that every robot has, whatever its description says.
+HOME = "home"
 
 
 @dataclass(frozen=True)
@@ -63,6 +73,12 @@ class SemanticDescription:
         For each group its named postures: by name the positions (rad or m) by joint.
     disabled_collisions : tuple of DisabledCollision
         Pairs of links that the robot has.
+    unusable : mapping of (str, str) to str
+        By group and state why the robot cannot go to a named posture.
+    notes : tuple of str
+        What is no error, and yet not what the author of the document may believe.
+    document : str
+        The text of the document, empty where there is none.
     """
 
     name: str
@@ -70,6 +86,9 @@ class SemanticDescription:
     end_effectors: Mapping[str, EndEffector] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     disabled_collisions: tuple[DisabledCollision, ...] = ()
+    unusable: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    document: str = ""
 
     def group(self, name: str) -> Group:
         """Find a group.
@@ -90,12 +109,82 @@ class SemanticDescription:
         ------
         BadValueError
             There is no such group, or no such posture of it; the error lists those there are.
+        RobotDescriptionError
+            The robot cannot go there.
         """
         states = self.states.get(self.group(group).name, {})
         if name not in states:
             raise BadValueError(f"state of group '{group}'", name, _one_of(states))
+        if (group, name) in self.unusable:
+            place = f"state '{name}' of group '{group}'"
+            raise RobotDescriptionError(place, self.unusable[group, name])
         return dict(states[name])
 
+    def posture(self, chain: SerialChain, name: str) -> NDArray[np.float64]:
+        """Find a named posture of a chain.
 
-def _one_of(names: Mapping[str, object]) -> str:
+        It is a state of the group that has the chain's joints, and where that has none of the
+        name, of a group that has more; ``home`` is otherwise :meth:`SerialChain.home`.
+
+        Parameters
+        ----------
+        chain : SerialChain
+            Of n joints.
+        name : str
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            rad or m, within the limits of the joints.
+
+        Raises
+        ------
+        BadValueError
+            There is none of this name, or it gives no position of some joint of the chain; the
+            error lists those there are, or the joints.
+        RobotDescriptionError
+            The robot cannot go there.
+        """
+        group = next((one for one in self._groups_of(chain) if name in self.states[one]), None)
+        if group is None:
+            if name == HOME:
+                return chain.home()
+            raise BadValueError("posture", name, _one_of(self.postures(chain)))
+        state = self.state(group, name)
+        missing = [joint for joint in chain.joint_names if joint not in state]
+        if missing:
+            what = f"state '{name}' of group '{group}'"
+            expected = f"positions of {', '.join(missing)}, too"
+            raise BadValueError(what, state, expected)
+        q = np.array([state[joint] for joint in chain.joint_names])
+        inside: NDArray[np.float64] = np.clip(q, chain.lower, chain.upper)
+        return inside
+
+    def postures(self, chain: SerialChain) -> tuple[str, ...]:
+        """List the names of the postures of a chain, of which some may be unusable."""
+        found = [name for group in self._groups_of(chain) for name in self.states[group]]
+        return tuple(dict.fromkeys([HOME, *found]))
+
+    def at_home(self, chain: SerialChain) -> SerialChain:
+        """Give the chain with the named posture ``home`` as its own, if that can be used."""
+        if not any(HOME in self.states[group] for group in self._groups_of(chain)):
+            return chain
+        try:
+            return replace(chain, home_given=self.posture(chain, HOME))
+        except (BadValueError, RobotDescriptionError):
+            return chain
+
+    def with_groups(self, groups: Mapping[str, Group]) -> "SemanticDescription":
+        """Add groups; they go before others of the same name, whose states they get."""
+        return replace(self, groups={**self.groups, **groups})
+
+    def _groups_of(self, chain: SerialChain) -> list[str]:
+        """Name the groups with states that have all joints of a chain, the smallest first."""
+        joints = set(chain.joint_names)
+        known = [name for name in self.states if name in self.groups]
+        having = [name for name in known if joints <= set(self.groups[name].joints)]
+        return sorted(having, key=lambda name: len(self.groups[name].joints))
+
+
+def _one_of(names: Collection[str]) -> str:
     return f"one of {', '.join(names)}" if names else "none, since there are none"

@@ -1,5 +1,7 @@
 """SRDF: groups, end effectors, states; every name checked."""
 
+import time
+
 import pytest
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
@@ -111,11 +113,8 @@ def test_unknown_groups_and_states_are_answered_with_the_known_ones():
         ('<group name="arm"/>', '<group name="all"/>', "contains itself: all -> all"),
         ('<group name="none"/>', '<group name="arm"/>', "group 'arm': given twice"),
         ('<group name="none"/>', "<group/>", "a group without a name"),
-        ('group="hand" parent', 'group="claw" parent', "'gripper': group is 'claw'"),
-        ('parent_group="arm"', 'parent_group="legs"', "parent_group is 'legs', expected a group"),
-        ('parent_link="flange"', 'parent_link="x"', "parent_link is 'x', expected a link: base"),
         ('name="home" group="arm"', 'name="home" group="x"', "group_state 'home': group is 'x'"),
-        ('name="home" group="arm"', 'group="arm"', "a state without a name"),
+        ('name="home" group="arm"', 'group="arm"', "a group state without a name"),
         ('value="0.5"', 'value="0.5 1"', "joint 'a': value is '0.5 1', expected a finite number"),
         ('value="0.5"', 'value="$[pi]"', "expected a finite number, rad or m"),
         ('<joint name="a" value', '<joint name="z" value', "name is 'z', expected a joint"),
@@ -142,3 +141,124 @@ def test_hostile_documents_and_what_is_none():
     for nothing in (None, "", 3):
         with pytest.raises(BadValueError, match="expected the text of an SRDF, or a path"):
             load_srdf(nothing, ROBOT)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "note"),
+    [
+        ('group="hand" parent', 'group="claw" parent', "'gripper': group is 'claw'"),
+        ('parent_group="arm"', 'parent_group="legs"', "parent_group is 'legs', expected a group"),
+        ('parent_link="flange"', 'parent_link="x"', "parent_link is 'x', expected a link: base"),
+        ('name="gripper" parent', "parent", "end_effector: an end effector without a name"),
+        ('name="gripper" parent', 'name="" parent', "an end effector without a name"),
+    ],
+)
+def test_end_effectors_that_cannot_be_are_left_out_and_named(old, new, note):
+    assert old in SRDF
+    semantic = load_srdf(SRDF.replace(old, new, 1), ROBOT)
+    assert semantic.end_effectors == {}
+    (text,) = semantic.notes
+    assert note in text
+    assert text.startswith("SRDF string: line 10: end_effector")
+    assert text.endswith("; the end effector is left out")
+
+
+def state(name, group="arm", **positions):
+    joints = "".join(f'<joint name="{j}" value="{v}"/>' for j, v in positions.items())
+    return f'<group_state name="{name}" group="{group}">{joints}</group_state>'
+
+
+def with_states(*states):
+    return load_srdf(SRDF.replace("</robot>", f"{''.join(states)}</robot>"), ROBOT)
+
+
+@pytest.mark.parametrize(
+    ("states", "why"),
+    [
+        ([state("far", a=2.5, b=0)], "joint 'a' is at 2.5, outside its limits -2 to 2 (rad or m)"),
+        ([state("far", a=1, b=1), state("far", a=1, b=1.1)], "given twice, with different posi"),
+        (
+            ['<group_state name="far" group="arm"><joint name="a" value="1"/>'
+             '<joint name="a" value="-1"/></group_state>'],
+            "joint 'a' is given twice, with different positions",
+        ),
+    ],
+)  # fmt: skip
+def test_a_state_where_the_robot_cannot_go_is_named_at_once_and_refused_when_used(states, why):
+    semantic = with_states(*states)
+    assert any(why in note and note.endswith("it cannot be used") for note in semantic.notes)
+    assert all("group_state 'far' of group 'arm'" in note for note in semantic.notes)
+    chain = ROBOT.chain("base", "flange")
+    for use in (lambda: semantic.state("arm", "far"), lambda: semantic.posture(chain, "far")):
+        with pytest.raises(RobotDescriptionError) as caught:
+            use()
+        assert caught.value.where == "state 'far' of group 'arm'"
+        assert why in caught.value.why
+    assert semantic.posture(chain, "home").tolist() == [0.5, -0.1]
+
+
+def test_joints_of_other_groups_are_left_out_of_a_state():
+    semantic = with_states(state("ready", a=0.1, b=0.2, l=0.04))
+    assert semantic.state("arm", "ready") == {"a": 0.1, "b": 0.2}
+    (note,) = semantic.notes
+    assert "line 20: group_state 'ready' of group 'arm': " in note
+    assert note.endswith("joint 'l' not of this group, and left out")
+
+
+def test_a_state_may_leave_out_joints_but_is_then_no_posture_of_a_chain_with_them():
+    semantic = with_states(state("half", a=0.1))
+    assert semantic.state("arm", "half") == {"a": 0.1}
+    (note,) = semantic.notes
+    assert note.endswith("it gives no position of joint 'b'")
+    with pytest.raises(BadValueError, match="expected positions of b, too"):
+        semantic.posture(ROBOT.chain("base", "flange"), "half")
+
+
+def test_the_same_state_twice_is_one():
+    semantic = with_states(state("home", a=0.5, b=-0.1))
+    assert semantic.state("arm", "home") == {"a": 0.5, "b": -0.1}
+    (note,) = semantic.notes
+    assert note.endswith("group 'arm': given twice")
+
+
+def test_few_digits_mean_the_limit():
+    semantic = with_states(state("end", a=2.00004, b=-2))
+    assert semantic.state("arm", "end") == {"a": 2.0, "b": -2.0}
+    assert semantic.notes == ()
+
+
+def test_a_chain_from_tip_to_base_is_taken_from_base_to_tip():
+    up = SRDF.replace('base_link="base" tip_link="flange"', 'base_link="flange" tip_link="base"')
+    semantic = load_srdf(up, ROBOT)
+    assert semantic.groups["arm"] == load_srdf(SRDF, ROBOT).groups["arm"]
+    (note,) = semantic.notes
+    assert "line 4: group 'arm': its chain runs up, from 'flange' to 'base'" in note
+
+
+def test_thousands_of_long_chains_take_no_time():
+    count = 2000
+    joints = "".join(joint(f"j{i}", "revolute", f"l{i}", f"l{i + 1}") for i in range(count))
+    links = "".join(f'<link name="l{i}"/>' for i in range(count + 1))
+    robot = load_description(f'<robot name="r">{links}{joints}</robot>')
+    chains = "".join(f'<chain base_link="l{i}" tip_link="l{count}"/>' for i in range(count))
+    document = f'<robot name="r"><group name="g">{chains}</group></robot>'
+    load_srdf(document, robot)
+    start = time.process_time()
+    group = load_srdf(document, robot).groups["g"]
+    assert time.process_time() - start < 0.2
+    assert group.joints == tuple(f"j{i}" for i in range(count))
+    assert group.ends == ("l0", f"l{count}")
+
+
+def test_more_members_than_any_robot_has_are_refused():
+    inner = "".join(f'<group name="g{i}"><group name="g0"/></group>' for i in range(1, 20_000))
+    links = "".join(f'<joint name="{name}"/>' for name in ("a", "b", "mount", "grip", "l") * 20)
+    document = f'<robot name="r"><group name="g0">{links}</group>{inner}</robot>'
+    assert len(load_srdf(document, ROBOT).groups) == 20_000
+    count = 60
+    joints = "".join(joint(f"j{i}", "revolute", f"l{i}", f"l{i + 1}") for i in range(count))
+    names = "".join(f'<link name="l{i}"/>' for i in range(count + 1))
+    long = load_description(f'<robot name="r">{names}{joints}</robot>')
+    whole = f'<chain base_link="l0" tip_link="l{count}"/>'
+    with pytest.raises(RobotDescriptionError, match="all groups together have more than 1000000"):
+        load_srdf(f'<robot name="r"><group name="g0">{whole}</group>{inner}</robot>', long)

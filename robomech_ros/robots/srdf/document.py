@@ -1,0 +1,132 @@
+"""SRDF documents, checked against the robot that they speak of.
+
+Groups are made as MoveIt makes them: of chains, joints, links (each stands for the joint above
+it) and other groups.  Of names that the robot does not have, those in pairs of links without
+collisions are passed over, and end effectors with such names are left out and noted, as MoveIt
+does; all others are refused.
+"""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.guarded_xml import (
+    LARGEST_XML,
+    XmlElement,
+    parse_xml,
+    refuse_xacro,
+    text_of_xml,
+)
+from robomech_ros.robots.semantic import DisabledCollision, EndEffector, Group, SemanticDescription
+from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.srdf.groups import read_groups
+from robomech_ros.robots.srdf.names import SrdfNames
+from robomech_ros.robots.srdf.states import read_states
+
+__all__ = ["load_srdf"]
+
+
+def load_srdf(
+    text_or_path: str | os.PathLike[str], description: RobotDescription
+) -> SemanticDescription:
+    """Read the semantic description of a robot.
+
+    What is no error and yet not what its author may believe is in the ``notes`` of the result:
+    chains that run up the tree, end effectors of groups that there are not, states that leave out
+    joints of their group or name joints of others.  A state outside the limits of a joint is
+    named there, too, and cannot be used.
+
+    Parameters
+    ----------
+    text_or_path : str or path
+        The text of an SRDF, xacro expanded, or the path of a file.
+    description : RobotDescription
+        The robot.
+
+    Returns
+    -------
+    SemanticDescription
+
+    Raises
+    ------
+    RobotDescriptionError
+        The document is broken or hostile, or names a group, link or joint that there is not:
+        the line, the name and those there are are given.
+    BadValueError
+        Neither text nor a path.
+
+    See Also
+    --------
+    load_description : the robot.
+    group_chain : the chain of a group.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import load_description, load_srdf
+    >>> text = '''<robot name="ur5e">
+    ...   <group name="arm"><chain base_link="base_link" tip_link="tool0"/></group>
+    ...   <group_state name="up" group="arm">
+    ...     <joint name="shoulder_lift_joint" value="-1.57"/>
+    ...   </group_state>
+    ... </robot>'''
+    >>> semantic = load_srdf(text, load_description("ur5e"))
+    >>> semantic.groups["arm"].ends, semantic.states["arm"]["up"]
+    (('base_link', 'tool0'), {'shoulder_lift_joint': -1.57})
+    """
+    given: object = text_or_path
+    data: str | bytes
+    if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
+        data, where = given, "SRDF string"
+    elif isinstance(given, str | os.PathLike) and str(given).strip():
+        where = str(given)
+        data = read_source(Path(given).expanduser(), LARGEST_XML)
+    else:
+        raise BadValueError("SRDF", given, "the text of an SRDF, or a path")
+    root = parse_xml(data, where)
+    names = SrdfNames(root, where, description)
+    if root.tag != "robot":
+        names.refuse(root, f"the root element is <{root.tag[:80]}>, expected <robot>")
+    refuse_xacro(root, where)
+    notes: list[str] = []
+    groups = read_groups(root, names, notes)
+    states = read_states(root, names, groups, notes)
+    tools = _end_effectors(root, names, groups, notes)
+    return SemanticDescription(
+        name=root.attributes.get("name", ""),
+        groups=groups,
+        end_effectors=tools,
+        states=states.positions,
+        disabled_collisions=tuple(_disabled(root, names)),
+        unusable=states.unusable,
+        notes=tuple(notes),
+        document=text_of_xml(data),
+    )
+
+
+def _end_effectors(
+    root: XmlElement, names: SrdfNames, groups: dict[str, Group], notes: list[str]
+) -> dict[str, EndEffector]:
+    """Read the end effectors; as in MoveIt, those that cannot be are left out."""
+    found: dict[str, EndEffector] = {}
+    for element in root.all("end_effector"):
+        try:
+            name = names.own(element, found)
+            group = names.known(element, "group", groups, "group")
+            link = names.known(element, "parent_link", names.links, "link")
+            above = ""
+            if element.attributes.get("parent_group"):
+                above = names.known(element, "parent_group", groups, "group")
+        except RobotDescriptionError as error:
+            notes.append(f"{error}; the end effector is left out")
+            continue
+        found[name] = EndEffector(name, group, link, above)
+    return found
+
+
+def _disabled(root: XmlElement, names: SrdfNames) -> Iterator[DisabledCollision]:
+    for element in root.all("disable_collisions"):
+        first, second = (element.attributes.get(key, "") for key in ("link1", "link2"))
+        if first in names.links and second in names.links:
+            yield DisabledCollision(first, second, element.attributes.get("reason", ""))

@@ -1,0 +1,88 @@
+"""The names in an SRDF, checked against the robot's."""
+
+from collections.abc import Collection
+from difflib import get_close_matches
+from typing import NoReturn
+
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.guarded_xml import XmlElement
+
+__all__ = ["SrdfNames"]
+
+_MOST_NAMES = 20
+
+
+class SrdfNames:
+    """Joints and links that a document may name.
+
+    Parameters
+    ----------
+    root : XmlElement
+        Of the document.
+    where : str
+        What the document is called in messages.
+    robot : RobotDescription
+
+    Attributes
+    ----------
+    joints : dict of str to Joint
+        Those of the robot.
+    all_joints : dict of str to None
+        The same and the virtual joints of the document, in the order in which messages list them.
+    to_parent : dict of str to Joint
+        The joint above each link but the root.
+    links : dict of str to None
+        Those of the robot.
+    """
+
+    def __init__(self, root: XmlElement, where: str, robot: RobotDescription) -> None:
+        self.where = where
+        self.robot = robot
+        self.joints = {joint.name: joint for joint in robot.joints}
+        self.to_parent = {joint.child: joint for joint in robot.joints}
+        virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
+        self.all_joints = dict.fromkeys([*self.joints, *virtual])
+        self.links = dict.fromkeys(robot.links)
+
+    def place(self, element: XmlElement) -> str:
+        """Say where an element is."""
+        name = element.attributes.get("name", "")
+        what = f" '{name[:80]}'" if name else ""
+        return f"{self.where}: line {element.line}: {element.tag}{what}"
+
+    def refuse(self, element: XmlElement, why: str) -> NoReturn:
+        """Refuse the document for one of its elements."""
+        raise RobotDescriptionError(self.place(element), why)
+
+    def own(self, element: XmlElement, taken: Collection[str]) -> str:
+        """Read the name of an element, which no other of its kind has.
+
+        Raises
+        ------
+        RobotDescriptionError
+            There is none, or it is taken.
+        """
+        name = element.attributes.get("name", "")
+        if not name or name in taken:
+            kind = element.tag.replace("_", " ")
+            article = "an" if kind[0] in "aeiou" else "a"
+            self.refuse(element, "given twice" if name else f"{article} {kind} without a name")
+        return name
+
+    def known(self, element: XmlElement, key: str, known: Collection[str], kind: str) -> str:
+        """Read an attribute that names something known.
+
+        Raises
+        ------
+        RobotDescriptionError
+            It names something else; what is known is listed.
+        """
+        name = element.attributes.get(key, "")
+        if name not in known:
+            names = list(known)
+            close = get_close_matches(name[:80], names[:1000], n=1)
+            hint = f" (did you mean '{close[0]}'?)" if close else ""
+            listed = ", ".join(names[:_MOST_NAMES]) or "none"
+            self.refuse(element, f"{key} is '{name[:80]}'{hint}, expected a {kind}: {listed}")
+        return name
