@@ -39,7 +39,8 @@ class JointPositions:
 
     A state without names has one position for every joint of the configured chain, in its order,
     whichever link it serves; for the chain to another link it may also have one for every joint
-    of that chain.
+    of that chain.  One with the name of a posture in the place of a joint's, and no position, is
+    that posture.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ class JointPositions:
     def read(self, chain: SerialChain, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
         whole, size = self._model.chain, len(state.position)
+        if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
+            return self._model.posture(chain, state.name[0])
         if not state.name and chain is not whole:
             if size == whole.n:
                 values = self.read(whole, state, what)

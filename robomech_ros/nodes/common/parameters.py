@@ -36,6 +36,7 @@ Settings = TypeVar("Settings")
 
 _METADATA = "robomech parameter"
 _SHORTENED = 120
+_TEXTS = tuple[str, ...]
 _TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 # The wildcard and the parameters that rclpy itself declares.
 _FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides")
@@ -66,7 +67,7 @@ class ParameterRow:
     name : str
         Of the parameter.
     kind : type
-        bool, int, float, str, or ``tuple[float, ...]``.
+        bool, int, float, str, ``tuple[float, ...]`` or ``tuple[str, ...]``.
     default : object
         Value where none is given.
     description : str
@@ -96,6 +97,8 @@ class ParameterRow:
         """Say in words which values are allowed."""
         if self.choices:
             return "one of " + ", ".join(f"'{choice}'" for choice in self.choices)
+        if self.kind == _TEXTS:
+            return "a list of strings"
         numbers = self.kind not in _TYPE_NAMES
         text = "a list of numbers" if numbers else _TYPE_NAMES[self.kind]
         each = ", each" if numbers else ""
@@ -130,9 +133,13 @@ class ParameterRow:
             raise ParameterError(self.name, value, self.allowed)
         return value
 
-    def _checked_list(self, value: Any) -> tuple[float, ...]:
+    def _checked_list(self, value: Any) -> tuple[Any, ...]:
         # An empty list comes as a list of bytes or as not set: it carries no type.
         entries = () if value is None else tuple(value) if not isinstance(value, str) else (value,)
+        if self.kind == _TEXTS:
+            if isinstance(value, str) or not all(isinstance(entry, str) for entry in entries):
+                raise ParameterError(self.name, value, self.allowed)
+            return entries
         if any(
             isinstance(entry, bool | str | bytes) or not self._in_range(entry) for entry in entries
         ):
@@ -179,7 +186,7 @@ def parameter(
 
     Parameters
     ----------
-    default : bool, int, float, str or tuple of float
+    default : bool, int, float, str, tuple of float or tuple of str
         Value where none is given.
     description : str
         What it means, and what empty or zero means.
@@ -281,7 +288,8 @@ def _declared(node: Node, row: ParameterRow) -> Any:
     default = list(row.default) if isinstance(row.default, tuple) else row.default
     value = row.checked(node.declare_parameter(row.name, default, untyped).value)
     node.undeclare_parameter(row.name)
-    kept = Parameter.Type.DOUBLE_ARRAY if get_args(row.kind) and not value else _plain(value)
+    lists = Parameter.Type.STRING_ARRAY if row.kind == _TEXTS else Parameter.Type.DOUBLE_ARRAY
+    kept = lists if get_args(row.kind) and not value else _plain(value)
     node.declare_parameter(row.name, kept, row.descriptor(), ignore_override=True)
     return value
 

@@ -1,6 +1,6 @@
 """The robot of a node: from a parameter, or from the latched topic ``robot_description``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,17 +9,29 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
-from robomech_ros.errors import RobomechError, UnknownLinkError
+from robomech_ros.errors import BadValueError, RobomechError, UnknownLinkError
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.robots import RobotDescription, SerialChain, load_description
+from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
+from robomech_ros.robots import (
+    Group,
+    RobotDescription,
+    SemanticDescription,
+    SerialChain,
+    group_chain,
+    load_description,
+    main_chain,
+)
+from robomech_ros.robots.group_chains import group_of_chain
 
-__all__ = ["RobotModel", "RobotSettings", "when_robot_known"]
+__all__ = ["LATCHED", "WHOLE_CHAIN", "RobotModel", "RobotSettings", "when_robot_known"]
 
 Array = NDArray[np.float64]
 
 TOPIC = "robot_description"
+# The one group of joints where none are given, beside the name of the robot.
+WHOLE_CHAIN = "manipulator"
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -34,7 +46,24 @@ class RobotSettings:
     )
     base_link: str = parameter("", "First link of the chain. Empty = the root of the description")
     tip_link: str = parameter(
-        "", "Last link of the chain. Empty = the one leaf that joints move, else tool0 or flange"
+        "",
+        "Last link of the chain. Empty = the tip of the parameter group, else the one leaf that "
+        "joints move, else tool0 or flange, else the tip of the one arm of the SRDF",
+    )
+    robot_description_semantic: str = parameter(
+        "",
+        "Groups of joints and named states of the robot: the path or the text of an SRDF. Empty = "
+        "from the latched topic robot_description_semantic, as soon as somebody publishes it",
+    )
+    groups: tuple[str, ...] = parameter(
+        (),
+        "Groups of joints that requests may name, beside those of the SRDF, each as name:tip_link "
+        "or name:base_link:tip_link",
+    )
+    group: str = parameter(
+        "",
+        "The group whose chain the node works with; base_link and tip_link go before its ends. "
+        "Empty = the chain from base_link to tip_link",
     )
     frame_prefix: str = parameter(
         "",
@@ -54,6 +83,14 @@ class RobotModel:
         Ends of the chain; empty for the defaults of the description.
     frame_prefix : str
         What the names of its frames begin with, before the name of the link.
+    semantic : SemanticDescription, optional
+        Its groups and named postures; default none but ``home``.
+    group : str, optional
+        The group whose chain is meant, see :func:`main_chain`.
+
+    Attributes
+    ----------
+    semantic : SemanticDescription
 
     Raises
     ------
@@ -67,13 +104,17 @@ class RobotModel:
         base_link: str = "",
         tip_link: str = "",
         frame_prefix: str = "",
-    ):
+        semantic: SemanticDescription | None = None,
+        group: str = "",
+    ) -> None:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"
             raise ParameterError("frame_prefix", frame_prefix, expected)
         self.description = description
         self.frame_prefix = frame_prefix
-        self.chain: SerialChain = description.chain(base_link, tip_link)
+        self.semantic = semantic or SemanticDescription(description.name)
+        self.chain: SerialChain = main_chain(description, self.semantic, base_link, tip_link, group)
+        self._group_chains: dict[tuple[str, str], SerialChain] = {}
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
         self._chains = {self.chain.tip: self.chain, "": self.chain}
         self.fixed_frames = _fixed_frames(description, self.chain.base)
@@ -131,6 +172,50 @@ class RobotModel:
             return self.chain.with_tip(link)
         except UnknownLinkError:
             return self.description.chain(self.chain.base, link)
+
+    @property
+    def groups(self) -> Mapping[str, Group]:
+        """The groups that requests may name: those given, else the configured chain alone."""
+        if self.semantic.groups:
+            return self.semantic.groups
+        return {name: group_of_chain(name, self.chain) for name in (WHOLE_CHAIN, self.chain.name)}
+
+    def chain_of(self, group: str, link: str = "") -> SerialChain:
+        """Give the chain of a group, to its tip or to another link that it moves.
+
+        Without the name of a group, and where none are given, it begins at the configured base.
+
+        Raises
+        ------
+        BadValueError
+            There is no such group, and those there are are listed; or it does not move the link.
+        UnknownLinkError, RobotDescriptionError
+            There is no such link, or no chain to it.
+        """
+        if group and group not in self.groups:
+            expected = f"one of {', '.join(self.groups)}, or empty for the configured chain"
+            raise BadValueError("group", group, expected)
+        if not group or not self.semantic.groups:
+            return self.chain_to(link)
+        link = self.link_of(link)
+        if (group, link) not in self._group_chains:
+            chain = group_chain(self.description, self.groups[group], link)
+            same = (chain.base, chain.tip) == (self.chain.base, self.chain.tip)
+            self._group_chains[group, link] = self.chain if same else chain
+        return self._group_chains[group, link]
+
+    def joints_of(self, group: str) -> tuple[str, ...]:
+        """Name the joints of a group, "" being the configured chain."""
+        return self.groups[group].joints if group else self.chain.joint_names
+
+    def posture(self, chain: SerialChain, name: str) -> Array:
+        """Find a named posture of a chain, shape (n,) (rad or m)."""
+        return self.semantic.posture(chain, name)
+
+    def learn(self, semantic: SemanticDescription) -> None:
+        """Take other groups and named postures than so far; the configured chain stays."""
+        self.semantic = semantic
+        self._group_chains = {}
 
     def frame_in_base(self, frame: str) -> Array | None:
         """Give the pose, shape (4, 4) (m), of a frame fixed to the base; None for the base itself.
@@ -194,39 +279,75 @@ def when_robot_known(
         The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
         logged, and the node goes on waiting for a better one.
     """
-    base, tip, prefix = settings.base_link, settings.tip_link, settings.frame_prefix
+    source = SemanticSource(
+        node, settings.robot_description_semantic, settings.groups, settings.group
+    )
 
-    def model_of(robot: str) -> RobotModel:
-        description = load_description(robot)
-        whole = supplemented(description) if supplemented else description
-        return RobotModel(whole, base, tip, prefix)
+    def begin(robot: str) -> None:
+        described = load_description(robot)
+        if supplemented is not None:
+            described = supplemented(described)
+        ends = settings.base_link, settings.tip_link
+        known = source.semantic(described), settings.group
+        model = RobotModel(described, *ends, settings.frame_prefix, *known)
+        on_robot(model)
+        source.teach(model)
 
-    if settings.robot_description:
-        on_robot(model_of(settings.robot_description))
+    if settings.robot_description and not source.lacks_group:
+        begin(settings.robot_description)
         Readiness(node)
         return
-    known: list[RobotModel] = []
+    _WaitingNode(node, settings, source, begin)
 
-    def receive(message: String) -> None:
-        if known:
+
+class _WaitingNode:
+    """A node whose robot, or the SRDF with the group that is meant, comes by a topic."""
+
+    def __init__(
+        self,
+        node: Node,
+        settings: RobotSettings,
+        source: SemanticSource,
+        begin: Callable[[str], None],
+    ) -> None:
+        self._log = node.get_logger()
+        self._source = source
+        self._begin = begin
+        self._done = False
+        self._robot = settings.robot_description
+        source.on_news = self._try
+        place, what = node.resolve_topic_name(SEMANTIC_TOPIC), SEMANTIC_TOPIC
+        waits_for = f"the SRDF with group '{settings.group}'"
+        if not self._robot:
+            place, what, waits_for = node.resolve_topic_name(TOPIC), TOPIC, "the robot"
+            node.create_subscription(String, TOPIC, self._receive, LATCHED)
+        self._place = place
+        publisher = "robot_state_publisher" if what == TOPIC else "move_group"
+        self._readiness = Readiness(
+            node,
+            f"waiting for {waits_for} on topic '{place}' (a latched std_msgs/String, as "
+            f"{publisher} has it); else name it by the parameter {what} of "
+            f"'{node.get_fully_qualified_name()}'. Its other services come with the robot",
+        )
+
+    def _receive(self, message: String) -> None:
+        if self._done:
             text = "a new robot description is ignored; restart the node to change its robot"
-            node.get_logger().warning(text)
+            self._log.warning(text)
+            return
+        self._robot = message.data
+        self._try()
+
+    def _try(self) -> None:
+        """Begin with the robot, if it is known and can be used."""
+        if self._done or not self._robot:
             return
         try:
-            model = model_of(message.data)
-            on_robot(model)
+            self._begin(self._robot)
         except RobomechError as error:
-            text = f"unusable robot on '{subscription.topic_name}': {error}"
-            node.get_logger().error(text)
-            readiness.wait_for(text)
+            text = f"unusable robot on '{self._place}': {error}"
+            self._log.error(text)
+            self._readiness.wait_for(text)
             return
-        known.append(model)
-        readiness.reached()
-
-    subscription = node.create_subscription(String, TOPIC, receive, LATCHED)
-    readiness = Readiness(
-        node,
-        f"waiting for the robot on topic '{subscription.topic_name}' (a latched std_msgs/String, "
-        "as robot_state_publisher has it); else name it by the parameter robot_description of "
-        f"'{node.get_fully_qualified_name()}'. Its other services come with the robot",
-    )
+        self._done = True
+        self._readiness.reached()

@@ -14,9 +14,10 @@ from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
 from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import refused_as
-from robomech_ros.nodes.moveit.serving import chain_to, check_group, refuse_collision_checks
+from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import inverse_pose
 
 __all__ = ["CartesianQuestion", "read_question"]
 
@@ -33,6 +34,8 @@ class CartesianQuestion:
     ----------
     chain : SerialChain
         To the link that goes along the path.
+    joint_names : tuple of str
+        Joints of the group, which the answer is for.
     positions : mapping
         Where all joints are that are known, rad or m.
     waypoints : ndarray, shape (m, 4, 4)
@@ -54,6 +57,7 @@ class CartesianQuestion:
     """
 
     chain: SerialChain
+    joint_names: tuple[str, ...]
     positions: Positions
     waypoints: Array
     step: float
@@ -96,13 +100,11 @@ async def read_question(
     RefusedError
         It cannot be served as it is; the code says by which part of it.
     """
-    check_group(robot.model, request.group_name)
+    chain = chain_of(robot.model, request.group_name, request.link_name)
     refuse_collision_checks(request)
-    chain = chain_to(robot.model, request.link_name)
     numbers = _numbers(request)
-    limited = chain_to(
-        robot.model, getattr(request, "cartesian_speed_limited_link", "") or chain.tip
-    )
+    slow = getattr(request, "cartesian_speed_limited_link", "")
+    limited = chain_of(robot.model, "", slow) if slow else chain
     frame = robot.model.link_of(request.header.frame_id)
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         check_waypoints("waypoints", len(request.waypoints), most_waypoints)
@@ -115,10 +117,17 @@ async def read_question(
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         given = robot.read(request.start_state, "start_state")
         _check_rest(request.start_state.joint_state, tolerance)
-        joints = (*chain.joint_names, *limited.joint_names, *conditions.joints, *to_frame)
+        joints = (
+            *chain.joint_names,
+            *limited.joint_names,
+            *conditions.joints,
+            *to_frame,
+            *robot.joints_to_base_of(chain),
+        )
         positions = await state(given, list(dict.fromkeys(joints)))
     return CartesianQuestion(
         chain=chain,
+        joint_names=robot.model.joints_of(request.group_name),
         positions=positions,
         waypoints=_in_base(poses, frame, chain, positions, robot),
         conditions=conditions,
@@ -130,14 +139,15 @@ async def read_question(
 def _in_base(
     poses: list[Array], frame: str, chain: SerialChain, positions: Positions, robot: WholeRobot
 ) -> Array:
-    """Give waypoints in the base; in the frame of the link itself each counts from the last."""
-    if frame == chain.tip and chain.n:
-        pose, found = robot.pose(frame, positions), []
-        for step in poses:
-            pose = pose @ step
-            found.append(pose)
-        return np.stack(found)
-    return np.stack([robot.pose(frame, positions) @ pose for pose in poses])
+    """Give waypoints in the base of the chain; in the frame of its tip, each from the last."""
+    pose, found = robot.pose(frame, positions), []
+    if chain.base != robot.model.chain.base:
+        pose = inverse_pose(robot.base_of(chain, positions)) @ pose
+    for step in poses:
+        found.append(pose @ step)
+        if frame == chain.tip and chain.n:
+            pose = found[-1]
+    return np.stack(found)
 
 
 def _check_rest(joints: Any, tolerance: float) -> None:

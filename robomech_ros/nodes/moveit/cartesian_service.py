@@ -123,7 +123,7 @@ class CartesianPathService:
         assert points.accelerations is not None
         still = [
             name
-            for name in self._robot.model.chain.joint_names
+            for name in question.joint_names
             if name not in chain.joint_names and name in question.positions
         ]
         places = np.array([question.positions[name] for name in still])

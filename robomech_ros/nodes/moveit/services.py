@@ -20,8 +20,7 @@ from robomech_ros.nodes.moveit.conditions import Conditions
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import (
     answering,
-    chain_to,
-    check_group,
+    chain_of,
     refuse_collision_checks,
 )
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
@@ -90,10 +89,9 @@ class MoveItServices:
         return MoveItErrorCodes.SUCCESS, result.reason
 
     async def _read(self, request: Any) -> _Question:
-        check_group(self._robot.model, request.group_name)
-        refuse_collision_checks(request)
         link, pose = _one_pose(request)
-        chain = chain_to(self._robot.model, link)
+        chain = chain_of(self._robot.model, request.group_name, link)
+        refuse_collision_checks(request)
         with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
             T = matrix_from_pose(pose.pose, "pose_stamped.pose")
             frame = self._robot.model.frame_in_base(pose.header.frame_id)
@@ -103,13 +101,16 @@ class MoveItServices:
             # What a difference leaves out must be known, and what a condition is about; else a
             # seed is a hint, of which the middle of the range is as good as any.
             relative = request.robot_state.is_diff and bool(given)
-            needed = self._robot.joint_names if relative else conditions.joints
+            to_base = self._robot.joints_to_base_of(chain)
+            needed = self._robot.joint_names if relative else (*conditions.joints, *to_base)
             needed = [name for name in needed if relative or name not in chain.joint_names]
             positions = await self._robot.with_needed(given, needed, self._patience())
         with refused_as(MoveItErrorCodes.FAILURE):
             timeout = seconds_from_duration(request.timeout, "timeout") or None
         positions = self._robot.with_defaults(positions)
         target = T if frame is None else frame @ T
+        if chain.base != self._robot.model.chain.base:
+            target = inverse_pose(self._robot.base_of(chain, positions)) @ target
         return _Question(chain, target, positions, conditions, timeout)
 
     @staticmethod

@@ -12,10 +12,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.moveit.refusals import RefusedError, fill_code, refused_as
 from robomech_ros.robots import SerialChain
 
-__all__ = ["GROUP", "answering", "chain_to", "check_group", "refuse_collision_checks"]
-
-# The one group of joints of a node, beside the name of the robot.
-GROUP = "manipulator"
+__all__ = ["answering", "chain_of", "refuse_collision_checks"]
 
 _Callback = Callable[[Any, Any], Awaitable[Any]]
 
@@ -45,21 +42,19 @@ def answering(node: Node, callback: _Callback) -> _Callback:
     return call
 
 
-def check_group(model: RobotModel, name: str) -> None:
-    """Refuse the name of any group but the one of the node."""
-    known = (GROUP, model.chain.name)
-    if name and name not in known:
-        listed = " or ".join(f"'{one}'" for one in known)
+def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
+    """Give the chain of a group to a link that its joints move.
+
+    Without a group it begins at the configured base; without a link it ends at the tip.
+    """
+    if group and group not in model.groups:
+        listed = " or ".join(f"'{one}'" for one in model.groups)
         raise RefusedError(
             MoveItErrorCodes.INVALID_GROUP_NAME,
-            f"group_name is {name[:200]!r}, expected {listed}, or empty for the same",
+            f"group_name is {group[:200]!r}, expected {listed}, or empty for the configured chain",
         )
-
-
-def chain_to(model: RobotModel, link: str) -> SerialChain:
-    """Give the chain to a link that joints move; "" is the configured tip."""
     with refused_as(MoveItErrorCodes.INVALID_LINK_NAME):
-        chain = model.chain_to(link)
+        chain = model.chain_of(group, link)
     if not chain.n:
         raise RefusedError(
             MoveItErrorCodes.INVALID_LINK_NAME,

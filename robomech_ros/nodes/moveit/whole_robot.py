@@ -20,6 +20,8 @@ from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.moveit.refusals import RefusedError
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import inverse_pose
 
 __all__ = ["WholeRobot"]
 
@@ -168,6 +170,35 @@ class WholeRobot:
         except UnknownLinkError as error:
             why = "the robot has no such link"
             raise FrameUnavailableError(frame, error.available, why) from None
+
+    def joints_to_base_of(self, chain: SerialChain) -> tuple[str, ...]:
+        """Name the joints between the configured base and the base of another chain.
+
+        Of one that follows another, it is the one that leads.
+        """
+        if chain.base in self.model.fixed_frames:
+            return ()
+        description = self.model.description
+        up, down = description.parted_way(self.model.chain.base, chain.base)
+        leaders = {name: one.leader for name, one in description.followers.items()}
+        moving = [joint.name for joint in (*up, *down) if joint.moves]
+        return tuple(dict.fromkeys(leaders.get(name, name) for name in moving))
+
+    def base_of(self, chain: SerialChain, positions: Positions) -> Array:
+        """Give the pose of a chain's base in the configured base, shape (4, 4) (m).
+
+        Parameters
+        ----------
+        chain : SerialChain
+            Of this robot.
+        positions : mapping
+            rad or m, of those joints at least that are in between.
+        """
+        if chain.base in self.model.fixed_frames:
+            return self.model.fixed_frames[chain.base]
+        poses = self.model.description.link_poses(positions)
+        below: Array = inverse_pose(poses[self.model.chain.base]) @ poses[chain.base]
+        return below
 
     def pose(self, frame: str, positions: Positions) -> Array:
         """Give the pose of a link in the base, shape (4, 4) (m); "" is the base itself."""

@@ -70,7 +70,7 @@ class TrajectoryPublisherNode(Node):
     def _know_robot(self, model: RobotModel) -> None:
         self._link.know_robot(model)
         self._reader.robot_joints = tuple(model.joint_names)
-        self._programs.chain = model.chain
+        self._programs.model = model
 
     def _take_result(self, delivery: Delivery, code: int, text: str) -> None:
         self._loop.conclude(delivery, code, text)

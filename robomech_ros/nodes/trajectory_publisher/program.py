@@ -9,6 +9,7 @@
     steps:
       - {move: above, profile: ruckig, velocity_scale: 0.5}
       - {move: down, duration: 1.5}
+      - {move: home}           # as the SRDF or the robot's description has it
       - {wait: 0.2}            # s
 """
 
@@ -18,8 +19,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robomech_ros.errors import RobotDescriptionError
-from robomech_ros.robots import SerialChain
+from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.robots import SemanticDescription, SerialChain
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 
 __all__ = ["Program", "Step", "read_program"]
@@ -68,7 +69,7 @@ class Program:
     cycles: int
 
 
-def read_program(path: str, chain: SerialChain) -> Program:
+def read_program(path: str, chain: SerialChain, semantic: SemanticDescription) -> Program:
     """Read a program for a robot.
 
     Parameters
@@ -77,6 +78,8 @@ def read_program(path: str, chain: SerialChain) -> Program:
         Of the YAML file.
     chain : SerialChain
         The robot, for the number of joints and their ranges.
+    semantic : SemanticDescription
+        For named postures that the program does not give itself.
 
     Returns
     -------
@@ -93,12 +96,12 @@ def read_program(path: str, chain: SerialChain) -> Program:
     except (OSError, ValueError) as error:
         raise RobotDescriptionError(f"program '{path}'", f"not readable: {error}") from None
     where = f"program '{path}'"
-    given = check_keys(parse_yaml(text, where), where, ("postures", "steps"), ("cycles",))
+    given = check_keys(parse_yaml(text, where), where, ("steps",), ("postures", "cycles"))
     cycles = given.get("cycles", 1)
     if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
         why = f"cycles is {cycles!r}, expected a whole number from 0 (until cancelled) on"
         raise RobotDescriptionError(where, f"{why} to {_MOST_CYCLES}")
-    postures = _postures(given["postures"], where, chain)
+    postures = _Postures(_postures(given.get("postures", {}), where, chain), chain, semantic)
     steps = given["steps"]
     if not isinstance(steps, list) or not steps:
         raise RobotDescriptionError(where, "steps is no list with at least one step")
@@ -108,9 +111,31 @@ def read_program(path: str, chain: SerialChain) -> Program:
     return Program(tuple(read), cycles)
 
 
+@dataclass(frozen=True)
+class _Postures:
+    """Where the robot can be sent by name: what the program gives goes before what is known."""
+
+    given: Mapping[str, tuple[float, ...]]
+    chain: SerialChain
+    semantic: SemanticDescription
+
+    def positions(self, name: str, where: str) -> tuple[float, ...]:
+        """Find a posture (rad or m)."""
+        if name in self.given:
+            return self.given[name]
+        known = self.semantic.postures(self.chain)
+        if name not in known:
+            names = ", ".join(dict.fromkeys([*self.given, *known]))
+            raise RobotDescriptionError(where, f"no posture '{name[:80]}'; there are {names}")
+        try:
+            return tuple(self.semantic.posture(self.chain, name).tolist())
+        except RobomechError as error:
+            raise RobotDescriptionError(where, str(error)) from None
+
+
 def _postures(given: object, where: str, chain: SerialChain) -> dict[str, tuple[float, ...]]:
-    if not isinstance(given, dict) or not given:
-        raise RobotDescriptionError(where, "postures is no mapping with at least one posture")
+    if not isinstance(given, dict):
+        raise RobotDescriptionError(where, "postures is no mapping of names to positions")
     return {
         str(name): _positions(values, f"{where}: posture '{name}'", chain)
         for name, values in given.items()
@@ -130,7 +155,7 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
     return tuple(float(value) for value in given)
 
 
-def _step(given: object, where: str, postures: Mapping[str, tuple[float, ...]]) -> Step:
+def _step(given: object, where: str, postures: _Postures) -> Step:
     if isinstance(given, dict) and "wait" in given:
         wait = check_keys(given, where, ("wait",), ())["wait"]
         if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
@@ -139,9 +164,7 @@ def _step(given: object, where: str, postures: Mapping[str, tuple[float, ...]]) 
         return Step(wait=float(wait))
     step = check_keys(given, where, ("move",), _OPTIONS)
     name = str(step["move"])
-    if name not in postures:
-        why = f"no posture '{name[:80]}'; there are {', '.join(postures)}"
-        raise RobotDescriptionError(where, why)
+    positions = postures.positions(name, where)
     from robomech_ros.trajectory import PROFILES  # compiled code, which takes long to load
 
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
@@ -152,7 +175,7 @@ def _step(given: object, where: str, postures: Mapping[str, tuple[float, ...]]) 
         if key in options and not (_is_number(options[key]) and options[key] > 0.0):
             why = f"{key} is {options[key]!r}, expected a number above 0"
             raise RobotDescriptionError(where, why)
-    return Step(posture=name, positions=postures[name], options=options)
+    return Step(posture=name, positions=positions, options=options)
 
 
 def _is_number(value: object) -> bool:

@@ -10,12 +10,12 @@ from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import read_program
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
-from robomech_ros.robots import SerialChain
 
 __all__ = ["ProgramService"]
 
@@ -38,7 +38,7 @@ class ProgramService:
 
     Attributes
     ----------
-    chain : SerialChain or None
+    model : RobotModel or None
         The robot, once it is known.
     """
 
@@ -50,7 +50,7 @@ class ProgramService:
         loop: DispatchLoop,
         link: ControllerLink,
     ) -> None:
-        self.chain: SerialChain | None = None
+        self.model: RobotModel | None = None
         self._table = table
         self._runner = runner
         self._loop = loop
@@ -67,15 +67,16 @@ class ProgramService:
 
     def _start(self, path: str) -> str:
         """Read a program and begin it; says so."""
-        chain = self.chain
+        model = self.model
         if not path:
             raise BadValueError("the parameter program", path, "the path of a YAML file")
-        if chain is None:
+        if model is None:
             allowed = "a robot, for a program to be planned"
             raise ParameterError("robot_description", "", allowed)
         if self._runner.runs or self._loop.dispatcher.busy:
             raise TrajectoryRefusedError("something is being executed already; ~/cancel ends it")
-        program = read_program(path, chain)
+        chain = model.chain
+        program = read_program(path, chain, model.semantic)
         position = self._link.positions(chain.joint_names)
         if position is None:
             raise NoStateError(chain.joint_names, "joint_states")

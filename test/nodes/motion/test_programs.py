@@ -7,10 +7,11 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.nodes.trajectory_publisher.program import read_program
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import SemanticDescription, load_robot
 
 CHAIN = load_robot(ROBOT)
 HOME = CHAIN.home()
+NAMED = SemanticDescription(ROBOT)
 ABOVE, DOWN = HOME + 0.1, HOME + np.array([0.1, 0.2, 0.1, 0.1, 0.1, 0.1])
 STEPS = """
   - {move: above, velocity_scale: 0.9}
@@ -81,7 +82,7 @@ def test_without_program_or_robot(suite, tmp_path):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"steps": "\n  - {move: up}"}, "step 1: no posture 'up'; there are above, down"),
+        ({"steps": "\n  - {move: up}"}, "step 1: no posture 'up'; there are above, down, home"),
         ({"steps": "\n  - {jump: up}"}, "step 1: unknown key 'jump'; allowed: move, profile"),
         ({"steps": "\n  - {wait: -1}"}, "step 1: wait is -1, expected a number from 0"),
         ({"steps": "\n  - {wait: 1}"}, "no step moves"),
@@ -96,10 +97,10 @@ def test_without_program_or_robot(suite, tmp_path):
 )
 def test_what_cannot_be(tmp_path, options, text):
     with pytest.raises(RobotDescriptionError, match=r"program '.*program.yaml'") as caught:
-        read_program(written(tmp_path, **options), CHAIN)
+        read_program(written(tmp_path, **options), CHAIN, NAMED)
     assert text in str(caught.value)
 
 
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(RobotDescriptionError, match="not readable"):
-        read_program(str(tmp_path / "none.yaml"), CHAIN)
+        read_program(str(tmp_path / "none.yaml"), CHAIN, NAMED)
