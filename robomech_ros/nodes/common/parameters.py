@@ -288,10 +288,26 @@ def _declared(node: Node, row: ParameterRow) -> Any:
     default = list(row.default) if isinstance(row.default, tuple) else row.default
     value = row.checked(node.declare_parameter(row.name, default, untyped).value)
     node.undeclare_parameter(row.name)
-    lists = Parameter.Type.STRING_ARRAY if row.kind == _TEXTS else Parameter.Type.DOUBLE_ARRAY
-    kept = lists if get_args(row.kind) and not value else _plain(value)
-    node.declare_parameter(row.name, kept, row.descriptor(), ignore_override=True)
+    if get_args(row.kind) and not value:
+        texts = row.kind == _TEXTS
+        kind = Parameter.Type.STRING_ARRAY if texts else Parameter.Type.DOUBLE_ARRAY
+        _declare_empty(node, row, kind)
+    else:
+        node.declare_parameter(row.name, _plain(value), row.descriptor(), ignore_override=True)
     return value
+
+
+def _declare_empty(node: Node, row: ParameterRow, kind: Parameter.Type) -> None:
+    """Declare a list without entries.
+
+    rclpy takes a type from the first entry; a parameter with a type alone has no value, and whoever
+    asks a node for several parameters gets none of them if one has no value.
+    """
+    node.declare_parameter(row.name, kind, ignore_override=True)
+    node.set_parameters([Parameter(row.name, kind, [])])
+    descriptor = row.descriptor()
+    descriptor.type = kind.value
+    node.set_descriptor(row.name, descriptor)
 
 
 def _plain(value: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from rcl_interfaces.msg import ParameterType
-from rcl_interfaces.srv import DescribeParameters, SetParameters
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -16,6 +16,21 @@ from robomech_ros.nodes.common.parameters import (
     parameter,
     table_rows,
 )
+from robomech_ros.nodes.dynamics.node import DynamicsNode
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.servo.node import ServoNode
+from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
+
+NODES = [
+    DynamicsNode,
+    JointTrajectoryControllerNode,
+    KinematicsNode,
+    ServoNode,
+    TrajectoryPlannerNode,
+    TrajectoryPublisherNode,
+]
 
 
 @dataclass(frozen=True)
@@ -121,6 +136,31 @@ def test_descriptors(graph):
     assert method.additional_constraints == "one of 'fast', 'slow'"
     assert not scale.read_only
     assert tolerances.type == ParameterType.PARAMETER_DOUBLE_ARRAY
+
+
+def test_every_parameter_has_a_value_to_be_asked_for(graph):
+    node = graph.start(TableNode)
+    names = [row.name for row in table_rows(Table)]
+    answer = graph.call(GetParameters, "table/get_parameters", GetParameters.Request(names=names))
+    values = dict(zip(names, answer.values, strict=True))
+    assert values["tolerances"].type == ParameterType.PARAMETER_DOUBLE_ARRAY
+    assert list(values["tolerances"].double_array_value) == []
+    assert values["rate"].double_value == 100.0
+    assert node.get_parameter("tolerances").value == []
+    assert node.parameters.settings == Table()
+
+
+@pytest.mark.parametrize("kind", NODES, ids=lambda kind: kind.__name__)
+def test_all_parameters_of_a_node_are_dumped_at_once(graph, kind):
+    """As `ros2 param dump` does."""
+    name = graph.start(kind).get_name()
+    listed = graph.call(ListParameters, f"{name}/list_parameters", ListParameters.Request())
+    names = listed.result.names
+    assert {row.name for row in table_rows(kind.SETTINGS)} <= set(names)
+    answer = graph.call(GetParameters, f"{name}/get_parameters", GetParameters.Request(names=names))
+    assert len(answer.values) == len(names)
+    unset = ParameterType.PARAMETER_NOT_SET
+    assert not [n for n, value in zip(names, answer.values, strict=True) if value.type == unset]
 
 
 def test_rows_say_everything():
