@@ -1,4 +1,4 @@
-"""Least distance of a chain's tip from a point, over all joint values."""
+"""Least distance of a chain's tip from a point, over all joint values or those inside limits."""
 
 import math
 
@@ -43,7 +43,19 @@ def _gradient_and_hessian(packed, weights, J, r, g, H):
 
 
 @inline
-def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
+def _hold(bounds, q, g, scale, A, b, n):
+    """Leave joints where they are that stand at a limit and would go beyond it."""
+    for i in range(n):
+        if (q[i] <= bounds[0, i] and g[i] > 0.0) or (q[i] >= bounds[1, i] and g[i] < 0.0):
+            b[i], A[i, i] = 0.0, scale
+            for j in range(i):
+                A[i, j] = 0.0
+            for j in range(i + 1, n):
+                A[j, i] = 0.0
+
+
+@inline
+def _descend(packed, point, weights, bounds, q, J, current, r, g, H, A, b, iterations):
     """Go down to a local minimum by damped Newton steps; return half the squared distance."""
     n = q.shape[0]
     damping = 1.0
@@ -58,7 +70,9 @@ def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
         slope = 0.0
         for i in range(n):
             scale = max(scale, abs(H[i, i]))
-            slope = max(slope, abs(g[i]))
+            # Inside the limits: where the way down ends after a step of that length.
+            there = min(max(q[i] - g[i], bounds[0, i]), bounds[1, i])
+            slope = max(slope, min(abs(g[i]), abs(there - q[i])))
         if slope < 1e-13 * scale:
             break
         for i in range(n):
@@ -66,6 +80,7 @@ def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
             for j in range(i + 1):
                 A[i, j] = H[i, j]
             A[i, i] += damping * scale
+        _hold(bounds, q, g, scale, A, b, n)
         if not cholesky_solve(A, b, n):
             damping = max(4.0 * damping, 1e-3)
             continue
@@ -76,7 +91,7 @@ def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
                 longest = max(longest, abs(b[i]))
         shrink = 1.0 if longest < 1.0 else 1.0 / longest
         for i in range(n):
-            b[i] = q[i] + shrink * b[i]
+            b[i] = min(max(q[i] + shrink * b[i], bounds[0, i]), bounds[1, i])
         jacobian_body(packed, b, J, current)
         found = _offset(current, point, weights, r)
         if found < value:
@@ -92,15 +107,17 @@ def _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations):
     return value
 
 
-@kernel(f8(IN2, IN1, IN1, IN1, i8, i8, i8, f8, OUT1))
-def least_distance(packed, point, weights, strides, first, starts, iterations, least, best):
-    """Search the least distance (m) of the tip from ``point`` (3,), limits ignored.
+@kernel(f8(IN2, IN1, IN1, IN2, IN1, i8, i8, i8, f8, f8, OUT1))
+def least_distance(
+    packed, point, weights, bounds, strides, first, starts, iterations, enough, least, best
+):
+    """Search the least distance (m) of the tip from ``point`` (3,) inside bounds (2, n).
 
     ``weights`` (3,) is 1 for the components, along the axes of the base, that count, else 0.
     ``strides`` (n,) advance the starts, in turns or in metres; ``starts`` of them are tried, from
     number ``first`` on.  ``best`` (n,) receives the joint values where they are nearer than
     ``least`` (m), which an earlier search has found, or infinite.  The search ends at once where
-    the point is reached.
+    the distance is ``enough`` (m).
     """
     n = packed.shape[0] - 1
     q = np.empty(n)
@@ -113,13 +130,18 @@ def least_distance(packed, point, weights, strides, first, starts, iterations, l
     current = np.empty((4, 4))
     least = 0.5 * least * least
     for number in range(first, first + starts):
-        if least < 0.5 * REACHED * REACHED:
+        if least < 0.5 * enough * enough:
             break
         for i in range(n):
             part = (number + 1) * strides[i]
             part -= math.floor(part) + 0.5
-            q[i] = 2.0 * math.pi * part if packed[i, 0] == 0.0 else part
-        value = _descend(packed, point, weights, q, J, current, r, g, H, A, b, iterations)
+            width = bounds[1, i] - bounds[0, i]
+            if width < 2.0 * math.pi or (packed[i, 0] != 0.0 and width < math.inf):
+                q[i] = bounds[0, i] + (part + 0.5) * width
+            else:
+                q[i] = 2.0 * math.pi * part if packed[i, 0] == 0.0 else part
+                q[i] = min(max(q[i], bounds[0, i]), bounds[1, i])
+        value = _descend(packed, point, weights, bounds, q, J, current, r, g, H, A, b, iterations)
         if value < least:
             least = value
             for i in range(n):

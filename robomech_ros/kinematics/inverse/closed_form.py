@@ -66,7 +66,8 @@ def solve_closed_form(
         as_targets(T)  # raises, and says what it is
     if not count:
         target = read_listing(space, 0).target
-        return _explained(chain, target, space[:bare], family, singular > 0, unproven > 0)
+        limited = request.respect_limits
+        return _explained(chain, target, space[:bare], family, limited, singular > 0, unproven > 0)
     if singular > missing:
         marks = read_listing(space, count).branch_bits
         reason = describe_continuum(chain, space[:count], marks)
@@ -104,7 +105,13 @@ def _shape(n: int) -> tuple[int, int]:
 
 
 def _explained(
-    chain: SerialChain, T: Array, q: Array, family: Family, singular: bool, unproven: bool
+    chain: SerialChain,
+    T: Array,
+    q: Array,
+    family: Family,
+    limited: bool,
+    singular: bool,
+    unproven: bool,
 ) -> InverseKinematicsResult:
     """Say why there is no solution inside the limits; q (k, n) are those without limits."""
     if len(q):
@@ -113,7 +120,7 @@ def _explained(
     if unproven:
         reason = "the pose is degenerate: no posture was found, which proves nothing"
         return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
-    return explain_unreachable(chain, T, family)
+    return explain_unreachable(chain, T, family, respect_limits=limited)
 
 
 def rank_windings(

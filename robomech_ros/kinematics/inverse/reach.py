@@ -14,7 +14,7 @@ from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["NO_TIME", "ReachGap", "out_of_reach", "reach_gap"]
+__all__ = ["NO_TIME", "ReachGap", "distance_inside_limits", "out_of_reach", "reach_gap"]
 
 # Starts and Newton steps of each in the search for the least distance: every local minimum of
 # the arms in the tests has a basin found within a dozen starts.
@@ -43,6 +43,8 @@ class ReachGap(NamedTuple):
 
 # What is known where the time has run out.
 NO_TIME = ReachGap(math.nan, math.nan)
+# A distance inside the limits that is greater by no more than this (relative) is the same.
+_SAME = 1e-7
 # Starts of the search for the least distance between two looks at the clock, times joints.
 _CHUNK = 64
 
@@ -79,19 +81,54 @@ def reach_gap(
     return NO_TIME if math.isnan(angle) else ReachGap(0.0, angle)
 
 
+def distance_inside_limits(
+    chain: SerialChain, T: Array, task: Task, least: float, deadline: float = math.inf
+) -> float:
+    """Find the least distance of the tip from the target position inside the position limits.
+
+    Parameters
+    ----------
+    chain, T, task, deadline
+        As for :func:`reach_gap`.
+    least : float
+        That with the limits ignored (m): the search ends where it is attained.
+
+    Returns
+    -------
+    float
+        m; NaN where the time ran out.
+    """
+    bounds = np.stack((chain.lower, chain.upper))
+    if not np.isfinite(bounds).any():
+        return least
+    data, target = task_data(chain, T, task=task, respect_limits=True, wanted=1)
+    enough = least * (1.0 + _SAME)
+    packed = packed_chain(data)
+    return _nearest_posture(packed, target, task, deadline, bounds=bounds, enough=enough)[0]
+
+
 def out_of_reach(chain: SerialChain, T: Array) -> float:
     """Give the distance of :func:`reach_gap` alone."""
     return _nearest_posture(chain.packed, T, FULL_TASK)[0]
 
 
 def _nearest_posture(
-    packed: Array, T: Array, task: Task, deadline: float = math.inf
+    packed: Array,
+    T: Array,
+    task: Task,
+    deadline: float = math.inf,
+    *,
+    bounds: Array | None = None,
+    enough: float = REACHED,
 ) -> tuple[float, Array]:
     """Find the least distance (m) of the tip from T's position, and its posture.
 
-    It is 0 for rounding, and NaN where the time ran out.
+    It is 0 for rounding, and NaN where the time ran out.  The search ends where it is enough.
     """
     n = len(packed) - 1
+    if bounds is None:
+        bounds = np.full((2, n), np.inf)
+        bounds[0] = -np.inf
     best = np.zeros(n)
     weights = np.array(task[:3], dtype=float)
     if n == 0:
@@ -107,8 +144,9 @@ def _nearest_posture(
             return math.nan, best
         starts = min(count, REACH_STARTS - first)
         distance = least_distance(
-            packed, point, weights, strides, first, starts, REACH_ITERATIONS, distance, best
-        )
-        if distance <= REACHED:
-            return 0.0, best
-    return distance, best
+            packed, point, weights, bounds, strides,
+            first, starts, REACH_ITERATIONS, enough, distance, best,
+        )  # fmt: skip
+        if distance <= enough:
+            break
+    return (0.0 if distance <= REACHED else distance), best

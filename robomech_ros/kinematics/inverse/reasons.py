@@ -1,5 +1,7 @@
 """Why there is no solution, or no complete list of them, in words and numbers."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,7 +9,7 @@ from robomech_ros._kernels.chain.serial import jacobian_one
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
 from robomech_ros.kinematics.inverse.families.selection import Family
-from robomech_ros.kinematics.inverse.reach import ReachGap, reach_gap
+from robomech_ros.kinematics.inverse.reach import ReachGap, distance_inside_limits, reach_gap
 from robomech_ros.kinematics.inverse.result import (
     NO_EXCESS,
     Findings,
@@ -84,40 +86,60 @@ def explain_limits(
     return no_solution(chain, T, family, status, reason, (joints, amounts), complete=complete)
 
 
-def explain_unreachable(chain: SerialChain, T: Array, family: Family) -> InverseKinematicsResult:
+def explain_unreachable(
+    chain: SerialChain, T: Array, family: Family, *, respect_limits: bool
+) -> InverseKinematicsResult:
     """Say how far the target is out of reach, or by how much its orientation is."""
-    status, reason = describe_gap(chain, T, reach_gap(chain, T))
+    status, reason = describe_gap(chain, T, reach_gap(chain, T), respect_limits=respect_limits)
     missed = status is Status.ORIENTATION_UNREACHABLE and family.exact
     complete = status is Status.OUT_OF_REACH or missed
     return no_solution(chain, T, family, status, reason, complete=complete)
 
 
 def describe_gap(
-    chain: SerialChain, T: Array, gap: ReachGap, task: Task = FULL_TASK
+    chain: SerialChain,
+    T: Array,
+    gap: ReachGap,
+    task: Task = FULL_TASK,
+    *,
+    respect_limits: bool,
+    deadline: float = math.inf,
 ) -> tuple[Status, str]:
-    """Put a gap of reach into a status and words."""
+    """Put a gap of reach into a status and words; where limits count, the amount respects them."""
     position = ", ".join(f"{value:.6g}" for value in T[:3, 3])
     part = "" if all(task) else f"; only {_components(task)} of the target count"
     if gap.distance > 0.0:
+        amount = f"{gap.distance:.6g} m"
+        if respect_limits:
+            amount = _inside_limits(chain, T, gap, task, deadline)
         return Status.OUT_OF_REACH, (
             f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is out of reach "
-            f"by {gap.distance:.6g} m{part}"
+            f"by {amount}{part}"
         )
     if gap.orientation_error <= NO_GAP:
         return Status.NOT_CONVERGED, (
             f"the pose at ({position}) m of '{chain.tip}' in '{chain.base}' is in reach to "
             f"{gap.orientation_error:.3g} rad, but no posture was found"
         )
+    away = f"{gap.orientation_error:.6g} rad away" + ", joint limits aside" * respect_limits
     if part:
         return Status.ORIENTATION_UNREACHABLE, (
             f"the orientation of '{chain.tip}' in '{chain.base}' at ({position}) m is out of "
-            f"reach: the nearest attainable one is {gap.orientation_error:.6g} rad away{part}"
+            f"reach: the nearest attainable one is {away}{part}"
         )
     return Status.ORIENTATION_UNREACHABLE, (
         f"the position ({position}) m of '{chain.tip}' in '{chain.base}' is in reach, but not in "
-        f"this orientation: the nearest attainable one there is {gap.orientation_error:.6g} rad "
-        "away"
+        f"this orientation: the nearest attainable one there is {away}"
     )
+
+
+def _inside_limits(chain: SerialChain, T: Array, gap: ReachGap, task: Task, deadline: float) -> str:
+    """Say how far a target is out of reach inside the limits, and without them if that differs."""
+    inside = distance_inside_limits(chain, T, task, gap.distance, deadline)
+    found, aside = f"{inside:.6g} m", f"{gap.distance:.6g} m"
+    if math.isnan(inside):
+        return f"{aside}, joint limits aside"
+    return found if found == aside else f"{found} inside the joint limits, {aside} without them"
 
 
 def describe_continuum(

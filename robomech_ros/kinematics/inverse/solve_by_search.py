@@ -162,7 +162,9 @@ def _explained(
         return no_solution(chain, T, family, Status.TIMED_OUT, reason)
     least_angle = max(NO_GAP, request.orientation_tolerance)
     if gap.distance > request.position_tolerance or gap.orientation_error > least_angle:
-        status, reason = describe_gap(chain, T, gap, request.task)
+        status, reason = describe_gap(
+            chain, T, gap, request.task, respect_limits=request.respect_limits, deadline=deadline
+        )
         return no_solution(chain, T, family, status, reason)
     reason = f"no solution after {search.attempts} starts; {_best(search)}"
     return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
