@@ -66,7 +66,7 @@ def test_what_the_table_names_is_in_the_nodes():
 
 def test_every_service_of_the_nodes_is_in_the_table():
     source = "\n".join(path.read_text(encoding="utf-8") for path in NODES)
-    offered = set(re.findall(r'create_service\(\s*(\w+),\s*"~/(\w+)"', source))
+    offered = set(re.findall(r'\bserve\(\s*\w+,\s*(\w+),\s*"~/(\w+)"', source))
     assert offered
     named = {(kind.split("/")[-1], n.removeprefix("~/")) for names, kind in served() for n in names}
     assert offered <= named, f"served and not listed: {sorted(offered - named)}"

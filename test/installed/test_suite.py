@@ -13,16 +13,26 @@ import numpy as np
 import pytest
 import rclpy
 import yaml
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import TransformStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 
 from robomech_interfaces.msg import ErrorCode
-from robomech_interfaces.srv import GetJacobian, PlanJoint, QueryWorkspace, SolveFK, SolveIK
+from robomech_interfaces.srv import (
+    GetJacobian,
+    PlanCartesian,
+    PlanJoint,
+    QueryWorkspace,
+    SolveFK,
+    SolveIK,
+)
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import load_reach_map
 from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
 from robomech_ros.robots import load_description, load_robot
 
 PATIENCE = 60.0
@@ -73,6 +83,54 @@ def plan(outsider, request, prefix=""):
         if response.error_code != ErrorCode.NO_STATE or time.monotonic() > deadline:
             break
     assert response.error_code == 0, response.error_msg
+
+
+def fix_frame(outsider, parent, child, T):
+    """Publish where a frame is, for ever."""
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = outsider.node.create_publisher(TFMessage, "/tf_static", latched)
+    message, pose = TransformStamped(child_frame_id=child), pose_from_matrix(T)
+    message.header.frame_id = parent
+    place = message.transform.translation
+    place.x, place.y, place.z = pose.position.x, pose.position.y, pose.position.z
+    message.transform.rotation = pose.orientation
+    publisher.publish(TFMessage(transforms=[message]))
+
+
+def test_goals_in_the_world_and_in_a_camera_that_the_arm_carries(bringup, outsider):
+    chain = load_robot("puma560")
+    in_world, in_hand = np.eye(4), np.eye(4)
+    in_world[:3, :3], in_world[:3, 3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [1.0, -2.0, 0.8]
+    in_hand[:3, 3] = 0.0, 0.05, 0.1
+    fix_frame(outsider, "world", chain.base, in_world)
+    fix_frame(outsider, chain.tip, "camera", in_hand)
+    with bringup("--robot", "puma560"):
+        start = outsider.wait_for_joints(lambda q: set(q) == set(chain.joint_names))
+        q = [dict(zip(start.name, start.position, strict=True))[n] for n in chain.joint_names]
+        end = forward_kinematics(chain, q)
+        end[:3, 3] += (0.02, -0.03, 0.04)
+        waypoints = [stamped_pose(in_world @ end, "world")]
+        wait_until_the_state_is_known(outsider)
+        path = outsider.call(
+            PlanCartesian,
+            "trajectory_planner/plan_cartesian",
+            PlanCartesian.Request(waypoints=waypoints),
+        )
+        assert path.error_code == 0, path.error_msg
+
+        def arrived(at):
+            q = [at[name] for name in chain.joint_names]
+            return np.allclose(forward_kinematics(chain, q), end, atol=1e-6)
+
+        outsider.wait_for_joints(arrived)
+        # Seen from the camera in the hand, where the hand is now: by the joints, and by /tf.
+        for stamp in (Time(), outsider.node.get_clock().now().to_msg()):
+            target = stamped_pose(np.linalg.inv(in_hand), "camera")
+            target.header.stamp = stamp
+            ik = outsider.call(SolveIK, "kinematics/solve_ik", SolveIK.Request(target=target))
+            assert ik.error_code == 0, ik.error_msg
+            found = forward_kinematics(chain, ik.solutions[0].positions)
+            np.testing.assert_allclose(found, end, atol=1e-5)
 
 
 def plan_and_arrive(outsider, goal, profile=PlanJoint.Request.POLY345, prefix=""):

@@ -24,15 +24,18 @@ __all__ = [
 
 _Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
+_MOST_LISTED = 30
+
 
 class FrameUnavailableError(RobomechError):
     """A frame that cannot be related to the base of the chain."""
 
-    def __init__(self, frame: str, known: Iterable[str], why: str = "") -> None:
+    def __init__(self, frame: str, known: Iterable[str], why: str) -> None:
         self.frame = frame
         self.known = tuple(known)
-        why = why or "its relation to the base of the chain is not known"
-        listed = ", ".join(self.known)
+        listed = ", ".join(self.known[:_MOST_LISTED])
+        more = len(self.known) - _MOST_LISTED
+        listed += f" and {more} more" if more > 0 else ""
         super().__init__(f"frame {frame[:200]!r}: {why}; usable frames: {listed}")
 
 

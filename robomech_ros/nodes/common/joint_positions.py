@@ -11,7 +11,7 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import parameter
-from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
 
 __all__ = ["JointPositions", "StateSettings", "is_empty"]
@@ -20,13 +20,13 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class StateSettings(RobotSettings):
+class StateSettings(FrameSettings):
     """Parameters of a node whose requests may leave the state to the present one."""
 
     state_timeout: float = parameter(
         1.0,
-        "How long a request that needs the present state waits for the first joint state, while "
-        "others are served. 0 = not at all",
+        "How long a request that needs the present state waits for the first joint state, or for a "
+        "frame that it names, while others are served. 0 = not at all",
         0.0,
         60.0,
         "s",

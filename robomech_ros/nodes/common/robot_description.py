@@ -10,7 +10,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from robomech_ros.errors import BadValueError, RobomechError, UnknownLinkError
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
@@ -25,7 +24,14 @@ from robomech_ros.robots import (
 )
 from robomech_ros.robots.group_chains import group_of_chain
 
-__all__ = ["LATCHED", "WHOLE_CHAIN", "RobotModel", "RobotSettings", "when_robot_known"]
+__all__ = [
+    "LATCHED",
+    "WHOLE_CHAIN",
+    "FrameSettings",
+    "RobotModel",
+    "RobotSettings",
+    "when_robot_known",
+]
 
 Array = NDArray[np.float64]
 
@@ -69,6 +75,20 @@ class RobotSettings:
         "",
         "What the names of this robot's frames begin with in headers and on /tf, such as left/; "
         "links keep their names. As robot_state_publisher has it",
+    )
+
+
+@dataclass(frozen=True)
+class FrameSettings(RobotSettings):
+    """Parameters of a node whose requests may name frames that tf knows."""
+
+    frame_age: float = parameter(
+        10.0,
+        "How old the latest news of a frame on /tf may be, for requests without a stamp",
+        0.01,
+        1e9,
+        "s",
+        read_only=False,
     )
 
 
@@ -216,22 +236,6 @@ class RobotModel:
         """Take other groups and named postures than so far; the configured chain stays."""
         self.semantic = semantic
         self._group_chains = {}
-
-    def frame_in_base(self, frame: str) -> Array | None:
-        """Give the pose, shape (4, 4) (m), of a frame fixed to the base; None for the base itself.
-
-        Raises
-        ------
-        FrameUnavailableError
-            A link that moves, or no link of the robot.
-        """
-        link = self.link_of(frame)
-        if not link or link == self.chain.base:
-            return None
-        if link in self.fixed_frames:
-            return self.fixed_frames[link]
-        why = "it moves with the joints" if link in self.description.links else ""
-        raise FrameUnavailableError(frame, map(self.frame_of, self.fixed_frames), why)
 
 
 def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:

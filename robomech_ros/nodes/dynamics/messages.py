@@ -1,5 +1,6 @@
 """Decoding of requests about dynamics, and encoding of torque summaries."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +14,8 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
-from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.spatial import inverse_pose
 
@@ -120,31 +121,46 @@ def gravity_vector(given: Vector3, configured: Array) -> Array:
     return vector if vector.any() else configured
 
 
-def tip_wrench(message: WrenchStamped, model: RobotModel, q: Array) -> Array:
+async def tip_wrench(
+    message: WrenchStamped,
+    frames: RobotFrames,
+    joint_names: Sequence[str],
+    q: Array,
+    patience: float,
+) -> Array:
     """Read the wrench that the surroundings exert on the tip, moment first, in the base's axes.
 
     Parameters
     ----------
     message : WrenchStamped
-        In a frame fixed to the base or one of a link of the chain.
-    model : RobotModel
-        The robot.
+        In the axes of any frame that the robot or tf knows.
+    frames : RobotFrames
+    joint_names : sequence of str
+        The n joints of the chain.
     q : ndarray, shape (m, n)
         Joint values (rad or m) of the states in which it acts.
+    patience : float
+        How long to wait for the frame (s).
 
     Returns
     -------
     ndarray, shape (m, 6)
         N m and N, at the tip's origin.
+
+    Raises
+    ------
+    NonFiniteError, BadValueError, FrameUnavailableError, NoStateError
     """
     force = _vector(message.wrench.force, "tip_wrench.wrench.force")
     moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
-    wrench = np.tile(np.concatenate((moment, force)), (len(q), 1))
-    for row, values in zip(wrench, q, strict=True):
-        axes = reference_axes(model, message.header.frame_id, model.chain, values)
-        if axes is None:
-            break
-        row[:3], row[3:] = axes @ moment, axes @ force
+    at = dict(zip(joint_names, q.T, strict=True))
+    stamp = message.header.stamp
+    pose = await frames.in_base(message.header.frame_id, patience, stamp, at)
+    if pose is not None:
+        axes = pose[..., :3, :3]
+        moment, force = axes @ moment, axes @ force
+    wrench = np.empty((len(q), 6))
+    wrench[:, :3], wrench[:, 3:] = moment, force
     return wrench
 
 

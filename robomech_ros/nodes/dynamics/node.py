@@ -42,6 +42,7 @@ from robomech_ros.nodes.dynamics.messages import (
 )
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.dynamics.torques import instants, torque_shares
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
@@ -65,14 +66,12 @@ class DynamicsNode(Node):
         self._model = model
         self._joints = JointPositions(model, self._monitor)
         self._loaded = model.chain
+        self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
+        serve(self, SetPayload, "~/set_payload", self._set_payload)
+        # While one of these waits for a joint state or a frame, others are served.
         for kind, name, callback in (
             (InverseDynamics, "~/inverse_dynamics", self._inverse_dynamics),
-            (SetPayload, "~/set_payload", self._set_payload),
             (SummarizeTorques, "~/summarize_torques", self._summarize_torques),
-        ):
-            serve(self, kind, name, callback)
-        # While one of these waits for a joint state, others are served.
-        for kind, name, callback in (
             (ForwardDynamics, "~/forward_dynamics", self._forward_dynamics),
             (MassMatrix, "~/mass_matrix", self._mass_matrix),
         ):
@@ -92,11 +91,11 @@ class DynamicsNode(Node):
         )
 
     @guarded
-    def _inverse_dynamics(self, request: Any, response: Any) -> Any:
+    async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
         chain = self._loaded
         self._check_size("points", len(request.points))
         states = motions(request.points, request.joint_names, chain)
-        wrench = tip_wrench(request.tip_wrench, self._model, states.q)
+        wrench = await self._wrench(request, chain, states.q)
         shares = torque_shares(chain, states, self._gravity(request), wrench)
         for field, rows in shares.items():
             setattr(response, field, floats(states.as_asked(rows)))
@@ -107,7 +106,7 @@ class DynamicsNode(Node):
         chain, q = self._loaded, await self._positions(request)
         velocity = rates(request.state, "velocity", self._model)
         effort = rates(request.state, "effort", self._model)
-        wrench = tip_wrench(request.tip_wrench, self._model, q[None])[0]
+        wrench = (await self._wrench(request, chain, q[None]))[0]
         acceleration = forward_dynamics(
             chain, q, velocity, effort, gravity=self._gravity(request), tip_wrench=wrench
         )
@@ -132,14 +131,14 @@ class DynamicsNode(Node):
         return answer(response)
 
     @guarded
-    def _summarize_torques(self, request: Any, response: Any) -> Any:
+    async def _summarize_torques(self, request: Any, response: Any) -> Any:
         chain, settings = self._loaded, self._table.settings
         message = received_trajectory(request.trajectory)
         limits = settings.largest_batch, settings.max_duration
         waypoints = read_waypoints(message, chain.joint_names, *limits, to_rest=False)
         times = instants(waypoints.times, settings.summary_period)
         motion = sample_many(waypoints.curve, times)
-        wrench = tip_wrench(request.tip_wrench, self._model, motion.position)
+        wrench = await self._wrench(request, chain, motion.position)
         summary = torque_summary(
             chain, times, *motion[:3], gravity=self._gravity(request), tip_wrench=wrench
         )
@@ -149,6 +148,11 @@ class DynamicsNode(Node):
         """Read the positions (n,) of a request's state, or else the present ones."""
         state, patience = positions_of(request.state), self._table.settings.state_timeout
         return await self._joints.read_or_present(self._model.chain, state, "state", patience)
+
+    async def _wrench(self, request: Any, chain: SerialChain, q: Array) -> Array:
+        """Read the wrench (m, 6) on the tip at joint values (m, n)."""
+        patience = self._table.settings.state_timeout
+        return await tip_wrench(request.tip_wrench, self._frames, chain.joint_names, q, patience)
 
     def _gravity(self, request: Any) -> Array:
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))

@@ -18,7 +18,7 @@ from robomech_ros.nodes.common.message_fields import (
     seconds_from_duration,
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.outcomes import Code
 
 __all__ = [
@@ -138,19 +138,33 @@ def encode_result(
     return response
 
 
-def poses_in_base(model: RobotModel, poses: list[Any]) -> Array:
+async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) -> Array:
     """Convert the poses of a request to transforms in the base, shape (m, 4, 4) (m).
+
+    Parameters
+    ----------
+    frames : RobotFrames
+    poses : list of PoseStamped
+    patience : float
+        How long to wait for each new frame (s).
 
     Raises
     ------
-    NonFiniteError, BadQuaternionError, FrameUnavailableError
+    NonFiniteError, BadQuaternionError
         The message names the pose by its index.
+    FrameUnavailableError, NoStateError
     """
     T = np.empty((len(poses), 4, 4))
     for k, stamped in enumerate(poses):
-        frame = model.frame_in_base(stamped.header.frame_id)
-        pose = matrix_from_pose(stamped.pose, f"poses[{k}].pose")
-        T[k] = pose if frame is None else frame @ pose
+        T[k] = matrix_from_pose(stamped.pose, f"poses[{k}].pose")
+    known: dict[tuple[str, int, int], Array | None] = {}
+    for k, stamped in enumerate(poses):
+        frame, stamp = stamped.header.frame_id, stamped.header.stamp
+        key = frame, stamp.sec, stamp.nanosec
+        if key not in known:
+            known[key] = await frames.in_base(frame, patience, stamp)
+        if (pose := known[key]) is not None:
+            T[k] = pose @ T[k]
     return T
 
 

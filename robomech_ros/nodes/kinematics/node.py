@@ -37,8 +37,8 @@ from robomech_ros.nodes.common.pose_messages import (
     point_vector,
     stamped_pose,
 )
-from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.ik_batch import solve_in_turns
 from robomech_ros.nodes.kinematics.marker_publisher import MarkerPublisher
 from robomech_ros.nodes.kinematics.messages import (
@@ -99,12 +99,13 @@ class KinematicsNode(Node):
     def _serve(self, model: RobotModel) -> None:
         self._model = model
         self._joints = JointPositions(model, self._monitor)
+        self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         chain = model.chain
         # The kernels are compiled or loaded on import; this decides the solver family, too.
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
-        serve(self, SolveIK, "~/solve_ik", self._solve_ik)
-        # While one of these waits, for a joint state or for its turn, others are served.
+        # While one of these waits, for a joint state, a frame or its turn, others are served.
         for kind, name, callback in (
+            (SolveIK, "~/solve_ik", self._solve_ik),
             (SolveFK, "~/solve_fk", self._solve_fk),
             (SolveIKBatch, "~/solve_ik_batch", self._solve_ik_batch),
             (GetJacobian, "~/get_jacobian", self._get_jacobian),
@@ -119,6 +120,7 @@ class KinematicsNode(Node):
             self,
             model,
             self._monitor,
+            self._frames,
             lambda: self._table.settings.state_timeout,
             self._check_size,
         )
@@ -142,11 +144,12 @@ class KinematicsNode(Node):
         return answer(response)
 
     @guarded
-    def _solve_ik(self, request: Any, response: Any) -> Any:
+    async def _solve_ik(self, request: Any, response: Any) -> Any:
         chain = self._moving_chain(request.tip_link)
-        frame = self._model.frame_in_base(request.target.header.frame_id)
         T = matrix_from_pose(request.target.pose, "target")
         options = inverse_options(request)
+        header, patience = request.target.header, self._table.settings.state_timeout
+        frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
         seed = self._joints.seed(chain, request.seed)
         start = perf_counter()
         target = T if frame is None else frame @ T
@@ -202,7 +205,8 @@ class KinematicsNode(Node):
     async def _query_workspace(self, request: Any, response: Any) -> Any:
         chain, allowed = self._moving_chain(""), self._table.settings.batch_timeout
         self._check_size("poses", len(request.poses))
-        T = poses_in_base(self._model, request.poses)
+        patience = self._table.settings.state_timeout
+        T = await poses_in_base(self._frames, request.poses, patience)
         mask = tuple(bool(entry) for entry in request.task_mask)
         query = WorkspaceQuery(chain, T, mask, await self._known_space())
         done = await query.work(self, allowed)
@@ -218,8 +222,9 @@ class KinematicsNode(Node):
         patience = self._table.settings.state_timeout
         q = await self._joints.read_or_present(chain, request.state, "state", patience)
         point = point_vector(request.tool_point, "tool_point")
-        axes = reference_axes(self._model, request.reference_frame, chain, q)
-        return _Posture(chain, q, point, axes)
+        at = dict(zip(chain.joint_names, q.tolist(), strict=True))
+        frame = await self._frames.in_base(request.reference_frame, patience, at=at)
+        return _Posture(chain, q, point, None if frame is None else frame[:3, :3])
 
     async def _known_space(self) -> ReachableSpace:
         """Give what is the same for all poses, and show the boundary if that is not done."""

@@ -8,6 +8,7 @@ from rclpy.node import Node
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 
 __all__ = ["add_cartesian_path_service", "add_moveit_services"]
 
@@ -16,6 +17,7 @@ def add_moveit_services(
     node: Node,
     model: RobotModel,
     monitor: JointStateMonitor,
+    frames: RobotFrames,
     patience: Callable[[], float],
     check_size: Callable[[str, int], None],
 ) -> bool:
@@ -29,6 +31,8 @@ def add_moveit_services(
         The robot.
     monitor : JointStateMonitor
         Its present state.
+    frames : RobotFrames
+        Find the frames that requests name.
     patience : callable
         Gives the time (s) that a request waits for the present state.
     check_size : callable
@@ -45,7 +49,7 @@ def add_moveit_services(
     except ImportError as error:
         _tell(node, "compute_ik and compute_fk", error)
         return False
-    MoveItServices(node, WholeRobot(model, monitor), patience, check_size)
+    MoveItServices(node, WholeRobot(model, monitor, frames), patience, check_size)
     return True
 
 
@@ -53,6 +57,7 @@ def add_cartesian_path_service(
     node: Node,
     model: RobotModel,
     monitor: JointStateMonitor,
+    frames: RobotFrames,
     settings: Callable[[], Any],
     worker: Worker,
 ) -> bool:
@@ -62,7 +67,7 @@ def add_cartesian_path_service(
 
     Parameters
     ----------
-    node, model, monitor
+    node, model, monitor, frames
         As for `add_moveit_services`.
     settings : callable
         Gives the parameters of the planner.
@@ -80,7 +85,7 @@ def add_cartesian_path_service(
     except ImportError as error:
         _tell(node, "compute_cartesian_path", error)
         return False
-    CartesianPathService(node, WholeRobot(model, monitor), monitor, settings, worker)
+    CartesianPathService(node, WholeRobot(model, monitor, frames), monitor, settings, worker)
     return True
 
 

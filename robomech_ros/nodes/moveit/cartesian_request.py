@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
-from robomech_ros.nodes.moveit.conditions import Conditions
+from robomech_ros.nodes.frames.robot_frames import Place
+from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
@@ -82,6 +83,7 @@ async def read_question(
     most_waypoints: int,
     state: Callable[[dict[str, float], list[str]], Any],
     tolerance: float,
+    patience: float,
 ) -> CartesianQuestion:
     """Read a request.
 
@@ -94,6 +96,8 @@ async def read_question(
         Completes positions by those of the present state, of which the listed joints are needed.
     tolerance : float
         How fast a joint of the start may be (rad/s or m/s).
+    patience : float
+        How long to wait for each frame that is named (s).
 
     Raises
     ------
@@ -111,9 +115,9 @@ async def read_question(
         if not request.waypoints:
             raise BadValueError("waypoints", [], "at least one pose")
         poses = [matrix_from_pose(p, f"waypoints[{k}]") for k, p in enumerate(request.waypoints)]
-        conditions = Conditions(request.path_constraints, robot, "path_constraints")
-    with refused_as(MoveItErrorCodes.FRAME_TRANSFORM_FAILURE):
-        to_frame = robot.joints_of_frame(frame)
+        places = await robot.places([frame, *frames_of(request.path_constraints)], patience)
+        conditions = Conditions(request.path_constraints, robot, places, "path_constraints")
+    own = frame == chain.tip and bool(chain.n)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         given = robot.read(request.start_state, "start_state")
         _check_rest(request.start_state.joint_state, tolerance)
@@ -121,7 +125,7 @@ async def read_question(
             *chain.joint_names,
             *limited.joint_names,
             *conditions.joints,
-            *to_frame,
+            *places[frame].joint_names,
             *robot.joints_to_base_of(chain),
         )
         positions = await state(given, list(dict.fromkeys(joints)))
@@ -129,7 +133,7 @@ async def read_question(
         chain=chain,
         joint_names=robot.model.joints_of(request.group_name),
         positions=positions,
-        waypoints=_in_base(poses, frame, chain, positions, robot),
+        waypoints=_in_base(poses, places[frame], chain, positions, robot, each_from_the_last=own),
         conditions=conditions,
         limited=limited,
         **numbers,
@@ -137,15 +141,22 @@ async def read_question(
 
 
 def _in_base(
-    poses: list[Array], frame: str, chain: SerialChain, positions: Positions, robot: WholeRobot
+    poses: list[Array],
+    frame: Place,
+    chain: SerialChain,
+    positions: Positions,
+    robot: WholeRobot,
+    *,
+    each_from_the_last: bool,
 ) -> Array:
     """Give waypoints in the base of the chain; in the frame of its tip, each from the last."""
-    pose, found = robot.pose(frame, positions), []
+    pose, found = frame.pose(positions), []
+    pose = np.eye(4) if pose is None else pose
     if chain.base != robot.model.chain.base:
         pose = inverse_pose(robot.base_of(chain, positions)) @ pose
     for step in poses:
         found.append(pose @ step)
-        if frame == chain.tip and chain.n:
+        if each_from_the_last:
             pose = found[-1]
     return np.stack(found)
 

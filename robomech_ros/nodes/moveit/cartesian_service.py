@@ -97,6 +97,7 @@ class CartesianPathService:
             settings.max_waypoints,
             self._state,
             settings.stopped_velocity_tolerance,
+            settings.state_timeout,
         )
         response.start_state.joint_state = self._robot.state(question.positions)
         response.start_state.is_diff = len(question.positions) < len(self._robot.joint_names)

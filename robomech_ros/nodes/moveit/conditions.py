@@ -1,7 +1,7 @@
 """The constraints of a MoveIt request, as conditions on the positions of all joints."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
+from robomech_ros.nodes.frames.robot_frames import Place
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import (
@@ -26,7 +27,7 @@ from robomech_ros.spatial import (
     rotation_vector_from_matrix,
 )
 
-__all__ = ["Conditions"]
+__all__ = ["Conditions", "frames_of"]
 
 Array = NDArray[np.float64]
 # Says of the positions of all joints what is wrong with them; "" where nothing is.
@@ -46,6 +47,8 @@ class Conditions:
     constraints : Constraints
         Of a request.
     robot : WholeRobot
+    places : mapping of str to Place
+        Where the frames are that `frames_of` lists.
     what : str
         Their name in the request.
 
@@ -54,28 +57,42 @@ class Conditions:
     RefusedError
         One that this node cannot judge.
     RobomechError
-        A joint, link or frame that the robot does not have, or an invalid number.
+        A joint or link that the robot does not have, or an invalid number.
     """
 
-    def __init__(self, constraints: Any, robot: WholeRobot, what: str = "constraints") -> None:
+    def __init__(
+        self,
+        constraints: Any,
+        robot: WholeRobot,
+        places: Mapping[str, Place],
+        what: str = "constraints",
+    ) -> None:
         if constraints.visibility_constraints:
             raise RefusedError(
                 MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS,
                 f"{what}.visibility_constraints has {len(constraints.visibility_constraints)} "
                 "entries, expected none: this node knows no shapes that could be in the way",
             )
-        turning = (*constraints.position_constraints, *constraints.orientation_constraints)
+        turning = _turning(constraints)
         joints = [one.joint_name for one in constraints.joint_constraints]
         for one in turning:
             joints += robot.joints_to(one.link_name)
-            joints += robot.joints_of_frame(one.header.frame_id)
+            joints += places[one.header.frame_id].joint_names
         #: The joints whose positions the conditions are about.
         self.joints = tuple(dict.fromkeys(joints))
         self._all = [
             *_conditions(f"{what}.joint", constraints.joint_constraints, _of_joint, robot),
-            *_conditions(f"{what}.position", constraints.position_constraints, _of_position, robot),
             *_conditions(
-                f"{what}.orientation", constraints.orientation_constraints, _of_turn, robot
+                f"{what}.position",
+                constraints.position_constraints,
+                partial(_of_position, places),
+                robot,
+            ),
+            *_conditions(
+                f"{what}.orientation",
+                constraints.orientation_constraints,
+                partial(_of_turn, places),
+                robot,
             ),
         ]
 
@@ -85,6 +102,16 @@ class Conditions:
     def broken(self, positions: Positions) -> str:
         """Say which condition the positions (rad or m) of all joints break; "" for none."""
         return next((text for one in self._all if (text := one(positions))), "")
+
+
+def frames_of(constraints: Any) -> list[str]:
+    """List the frames that the constraints of a request name."""
+    return [one.header.frame_id for one in _turning(constraints)]
+
+
+def _turning(constraints: Any) -> tuple[Any, ...]:
+    """Give the constraints on poses of links."""
+    return (*constraints.position_constraints, *constraints.orientation_constraints)
 
 
 def _conditions(
@@ -116,9 +143,11 @@ def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:
     return judge
 
 
-def _of_position(what: str, message: Any, robot: WholeRobot) -> _Condition:
+def _of_position(
+    places: Mapping[str, Place], what: str, message: Any, robot: WholeRobot
+) -> _Condition:
     offset = np.append(point_vector(message.target_point_offset, f"{what}.target_point_offset"), 1)
-    region = message.constraint_region
+    frame, region = places[message.header.frame_id], message.constraint_region
     if region.meshes:
         raise BadValueError(f"{what}.constraint_region.meshes", len(region.meshes), "no meshes")
     shapes, poses = region.primitives, region.primitive_poses
@@ -131,14 +160,19 @@ def _of_position(what: str, message: Any, robot: WholeRobot) -> _Condition:
     ]
 
     def judge(positions: Positions) -> str:
-        frame = robot.pose(message.header.frame_id, positions)
-        point = inverse_pose(frame) @ robot.pose(message.link_name, positions) @ offset
+        point = _seen_from(frame, robot.pose(message.link_name, positions), positions) @ offset
         if any(one(point) for one in inside):
             return ""
         place = ", ".join(f"{number:.6g}" for number in point[:3])
         return f"{what}: the point on '{message.link_name}' would be at ({place})"
 
     return judge
+
+
+def _seen_from(frame: Place, T: Array, positions: Positions) -> Array:
+    """Give a pose (4, 4) in the base as seen from a frame."""
+    pose = frame.pose(positions)
+    return T if pose is None else inverse_pose(pose) @ T
 
 
 def _shape(what: str, shape: Any, pose: Any) -> tuple[int, list[float], Array]:
@@ -163,8 +197,9 @@ def _inside(kind: int, sizes: list[float], to_shape: Array, point: Array) -> boo
     return bool(abs(own[2]) <= 0.5 * height + _ROUNDING and across <= radius + _ROUNDING)
 
 
-def _of_turn(what: str, message: Any, robot: WholeRobot) -> _Condition:
-    link, frame, kind = message.link_name, message.header.frame_id, message.parameterization
+def _of_turn(places: Mapping[str, Place], what: str, message: Any, robot: WholeRobot) -> _Condition:
+    link, kind = message.link_name, message.parameterization
+    frame = places[message.header.frame_id]
     if kind not in _TURNS:
         expected = "XYZ_EULER_ANGLES (0) or ROTATION_VECTOR (1)"
         raise BadValueError(f"{what}.parameterization", kind, expected)
@@ -173,7 +208,7 @@ def _of_turn(what: str, message: Any, robot: WholeRobot) -> _Condition:
     most = np.array([_tolerance(f"{what}.{name}", getattr(message, name)) for name in names])
 
     def judge(positions: Positions) -> str:
-        reached = robot.pose(frame, positions)[:3, :3].T @ robot.pose(link, positions)[:3, :3]
+        reached = _seen_from(frame, robot.pose(link, positions), positions)[:3, :3]
         apart = wanted.T @ reached
         if kind == OrientationConstraint.ROTATION_VECTOR:
             turned = wanted @ rotation_vector_from_matrix(apart)

@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.moveit.conditions import Conditions
+from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import (
     answering,
@@ -92,10 +92,12 @@ class MoveItServices:
         link, pose = _one_pose(request)
         chain = chain_of(self._robot.model, request.group_name, link)
         refuse_collision_checks(request)
+        frame = pose.header.frame_id
         with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
             T = matrix_from_pose(pose.pose, "pose_stamped.pose")
-            frame = self._robot.model.frame_in_base(pose.header.frame_id)
-            conditions = Conditions(request.constraints, self._robot)
+            named = [frame, *frames_of(request.constraints)]
+            places = await self._robot.places(named, self._patience())
+            conditions = Conditions(request.constraints, self._robot, places)
         with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
             given = self._robot.read(request.robot_state)
             # What a difference leaves out must be known, and what a condition is about; else a
@@ -104,11 +106,13 @@ class MoveItServices:
             to_base = self._robot.joints_to_base_of(chain)
             needed = self._robot.joint_names if relative else (*conditions.joints, *to_base)
             needed = [name for name in needed if relative or name not in chain.joint_names]
+            needed += [name for name in places[frame].joint_names if name not in needed]
             positions = await self._robot.with_needed(given, needed, self._patience())
         with refused_as(MoveItErrorCodes.FAILURE):
             timeout = seconds_from_duration(request.timeout, "timeout") or None
         positions = self._robot.with_defaults(positions)
-        target = T if frame is None else frame @ T
+        in_base = places[frame].pose(positions)
+        target = T if in_base is None else in_base @ T
         if chain.base != self._robot.model.chain.base:
             target = inverse_pose(self._robot.base_of(chain, positions)) @ target
         return _Question(chain, target, positions, conditions, timeout)
@@ -136,13 +140,16 @@ class MoveItServices:
         with refused_as(MoveItErrorCodes.FAILURE):
             self._check_size("fk_link_names", len(names))
         with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
-            frame = self._robot.model.frame_in_base(request.header.frame_id)
+            frame, patience = request.header.frame_id, self._patience()
+            place = (await self._robot.places([frame], patience))[frame]
             given = self._robot.read(request.robot_state)
             joints, faults = self._joints_to(dict.fromkeys(names))
             needed = dict.fromkeys(name for links in joints.values() for name in links)
-            positions = await self._robot.with_needed(given, needed, self._patience())
-        to_frame = np.eye(4) if frame is None else inverse_pose(frame)
-        where, turns = self._robot.model.full_frame(request.header.frame_id), Turns(self._node)
+            needed |= dict.fromkeys(place.joint_names)
+            positions = await self._robot.with_needed(given, needed, patience)
+        in_base = place.pose(positions)
+        to_frame = np.eye(4) if in_base is None else inverse_pose(in_base)
+        where, turns = self._robot.model.full_frame(frame), Turns(self._node)
         poses = {}
         for link in joints:
             poses[link] = stamped_pose(to_frame @ self._robot.pose(link, positions), where)

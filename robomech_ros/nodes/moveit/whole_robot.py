@@ -11,14 +11,13 @@ from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
     UnknownJointError,
-    UnknownLinkError,
     WrongSizeError,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import Place, RobotFrames
 from robomech_ros.nodes.moveit.refusals import RefusedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
@@ -41,10 +40,13 @@ class WholeRobot:
         The robot.
     monitor : JointStateMonitor
         Its present state.
+    frames : RobotFrames
+        Find the frames that requests name.
     """
 
-    def __init__(self, model: RobotModel, monitor: JointStateMonitor) -> None:
+    def __init__(self, model: RobotModel, monitor: JointStateMonitor, frames: RobotFrames) -> None:
         self.model = model
+        self._frames = frames
         self._monitor = monitor
         self._followers = {j.name for j in model.description.joints if j.mimic is not None}
         self.joint_names = [name for name in model.joint_names if name not in self._followers]
@@ -157,19 +159,21 @@ class WholeRobot:
             return ()
         return self.model.chain_to(frame).joint_names
 
-    def joints_of_frame(self, frame: str) -> tuple[str, ...]:
-        """Name the joints that move the frame of a pose, "" being the base.
+    async def places(self, frames: Iterable[str], patience: float) -> dict[str, Place]:
+        """Find the frames of poses; as in MoveIt where they are now, whatever their stamps.
+
+        Parameters
+        ----------
+        frames : iterable of str
+            "" is the base.
+        patience : float
+            How long to wait for each (s).
 
         Raises
         ------
-        FrameUnavailableError, RobotDescriptionError
-            There is no such link, or no chain to it.
+        FrameUnavailableError
         """
-        try:
-            return self.joints_to(frame or self.model.chain.base)
-        except UnknownLinkError as error:
-            why = "the robot has no such link"
-            raise FrameUnavailableError(frame, error.available, why) from None
+        return {frame: await self._frames.place(frame, patience) for frame in set(frames)}
 
     def joints_to_base_of(self, chain: SerialChain) -> tuple[str, ...]:
         """Name the joints between the configured base and the base of another chain.
@@ -200,12 +204,12 @@ class WholeRobot:
         below: Array = inverse_pose(poses[self.model.chain.base]) @ poses[chain.base]
         return below
 
-    def pose(self, frame: str, positions: Positions) -> Array:
-        """Give the pose of a link in the base, shape (4, 4) (m); "" is the base itself."""
-        fixed = self.model.fixed_frames.get(self.model.link_of(frame) or self.model.chain.base)
+    def pose(self, link: str, positions: Positions) -> Array:
+        """Give the pose of a link in the base, shape (4, 4) (m)."""
+        fixed = self.model.fixed_frames.get(self.model.link_of(link))
         if fixed is not None:
             return fixed
-        chain = self.model.chain_to(frame)
+        chain = self.model.chain_to(link)
         q = np.array([positions[name] for name in chain.joint_names])
         return forward_kinematics(chain, q)
 

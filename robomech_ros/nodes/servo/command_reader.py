@@ -15,11 +15,11 @@ from robomech_ros.errors import (
     UnknownJointError,
     WrongSizeError,
 )
-from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.pose_messages import twist_vector
-from robomech_ros.nodes.common.reference_axes import reference_axes
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.commands import JointCommand, TwistCommand
 
@@ -43,6 +43,8 @@ class CommandReader:
     ----------
     model : RobotModel
         The robot.
+    frames : RobotFrames
+        Find the frames that commands name.
     clock : MotionClock
         Its time decides what is stale.
     settings : callable
@@ -50,11 +52,14 @@ class CommandReader:
     """
 
     def __init__(
-        self, model: RobotModel, clock: MotionClock, settings: Callable[[], ServoNodeSettings]
+        self,
+        model: RobotModel,
+        frames: RobotFrames,
+        clock: MotionClock,
+        settings: Callable[[], ServoNodeSettings],
     ) -> None:
-        self._model, self._chain = model, model.chain
+        self._model, self._chain, self._frames = model, model.chain, frames
         self._clock, self._settings = clock, settings
-        self._axes: dict[str, Axes] = {}
 
     def twist(self, message: TwistStamped) -> TwistCommand:
         """Read a twist of the tip's origin, in the axes of the frame of its header.
@@ -178,15 +183,23 @@ class CommandReader:
         raise BadValueError("stamp", f"{stamp.sec}.{stamp.nanosec:09d}, {what}", expected)
 
     def _axes_of(self, frame: str) -> Axes:
-        if frame not in self._axes:
-            self._axes[frame] = self._find_axes(frame)
-        return self._axes[frame]
+        """Find the axes of a frame, which turn with the joints that carry it.
 
-    def _find_axes(self, frame: str) -> Axes:
-        model, chain = self._model, self._chain
-        at_first = reference_axes(model, frame, chain, chain.midrange())
-        link, links = model.link_of(frame), [each.name for each in chain.frames]
-        if link not in links or link in model.fixed_frames:
-            return lambda q: at_first
-        part = chain.with_tip(link)
-        return lambda q: forward_kinematics(part, q[: part.n])[:3, :3]
+        Raises
+        ------
+        FrameUnavailableError
+            There is no such frame, or joints outside the chain move it.
+        """
+        place, chain = self._frames.find(frame), self._chain
+        count = len(place.joint_names)
+        if place.joint_names != chain.joint_names[:count]:
+            beside = next(name for name in place.joint_names if name not in chain.joint_names)
+            known = [self._model.frame_of(link.name) for link in chain.frames]
+            why = f"joint '{beside}', which is not of the chain, moves it"
+            raise FrameUnavailableError(frame, known, why)
+
+        def axes(q: Array) -> Array | None:
+            pose = place.pose_at(q[:count])
+            return None if pose is None else pose[:3, :3]
+
+        return axes

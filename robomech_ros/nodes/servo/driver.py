@@ -8,6 +8,7 @@ from rclpy.node import Node
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.command_intake import CommandIntake
 from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.joint_watch import Fault, JointWatch
@@ -58,7 +59,8 @@ class Driver:
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
-        reader = CommandReader(model, clock, settings)
+        frames = RobotFrames(node, model, monitor, settings)
+        reader = CommandReader(model, frames, clock, settings)
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())

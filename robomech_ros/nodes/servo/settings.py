@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.common.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
 
 __all__ = ["SPEED_UNITS", "UNITLESS", "ServoNodeSettings", "check_settings", "core_settings"]
@@ -13,7 +13,7 @@ UNITLESS = "unitless"
 
 
 @dataclass(frozen=True)
-class ServoNodeSettings(RobotSettings):
+class ServoNodeSettings(FrameSettings):
     """Parameters of the node."""
 
     command_out_topic: str = parameter(

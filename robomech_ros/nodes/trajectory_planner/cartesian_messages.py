@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,12 +16,12 @@ from robomech_ros.nodes.common.error_codes import answer
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.request_sizes import check_waypoints
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PosePath, TipSpeeds
 
-__all__ = ["PathRequest", "encode_path_plan", "read_path_request"]
+__all__ = ["PathRequest", "encode_path_plan", "in_base", "read_path_request"]
 
 _PROFILES = {
     getattr(PlanCartesian.Request, name): name.lower()
@@ -43,11 +43,11 @@ class PathRequest:
     Attributes
     ----------
     waypoints : ndarray, shape (m, 4, 4)
-        Poses in the base (m).
+        Poses (m).
     kind : str
         Of the path, as `path_through` knows it.
     options : dict
-        Keywords of `plan_along`.
+        Keywords of `plan_along`, apart from its waypoints.
     """
 
     waypoints: NDArray[np.float64]
@@ -63,30 +63,59 @@ class PathRequest:
         return path
 
 
-def read_path_request(request: Any, model: RobotModel, settings: PlannerSettings) -> PathRequest:
-    """Read a PlanCartesian request except its start.
+def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
+    """Read a PlanCartesian request except its start; the waypoints stay in their frames.
 
     Parameters
     ----------
     request : PlanCartesian.Request
         Its zeros stand for the parameters of the same names, and for no speed limits.
-    model : RobotModel
-        Whose base knows the frames of the waypoints.
     settings : PlannerSettings
 
     Raises
     ------
     RobomechError
-        An unknown kind of path, profile or frame, a value out of range, a pose that is none.
+        An unknown kind of path or profile, a value out of range, a pose that is none.
     """
     options = {
         "profile": _named("profile", request.profile, _PROFILES),
         "speeds": _tip_speeds(request),
         "bounds": _path_bounds(request, settings),
     }
-    waypoints = _waypoint_poses(request, model, settings.max_waypoints)
-    kind = _named("path", request.path, _KINDS)
-    return PathRequest(waypoints, kind, options | {"waypoints": waypoints})
+    waypoints = _waypoint_poses(request, settings.max_waypoints)
+    return PathRequest(waypoints, _named("path", request.path, _KINDS), options)
+
+
+async def in_base(
+    asked: PathRequest, request: Any, frames: RobotFrames, at: Positions, patience: float
+) -> PathRequest:
+    """Give a request with its waypoints in the base.
+
+    Parameters
+    ----------
+    asked : PathRequest
+        With waypoints in their frames.
+    request : PlanCartesian.Request
+        Names these.
+    frames : RobotFrames
+    at : mapping
+        Where the joints of the chain are at the start (rad or m): links are there.
+    patience : float
+        How long to wait for each frame (s).
+
+    Raises
+    ------
+    FrameUnavailableError, NoStateError, BadValueError
+        A frame is not known, or puts a waypoint too far away.
+    """
+    poses = asked.waypoints.copy()
+    for k, waypoint in enumerate(request.waypoints):
+        frame, stamp = waypoint.header.frame_id, waypoint.header.stamp
+        pose = await frames.in_base(frame, patience, stamp, at)
+        if pose is not None:
+            poses[k] = pose @ poses[k]
+            _check_near(k, poses[k])
+    return replace(asked, waypoints=poses)
 
 
 def _named(what: str, number: int, names: Mapping[int, str]) -> str:
@@ -98,25 +127,27 @@ def _named(what: str, number: int, names: Mapping[int, str]) -> str:
     return name
 
 
-def _waypoint_poses(request: Any, model: RobotModel, most: int) -> NDArray[np.float64]:
-    """Read the waypoints in the base, shape (m, 4, 4).
+def _waypoint_poses(request: Any, most: int) -> NDArray[np.float64]:
+    """Read the waypoints in their frames, shape (m, 4, 4).
 
     Raises
     ------
     RobomechError
-        More than ``most``, a frame that the base does not know, or an invalid pose.
+        More than ``most``, or an invalid pose.
     """
     check_waypoints("waypoints", len(request.waypoints), most)
     poses = np.empty((len(request.waypoints), 4, 4))
     for k, waypoint in enumerate(request.waypoints):
-        frame = model.frame_in_base(waypoint.header.frame_id)
-        pose = matrix_from_pose(waypoint.pose, f"waypoints[{k}]")
-        far = float(np.abs(pose[:3, 3]).max())
-        if far > LARGEST_LENGTH:
-            expected = f"coordinates of at most {LARGEST_LENGTH:g} m"
-            raise BadValueError(f"waypoints[{k}].position", far, expected)
-        poses[k] = pose if frame is None else frame @ pose
+        poses[k] = matrix_from_pose(waypoint.pose, f"waypoints[{k}]")
+        _check_near(k, poses[k])
     return poses
+
+
+def _check_near(k: int, pose: NDArray[np.float64]) -> None:
+    far = float(np.abs(pose[:3, 3]).max())
+    if far > LARGEST_LENGTH:
+        expected = f"coordinates of at most {LARGEST_LENGTH:g} m"
+        raise BadValueError(f"waypoints[{k}].position", far, expected)
 
 
 def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:

@@ -26,11 +26,13 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     encode_path_plan,
+    in_base,
     read_path_request,
 )
 from robomech_ros.nodes.trajectory_planner.plan_messages import (
@@ -66,17 +68,18 @@ class TrajectoryPlannerNode(Node):
         self._model, self._chain = model, model.chain
         self._limits = Limits.of(model.chain)
         self._joints = JointPositions(model, self._monitor)
+        self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
         self._plan_once("poly345")
         self._plans = PlanPublication(self, model)
-        # While one request waits for a joint state, others are served.
+        # While one request waits for a joint state or a frame, others are served.
         for kind, name, callback in (
             (PlanJoint, "~/plan_joint", self._plan_joint),
             (PlanCartesian, "~/plan_cartesian", self._plan_cartesian),
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         moveit = add_cartesian_path_service(
-            self, model, self._monitor, lambda: self._table.settings, self._worker
+            self, model, self._monitor, self._frames, lambda: self._table.settings, self._worker
         )
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
@@ -130,13 +133,16 @@ class TrajectoryPlannerNode(Node):
     @guarded
     async def _plan_cartesian(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
-        wanted = read_path_request(request, self._model, settings)
+        asked = read_path_request(request, settings)
         start = await self._start(request.start, settings)
+        at = dict(zip(self._chain.joint_names, start.tolist(), strict=True))
+        wanted = await in_base(asked, request, self._frames, at, settings.state_timeout)
         path = wanted.path_from(forward_kinematics(self._chain, start))
         kept = 1.0 - settings.limit_margin
         limits = self._limits.scaled(velocity=kept, acceleration=kept, jerk=kept)
         sampling = Sampling(settings.sample_period, **settings.most)
         options = {**wanted.options, "limits": limits, "sampling": sampling}
+        options["waypoints"] = wanted.waypoints
         plan = partial(plan_along, self._chain, path, start, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()

@@ -56,7 +56,6 @@ def test_a_prefix_is_put_in_front_and_taken_off():
     assert (model.full_frame(""), model.full_frame("tool0")) == (BASE, "left/tool0")
     assert (model.full_frame("left/tool0"), model.full_frame("world")) == ("left/tool0", "world")
     assert model.chain_to("left/wrist_1_link") is model.chain_to("wrist_1_link")
-    assert model.frame_in_base("left/base") is model.frame_in_base("base")
     with pytest.raises(ParameterError, match="'frame_prefix' is '/left/'; allowed is a text"):
         RobotModel(load_description("ur5e"), frame_prefix="/left/")
 

@@ -5,7 +5,6 @@ import pytest
 
 from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.robots import load_description
 
@@ -60,21 +59,9 @@ def test_chain_to_nowhere(model):
 
 
 def test_frames_fixed_to_the_base_up_and_down_the_tree(model):
-    assert model.frame_in_base("") is None
-    assert model.frame_in_base("base") is None
-    np.testing.assert_allclose(model.frame_in_base("mast")[:3, 3], (0.0, 2.0, 0.0))
-    world = model.frame_in_base("world")
+    assert set(model.fixed_frames) == {"base", "world", "mast"}
+    np.testing.assert_array_equal(model.fixed_frames["base"], np.eye(4))
+    np.testing.assert_allclose(model.fixed_frames["mast"][:3, 3], (0.0, 2.0, 0.0))
+    world = model.fixed_frames["world"]
     expected = np.array([[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, -1], [0, 0, 0, 1]])
     np.testing.assert_allclose(world, expected, atol=1e-15)
-
-
-@pytest.mark.parametrize("frame", ["arm", "camera"])
-def test_frames_that_move_are_refused(model, frame):
-    with pytest.raises(FrameUnavailableError, match="moves with the joints") as caught:
-        model.frame_in_base(frame)
-    assert set(caught.value.known) == {"base", "world", "mast"}
-
-
-def test_frames_of_nobody_are_refused(model):
-    with pytest.raises(FrameUnavailableError, match="frame 'map': its relation .* is not known"):
-        model.frame_in_base("map")

@@ -72,12 +72,12 @@ IK_REFUSALS = {
     "unknown frame": (
         {"target": pose(frame="camera")},
         ErrorCode.FRAME_UNAVAILABLE,
-        ("frame 'camera'", "usable frames: base_link"),
+        ("frame 'camera': the robot has no such link", "usable frames: base_link"),
     ),
-    "moving frame": (
+    "a link that joints move, of a robot that is not heard of": (
         {"target": pose(frame="link_3")},
-        ErrorCode.FRAME_UNAVAILABLE,
-        ("frame 'link_3'", "moves with the joints"),
+        ErrorCode.NO_STATE,
+        ("no present state", "waist, shoulder", "joint_states"),
     ),
     "zero quaternion": (
         {"target": pose(quaternion=(0.0, 0.0, 0.0, 0.0))},

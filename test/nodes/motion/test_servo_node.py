@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import TransformStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from servo_operator import START, Operator
+from tf2_msgs.msg import TFMessage
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.common.parameters import ParameterError
@@ -74,6 +77,25 @@ def test_the_frame_of_a_twist_is_that_of_its_axes(operator):
     assert way[2] > 0.03 and np.abs(way[:2]).max() < 0.05 * way[2]
 
 
+def test_a_twist_in_the_world_above_the_base(operator):
+    hand = operator()
+    client = hand.graph.client
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = client.create_publisher(TFMessage, "/tf_static", latched)
+    # The base is turned by a quarter about z: y of the world is x of the base.
+    message = TransformStamped(child_frame_id=hand.arm.chain.base)
+    message.header.frame_id = "world"
+    message.transform.rotation.z = message.transform.rotation.w = np.sqrt(0.5)
+    publisher.publish(TFMessage(transforms=[message]))
+    before = hand.tip()
+    hand.repeat(
+        hand.twist(linear=(0, -0.2, 0), frame="world"),
+        lambda: np.linalg.norm(hand.tip()[:3, 3] - before[:3, 3]) > 0.04,
+    )
+    way = hand.tip()[:3, 3] - before[:3, 3]
+    assert way[0] < -0.03 and np.abs(way[1:]).max() < 0.05 * -way[0]
+
+
 def test_unitless_commands_are_parts_of_the_scales(operator):
     hand = operator(command_in_type="unitless", joint_scale=0.2)
     hand.repeat(hand.speeds(["waist"], [0.5]), lambda: len(hand.streamed) > 40)
@@ -86,7 +108,7 @@ def test_unitless_commands_are_parts_of_the_scales(operator):
 BAD = {
     "frame": (
         lambda hand: hand.twist((0.1, 0, 0), frame="no_such"),
-        "delta_twist_cmds' refused: frame 'no_such': it is no frame of this chain; usable frames:",
+        "delta_twist_cmds' refused: frame 'no_such': the robot has no such link, and tf has no",
     ),
     "nan": (lambda hand: hand.twist((0, np.nan, 0)), "twist.linear.y is nan, expected finite"),
     "infinite": (lambda hand: hand.twist(angular=(0, 0, -np.inf)), "twist.angular.z is -inf"),

@@ -445,10 +445,10 @@ REFUSALS = {
         MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
         ["moon", PUMA.base],
     ),
-    "moving frame": (
+    "a link that joints move, unknown where": (
         {"pose_stamped": target(frame="tool0")},
-        MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
-        ["moves with the joints"],
+        MoveItErrorCodes.ROBOT_STATE_STALE,
+        ["no present state", JOINT],
     ),
     "pose": (moved(y=math.inf), WRONG, ["position.y", "inf"]),
     "quaternion": (

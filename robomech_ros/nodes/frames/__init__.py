@@ -1,0 +1,1 @@
+"""Frames that goals name: those of the robot, and those of tf."""

@@ -1,0 +1,135 @@
+"""Where one frame of tf was in its parent, over the last seconds."""
+
+import math
+from bisect import bisect_left
+from typing import NamedTuple
+
+__all__ = ["WINDOW", "FrameHistory", "Sample"]
+
+# How long transforms are kept, ns: as long as tf2 keeps them.
+WINDOW = 10_000_000_000
+# Most samples of a frame: 100 per second for that time.
+_MOST_SAMPLES = 1000
+# Between quaternions nearer than this the straight line is as good as the arc.
+_SAME_TURN = 1.0 - 1e-9
+
+
+class Sample(NamedTuple):
+    """Where a frame is in its parent at an instant.
+
+    Attributes
+    ----------
+    stamp : int
+        ns of ROS time.
+    parent : str
+    place : tuple of three float
+        Of its origin, in the parent (m).
+    turn : tuple of four float
+        Unit quaternion x, y, z, w.
+    """
+
+    stamp: int
+    parent: str
+    place: tuple[float, ...]
+    turn: tuple[float, ...]
+
+
+class FrameHistory:
+    """The samples of one frame, in the order of their stamps, or one that holds for ever.
+
+    Attributes
+    ----------
+    static : bool
+        Whether its one sample holds at every instant.
+    """
+
+    def __init__(self) -> None:
+        self.static = False
+        self._samples: list[Sample] = []
+
+    def __len__(self) -> int:
+        return len(self._samples)
+
+    @property
+    def first(self) -> Sample:
+        """The oldest sample."""
+        return self._samples[0]
+
+    @property
+    def last(self) -> Sample:
+        """The newest sample."""
+        return self._samples[-1]
+
+    def fix(self, sample: Sample) -> None:
+        """Keep this sample alone, for every instant."""
+        self.static = True
+        self._samples = [sample]
+
+    def add(self, sample: Sample, now: int) -> None:
+        """Keep a sample; what is older than the window before the newest is let go.
+
+        Parameters
+        ----------
+        sample : Sample
+        now : int
+            ROS time (ns).  Samples from farther ahead than the window give way to one that is not:
+            the clock of their sender was wrong, or simulated time began anew.
+        """
+        samples = self._samples
+        if self.static:
+            self.static = False
+            samples.clear()
+        if samples and sample.stamp < samples[-1].stamp - WINDOW:
+            if samples[-1].stamp <= now + WINDOW:
+                return
+            samples.clear()
+        at = bisect_left(samples, sample.stamp, key=_stamp_of)
+        if at < len(samples) and samples[at].stamp == sample.stamp:
+            samples[at] = sample
+        else:
+            samples.insert(at, sample)
+        oldest = samples[-1].stamp - WINDOW
+        gone = max(bisect_left(samples, oldest, key=_stamp_of), len(samples) - _MOST_SAMPLES)
+        del samples[:gone]
+
+    def forget_oldest(self) -> None:
+        """Let the oldest sample go."""
+        del self._samples[0]
+
+    def at(self, stamp: int) -> Sample:
+        """Give the sample at an instant (ns): between two samples in between, as tf2 has it.
+
+        Before the first sample that is the first, behind the last the last; between samples with
+        different parents the one before.
+        """
+        samples = self._samples
+        k = bisect_left(samples, stamp, key=_stamp_of)
+        if k == len(samples):
+            return samples[-1]
+        if k == 0 or samples[k].stamp == stamp:
+            return samples[k]
+        before, behind = samples[k - 1], samples[k]
+        if before.parent != behind.parent:
+            return before
+        part = (stamp - before.stamp) / (behind.stamp - before.stamp)
+        place = tuple(a + part * (b - a) for a, b in zip(before.place, behind.place, strict=True))
+        return Sample(stamp, before.parent, place, _between(before.turn, behind.turn, part))
+
+
+def _stamp_of(sample: Sample) -> int:
+    return sample.stamp
+
+
+def _between(a: tuple[float, ...], b: tuple[float, ...], part: float) -> tuple[float, ...]:
+    """Turn evenly from one unit quaternion to another, on the shorter way."""
+    cosine = sum(p * q for p, q in zip(a, b, strict=True))
+    if cosine < 0.0:
+        b, cosine = tuple(-q for q in b), -cosine
+    if cosine > _SAME_TURN:
+        mixed = tuple(p + part * (q - p) for p, q in zip(a, b, strict=True))
+        norm = math.sqrt(sum(m * m for m in mixed))
+        return tuple(m / norm for m in mixed)
+    angle = math.acos(cosine)
+    first = math.sin((1.0 - part) * angle) / math.sin(angle)
+    second = math.sin(part * angle) / math.sin(angle)
+    return tuple(first * p + second * q for p, q in zip(a, b, strict=True))

@@ -1,0 +1,152 @@
+"""What is said on ``/tf`` and ``/tf_static``, as a tree of frames.
+
+Messages on ``/tf`` are taken from the middleware only when somebody asks: a node that listens to
+fast robots spends nothing while it is idle.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from rclpy.clock import JumpThreshold, TimeJump
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.polled_subscription import Unattended
+from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.frames.history import Sample
+from robomech_ros.nodes.frames.tree import FrameTree
+
+__all__ = ["FrameListener"]
+
+# Between two looks, the latest so many are kept: some seconds of robot_state_publisher.
+_DEPTH = 500
+# A best-effort reader hears every sender, and only the latest counts.
+_MOVING = QoSProfile(
+    depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+# As tf2_ros has it.
+_STATIC = QoSProfile(
+    depth=100,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+# No robot's message is larger; it would only keep the node busy.
+_LARGEST_MESSAGE = 1_000_000
+
+
+class FrameListener:
+    """Knows the frames that others publish.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+
+    Attributes
+    ----------
+    tree : FrameTree
+        As of the last look.
+    missing : str
+        Why there is nothing to listen to; empty where tf2_msgs is installed.
+    fault : str
+        What of what was heard could not be used at last; empty if all could.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.tree = FrameTree()
+        self.missing = ""
+        self.fault = ""
+        self._clock = node.get_clock()
+        self._kind: Any = None
+        try:
+            from tf2_msgs.msg import TFMessage
+        except ImportError as error:
+            self.missing = (
+                "frames of tf are not heard: the package tf2_msgs is not installed"
+                if getattr(error, "name", "") == "tf2_msgs"
+                else f"frames of tf are not heard: {error}"
+            )
+            return
+        self._kind = TFMessage
+        self._moving = node.create_subscription(
+            TFMessage, "/tf", self._take_moving, _MOVING, callback_group=Unattended(), raw=True
+        )
+        self._static = node.create_subscription(
+            TFMessage, "/tf_static", self._take_static, _STATIC, raw=True
+        )
+        back = JumpThreshold(
+            min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True
+        )
+        # Jumps are reported as long as this is kept.
+        self._jumps = self._clock.create_jump_callback(back, post_callback=self._begin_anew)
+
+    @property
+    def now(self) -> int:
+        """ROS time (ns)."""
+        return int(self._clock.now().nanoseconds)
+
+    @property
+    def topics(self) -> tuple[str, str]:
+        """Full names of the two topics."""
+        return str(self._moving.topic_name), str(self._static.topic_name)
+
+    def look(self) -> None:
+        """Take in what has come since the last look."""
+        for data in self._waiting():
+            self._take_moving(data)
+
+    def _waiting(self) -> Iterator[bytes]:
+        if self._kind is None:
+            return
+        with self._moving.handle:
+            for _ in range(_DEPTH):
+                taken = self._moving.handle.take_message(self._kind, True)
+                if taken is None:
+                    return
+                yield taken[0]
+
+    def _begin_anew(self, jump: TimeJump) -> None:
+        # What waits is from before, too.
+        list(self._waiting())
+        self.tree.forget_moving()
+
+    def _unpacked(self, data: bytes) -> Any:
+        if len(data) > _LARGEST_MESSAGE:
+            raise UnreadableMessageError(data, self._kind)
+        return unpack(data, self._kind).transforms
+
+    def _take_moving(self, data: bytes) -> None:
+        self._take(data, static=False)
+
+    def _take_static(self, data: bytes) -> None:
+        self._take(data, static=True)
+
+    def _take(self, data: bytes, *, static: bool) -> None:
+        try:
+            entries = self._unpacked(data)
+        except UnreadableMessageError as error:
+            self.fault = f"{error}, on '{self.topics[static]}'"
+            return
+        now = self.now
+        for entry in entries:
+            stamp, place, turn = (
+                entry.header.stamp,
+                entry.transform.translation,
+                entry.transform.rotation,
+            )
+            sample = Sample(
+                stamp.sec * NANO + stamp.nanosec,
+                _bare(entry.header.frame_id),
+                (place.x, place.y, place.z),
+                (turn.x, turn.y, turn.z, turn.w),
+            )
+            fault = self.tree.insert(_bare(entry.child_frame_id), sample, now, static=static)
+            self.fault = fault or self.fault
+
+
+def _bare(frame: str) -> str:
+    """Give the name of a frame without the slash that tf had before it once."""
+    return str(frame).removeprefix("/")

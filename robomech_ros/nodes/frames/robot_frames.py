@@ -1,0 +1,264 @@
+"""Where a frame that a request names is: one of the robot, or one that tf connects with it."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from numpy.typing import NDArray
+from rclpy.node import Node
+
+from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.pauses import pause
+from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
+from robomech_ros.nodes.frames.listener import FrameListener
+from robomech_ros.nodes.frames.tree import Found, NoTransformError
+from robomech_ros.robots import SerialChain
+
+__all__ = ["Place", "Positions", "RobotFrames"]
+
+Array = NDArray[np.float64]
+# Joint name to position (rad or m), or to positions, shape (...), in as many states.
+Positions = Mapping[str, Any]
+
+# How often a waiting request looks whether its frame has come, s.
+_LOOK = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a frame is, as far as joints do not move it.
+
+    Attributes
+    ----------
+    chain : SerialChain or None
+        From the base to the link that carries the frame; None where that is the base.
+    offset : ndarray, shape (4, 4), or None
+        Pose of the frame in that link (m); None for the link itself.
+    """
+
+    chain: SerialChain | None
+    offset: Array | None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that move it."""
+        return () if self.chain is None else self.chain.joint_names
+
+    def pose(self, positions: Positions) -> Array | None:
+        """Give its pose in the base at positions by joint; None for the base itself.
+
+        It is of shape (..., 4, 4) where joints move it, else of (4, 4) (m).
+        """
+        if self.chain is None:
+            return self.offset
+        values = np.broadcast_arrays(*[positions[name] for name in self.chain.joint_names])
+        return self.pose_at(np.stack(values, axis=-1))
+
+    def pose_at(self, q: Array) -> Array | None:
+        """Give the same at joint values (..., n) of its chain."""
+        if self.chain is None:
+            return self.offset
+        T = forward_kinematics(self.chain, q)
+        return T if self.offset is None else T @ self.offset
+
+
+_BASE = Place(None, None)
+
+
+class RobotFrames:
+    """Finds the frames that requests name.
+
+    Links of the robot come from its description and the joints; any other frame from tf, by the
+    link that carries it or by the base.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions to tf.
+    model : RobotModel
+        The robot.
+    monitor : JointStateMonitor
+        Its present state.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        model: RobotModel,
+        monitor: JointStateMonitor,
+        settings: Callable[[], FrameSettings],
+    ) -> None:
+        self._node, self._model, self._monitor = node, model, monitor
+        self._settings = settings
+        self._listener = FrameListener(node)
+
+    def find(self, frame: str, stamp: Time | None = None) -> Place:
+        """Find a frame in what is known now.
+
+        Parameters
+        ----------
+        frame : str
+            "" is the base.
+        stamp : Time, optional
+            Instant at which the frame was there, for frames that move; 0 or None is now.
+
+        Raises
+        ------
+        FrameUnavailableError
+            Neither the robot has it nor tf, or tf does not connect it with the robot, or not at
+            this instant, or its news are too old.
+        """
+        try:
+            return self._find(frame, _instant(stamp))
+        except NoTransformError as error:
+            raise self._unavailable(frame, error) from None
+
+    async def place(self, frame: str, patience: float, stamp: Time | None = None) -> Place:
+        """Find a frame as `find` does, and wait for it, up to `patience` (s).
+
+        Raises
+        ------
+        FrameUnavailableError
+        """
+        instant, deadline = _instant(stamp), time.monotonic() + patience
+        while True:
+            try:
+                return self._find(frame, instant)
+            except NoTransformError as error:
+                if not error.may_come or time.monotonic() >= deadline:
+                    raise self._unavailable(frame, error) from None
+            await pause(self._node, _LOOK)
+
+    async def in_base(
+        self,
+        frame: str,
+        patience: float,
+        stamp: Time | None = None,
+        at: Positions | None = None,
+    ) -> Array | None:
+        """Give the pose of a frame in the base, (4, 4) (m); None for the base itself.
+
+        Parameters
+        ----------
+        frame : str
+        patience : float
+            How long to wait for the frame, and for the joints that move it (s).
+        stamp : Time, optional
+            As for `find`.
+        at : mapping, optional
+            Positions (rad or m) of joints that are not to be the present ones; with positions in
+            many states the pose is of shape (..., 4, 4), where these joints move it.
+
+        Raises
+        ------
+        FrameUnavailableError
+            As `find` raises it.
+        NoStateError
+            Joints move the frame, and where they are is not known.
+        """
+        place = await self.place(frame, patience, stamp)
+        given = at or {}
+        missing = [name for name in place.joint_names if name not in given]
+        if not missing:
+            return place.pose(given)
+        await self._monitor.wait_for(missing, patience)
+        present = self._monitor.require(missing).tolist()
+        return place.pose({**given, **dict(zip(missing, present, strict=True))})
+
+    def _find(self, frame: str, instant: int | None) -> Place:
+        model, tree = self._model, self._listener.tree
+        link = model.link_of(frame)
+        if not link or link == model.chain.base:
+            return _BASE
+        own = self._place_of_link(link)
+        if own is not None and own.chain is None:
+            return own
+        self._listener.look()
+        known_as = model.full_frame(frame)
+        if own is not None and (instant is None or known_as not in tree):
+            return own
+        if self._listener.missing:
+            raise NoTransformError(self._listener.missing, may_come=False)
+        return self._by_tf(known_as, instant)
+
+    def _place_of_link(self, link: str) -> Place | None:
+        """Find a link of the robot; None for what is none, or has no chain from the base."""
+        fixed = self._model.fixed_frames
+        if link in fixed:
+            return Place(None, fixed[link])
+        if link not in self._model.description.links:
+            return None
+        try:
+            return Place(self._model.chain_to(link), None)
+        except RobotDescriptionError:
+            return None
+
+    def _place_in_tf(self, frame: str) -> Place | None:
+        """Find a link of the robot by its frame in tf; None for the frames of others."""
+        prefix = self._model.frame_prefix
+        if not frame.startswith(prefix):
+            return None
+        return self._place_of_link(frame.removeprefix(prefix))
+
+    def _by_tf(self, frame: str, instant: int | None) -> Place:
+        """Find a frame of tf by the links of the robot that tf connects with it."""
+        tree, model = self._listener.tree, self._model
+        way = tree.way_up(frame, instant)
+        fixed = [model.base_frame, *map(model.frame_of, model.fixed_frames)]
+        # Now is told best by the joints and the link that carries the frame, the past by tf alone.
+        others = [*way, *fixed] if instant is None else [*fixed, *way]
+        for other in dict.fromkeys([*others, *tree.frames]):
+            place = self._place_in_tf(other)
+            if place is None or other not in tree or tree.way_up(other, instant)[-1] != way[-1]:
+                continue
+            return self._carried(place, tree.between(other, frame, instant), instant)
+        raise NoTransformError(self._not_connected(way))
+
+    def _not_connected(self, way: list[str]) -> str:
+        """Say why a frame of tf leads to no link of the robot."""
+        tree, base = self._listener.tree, self._model.base_frame
+        if base in tree:
+            other = f"the base {base!r} hangs on {tree.way_up(base)[-1]!r}"
+        else:
+            other = "tf has no link of the robot"
+        return f"tf does not connect it with the robot: it hangs on {way[-1]!r}, {other}"
+
+    def _carried(self, place: Place, found: Found, instant: int | None) -> Place:
+        """Add to the place of a link what tf found in it, unless that is too old."""
+        if found.stamp is not None and instant is None:
+            age = (self._listener.now - found.stamp) / NANO
+            most = self._settings().frame_age
+            if age > most:
+                raise NoTransformError(
+                    f"what tf last said of {found.slowest!r} is {age:.4g} s old, expected at most "
+                    f"{most:g} s, the parameter frame_age"
+                )
+        offset = found.pose if place.offset is None else place.offset @ found.pose
+        return Place(place.chain, offset)
+
+    def _unavailable(self, frame: str, error: NoTransformError) -> FrameUnavailableError:
+        """Say what was not found, and what there is."""
+        why, listener, model = str(error), self._listener, self._model
+        if not listener.missing and model.full_frame(frame) not in listener.tree:
+            said = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
+            topics = " and ".join(f"'{topic}'" for topic in listener.topics)
+            own = model.link_of(frame) in model.description.links
+            link = "no chain from the base leads to it" if own else "the robot has no such link"
+            why = f"{link}, and {why} on {topics}{said}"
+        links = [*model.fixed_frames, *model.description.links]
+        usable = [model.frame_of(link) for link in links if self._place_of_link(link) is not None]
+        return FrameUnavailableError(frame, dict.fromkeys([*usable, *listener.tree.frames]), why)
+
+
+def _instant(stamp: Time | None) -> int | None:
+    """Give a stamp in ns; None for none and for 0, which both mean now."""
+    return None if stamp is None else (stamp.sec * NANO + stamp.nanosec) or None

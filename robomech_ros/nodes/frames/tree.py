@@ -1,0 +1,254 @@
+"""The tree of frames that tf describes: every frame with its parent, as far back as is known."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.frames.history import FrameHistory, Sample
+from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.spatial.quaternions import matrix_from_quaternion
+
+__all__ = ["Found", "FrameTree", "NoTransformError"]
+
+Array = NDArray[np.float64]
+
+# More than any robot has: what a faulty sender can fill is bounded.
+MOST_FRAMES = 1000
+_MOST_SAMPLES = 100_000
+_LONGEST_NAME = 255
+# As tf2 has it: how far the squared norm of a quaternion may be from 1.
+_QUATERNION_SQUARED = 1e-2
+_NANO = 1e-9
+
+
+class NoTransformError(RobomechError):
+    """tf does not say where a frame is in another one.
+
+    Attributes
+    ----------
+    may_come : bool
+        Whether the next messages may change that.
+    """
+
+    def __init__(self, why: str, may_come: bool = True) -> None:
+        self.may_come = may_come
+        super().__init__(why)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.may_come)
+
+
+class Found(NamedTuple):
+    """Where a frame is in another one.
+
+    Attributes
+    ----------
+    pose : ndarray, shape (4, 4)
+        Of the source in the target (m).
+    stamp : int or None
+        ROS time (ns) at which it was there; None if that does not change.
+    slowest : str
+        The frame on the way whose news are oldest; empty if nothing changes.
+    """
+
+    pose: Array
+    stamp: int | None
+    slowest: str
+
+
+class FrameTree:
+    """Frames, their parents, and where they were in them over the last seconds.
+
+    What senders say may be anything: a circle of frames is found, and memory is bounded.
+    """
+
+    def __init__(self) -> None:
+        self._histories: dict[str, FrameHistory] = {}
+        self._count = 0
+
+    def __contains__(self, frame: str) -> bool:
+        return frame in self._histories or frame in self.roots
+
+    @property
+    def roots(self) -> set[str]:
+        """Frames that have children and no parent."""
+        parents = {history.last.parent for history in self._histories.values()}
+        return parents - self._histories.keys()
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """All frames, by name."""
+        parents = {history.last.parent for history in self._histories.values()}
+        return tuple(sorted(parents | self._histories.keys()))
+
+    def insert(self, child: str, sample: Sample, now: int, *, static: bool) -> str:
+        """Take in where a frame is in its parent.
+
+        Parameters
+        ----------
+        child : str
+        sample : Sample
+            With any quaternion near unit length; it is made a unit.
+        now : int
+            ROS time (ns).
+        static : bool
+            Whether it holds for ever.
+
+        Returns
+        -------
+        str
+            Why it was passed over; empty if it was not.
+        """
+        if fault := self._fault_of(child, sample):
+            return fault
+        norm = math.sqrt(sum(number * number for number in sample.turn))
+        sample = sample._replace(turn=tuple(number / norm for number in sample.turn))
+        history = self._histories.setdefault(child, FrameHistory())
+        before = len(history)
+        if static:
+            history.fix(sample)
+        else:
+            history.add(sample, now)
+        self._count += len(history) - before
+        if self._count > _MOST_SAMPLES and len(history) > 1:
+            history.forget_oldest()
+            self._count -= 1
+        return ""
+
+    def _fault_of(self, child: str, sample: Sample) -> str:
+        """Say why a transform is none, or one too many."""
+        parent, shown = sample.parent, f"the transform of {child[:50]!r} in {sample.parent[:50]!r}"
+        if not child or not parent or child == parent:
+            return f"{shown}: a frame and its parent need two names"
+        if max(len(child), len(parent)) > _LONGEST_NAME:
+            return f"{shown}: a name of more than {_LONGEST_NAME} characters"
+        if not all(map(math.isfinite, (*sample.place, *sample.turn))):
+            return f"{shown}: a number that is not finite"
+        if max(map(abs, sample.place)) > LARGEST_LENGTH:
+            return f"{shown}: more than {LARGEST_LENGTH:g} m away"
+        squared = sum(number * number for number in sample.turn)
+        if abs(squared - 1.0) > _QUATERNION_SQUARED:
+            return f"{shown}: its quaternion has norm {math.sqrt(squared):.6g}, expected 1"
+        if child not in self._histories and len(self._histories) >= MOST_FRAMES:
+            return f"{shown}: there are {MOST_FRAMES} frames already, the most that are kept"
+        return ""
+
+    def forget_moving(self) -> None:
+        """Let all go that does not hold for ever; to be called when time begins anew."""
+        self._histories = {child: h for child, h in self._histories.items() if h.static}
+        self._count = len(self._histories)
+
+    def way_up(self, frame: str, stamp: int | None = None) -> list[str]:
+        """List a frame, its parent and so on up to the root of its tree.
+
+        Parameters
+        ----------
+        frame : str
+        stamp : int, optional
+            Instant (ns) for frames that change their parents; default what was heard last.
+
+        Raises
+        ------
+        NoTransformError
+            There is no such frame, or the way is a circle.
+        """
+        if frame not in self:
+            raise NoTransformError(self._unknown(frame))
+        way = {frame: None}
+        while frame in self._histories:
+            history = self._histories[frame]
+            frame = (history.last if stamp is None else history.at(stamp)).parent
+            if frame in way:
+                circle = [*way][[*way].index(frame) :]
+                shown = ", ".join(circle[:5]) + (", ..." if len(circle) > 5 else "")
+                raise NoTransformError(f"tf goes round in a circle: {shown}, {frame}")
+            way[frame] = None
+        return [*way]
+
+    def _unknown(self, frame: str) -> str:
+        if not self._histories:
+            return "tf has no frames yet"
+        return f"tf has no frame {frame[:200]!r}"
+
+    def between(self, target: str, source: str, stamp: int | None = None) -> Found:
+        """Find where a frame is in another one.
+
+        Parameters
+        ----------
+        target, source : str
+        stamp : int, optional
+            Instant (ns); default the last for which every frame on the way was heard of.
+
+        Raises
+        ------
+        NoTransformError
+            A frame is not known, the two belong to different trees, the way is a circle, or the
+            instant is not among those kept.
+        """
+        up, down = self._ways(target, source, stamp)
+        moving = [frame for frame in (*up, *down) if not self._histories[frame].static]
+        if not moving:
+            return Found(self._pose(up, down, 0), None, "")
+        slowest = min(moving, key=lambda frame: self._histories[frame].last.stamp)
+        if stamp is None:
+            stamp = self._histories[slowest].last.stamp
+            # A frame may have had another parent then.
+            up, down = self._ways(target, source, stamp)
+        else:
+            self._check_kept(moving, slowest, stamp)
+        return Found(self._pose(up, down, stamp), stamp, slowest)
+
+    def _ways(self, target: str, source: str, stamp: int | None) -> tuple[list[str], list[str]]:
+        """List the frames from the source and from the target to below where they meet."""
+        from_source = self.way_up(source, stamp)
+        from_target = self.way_up(target, stamp)
+        shared = set(from_source).intersection(from_target)
+        if not shared:
+            raise NoTransformError(
+                f"tf has two trees that are not connected: {source!r} hangs on "
+                f"{from_source[-1]!r}, {target!r} on {from_target[-1]!r}"
+            )
+        up, down = (
+            [frame for frame in way if frame not in shared] for way in (from_source, from_target)
+        )
+        return up, down
+
+    def _check_kept(self, moving: Sequence[str], slowest: str, stamp: int) -> None:
+        """Refuse an instant that is newer or older than what is known."""
+        last = self._histories[slowest].last
+        if stamp > last.stamp:
+            ahead = (stamp - last.stamp) * _NANO
+            raise NoTransformError(
+                f"the stamp is {ahead:.3g} s newer than what tf last said of {slowest!r} in "
+                f"{last.parent!r}; stamp 0 takes the latest"
+            )
+        youngest = max(moving, key=lambda frame: self._histories[frame].first.stamp)
+        first = self._histories[youngest].first
+        if stamp < first.stamp:
+            late = (first.stamp - stamp) * _NANO
+            why = (
+                f"the stamp is {late:.3g} s older than what is kept of {youngest!r} in "
+                f"{first.parent!r}"
+            )
+            raise NoTransformError(why, may_come=False)
+
+    def _pose(self, up: Sequence[str], down: Sequence[str], stamp: int) -> Array:
+        forth, back = np.eye(4), np.eye(4)
+        for T in self._steps(up, stamp):
+            forth = T @ forth
+        for T in self._steps(down, stamp):
+            back = T @ back
+        return rigid_inverse(back) @ forth
+
+    def _steps(self, way: Sequence[str], stamp: int) -> Iterator[Array]:
+        for frame in way:
+            sample = self._histories[frame].at(stamp)
+            T = np.eye(4)
+            T[:3, :3] = matrix_from_quaternion(sample.turn)
+            T[:3, 3] = sample.place
+            yield T
