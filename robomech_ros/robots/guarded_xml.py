@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_XML", "XmlElement", "parse_xml", "refuse_xacro", "text_of_xml"]
+__all__ = ["LARGEST_XML", "XmlElement", "is_xml", "parse_xml", "refuse_xacro", "text_of_xml"]
 
 # Bytes; the largest URDF seen in the wild (humanoids with inline data) is below 2 MiB.
 LARGEST_XML = 8 * 1024 * 1024
@@ -156,6 +156,11 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
+
+
+def is_xml(text: str) -> bool:
+    """Tell the text of a document from a name or a path."""
+    return text.lstrip("\ufeff \t\r\n").startswith("<")
 
 
 def text_of_xml(document: str | bytes) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownRobotError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
-from robomech_ros.robots.guarded_xml import LARGEST_XML
+from robomech_ros.robots.guarded_xml import LARGEST_XML, is_xml
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML
 from robomech_ros.robots.robot_yaml import description_from_yaml, with_yaml_limits
 from robomech_ros.robots.source_files import read_source
@@ -93,16 +93,22 @@ def load_description(name_or_path_or_urdf: str | os.PathLike[str]) -> RobotDescr
     if not isinstance(given, str) or not given.strip():
         raise BadValueError("robot", given, expected)
     text = given.lstrip("\ufeff \t\r\n")
-    if text.startswith("<"):
+    if is_xml(text):
         return description_from_urdf(text, "URDF string")
-    if "\n" in text.strip():
+    if is_document(text):
         return description_from_yaml(text, "YAML string")
     name = text.strip()
-    if name.lower().endswith((*_SUFFIXES, ".xacro")) or "/" in name or os.sep in name:
-        return _from_file(Path(os.path.expanduser(name)))
-    if ": " in name:
-        return description_from_yaml(text, "YAML string")
-    return _from_file(_find(name))
+    return _from_file(Path(os.path.expanduser(name)) if _is_path(name) else _find(name))
+
+
+def is_document(given: str) -> bool:
+    """Tell the text of a URDF or YAML document from the name of a robot or a path."""
+    text = given.strip()
+    return is_xml(given) or "\n" in text or (": " in text and not _is_path(text))
+
+
+def _is_path(name: str) -> bool:
+    return name.lower().endswith((*_SUFFIXES, ".xacro")) or "/" in name or os.sep in name
 
 
 def list_robots() -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from robomech_ros.robots import (
     main_chain,
 )
 from robomech_ros.robots.group_chains import group_of_chain
+from robomech_ros.robots.library import is_document
 
 __all__ = [
     "LATCHED",
@@ -38,6 +39,8 @@ Array = NDArray[np.float64]
 TOPIC = "robot_description"
 # The one group of joints where none are given, beside the name of the robot.
 WHOLE_CHAIN = "manipulator"
+# Characters that an error shows of what was no robot.
+_SHOWN = 80
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -319,10 +322,11 @@ class _WaitingNode:
         self._begin = begin
         self._done = False
         self._robot = settings.robot_description
+        self._by_topic = not self._robot
         source.on_news = self._try
         place, what = node.resolve_topic_name(SEMANTIC_TOPIC), SEMANTIC_TOPIC
         waits_for = f"the SRDF with group '{settings.group}'"
-        if not self._robot:
+        if self._by_topic:
             place, what, waits_for = node.resolve_topic_name(TOPIC), TOPIC, "the robot"
             node.create_subscription(String, TOPIC, self._receive, LATCHED)
         self._place = place
@@ -347,6 +351,10 @@ class _WaitingNode:
         if self._done or not self._robot:
             return
         try:
+            if self._by_topic and not is_document(self._robot):
+                # It must not name a file: whoever can publish would have that read here.
+                expected = "the text of a URDF; names and files are for the parameter"
+                raise BadValueError("the robot", self._robot[:_SHOWN], expected)
             self._begin(self._robot)
         except RobomechError as error:
             text = f"unusable robot on '{self._place}': {error}"

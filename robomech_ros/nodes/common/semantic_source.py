@@ -15,6 +15,7 @@ from robomech_ros.robots import (
     groups_by_links,
     load_srdf,
 )
+from robomech_ros.robots.guarded_xml import is_xml
 
 __all__ = ["SEMANTIC_TOPIC", "SemanticSource"]
 
@@ -102,7 +103,9 @@ class SemanticSource:
         return known.with_groups(groups_by_links(description, self._groups))
 
     def _receive(self, message: String) -> None:
-        if not message.data.strip():
+        if not is_xml(message.data):
+            # What comes by the topic is a document and never names a file.
+            self._log.error(f"unusable SRDF on '{SEMANTIC_TOPIC}', ignored: it is no XML")
             return
         before, self._heard = self._heard, message.data
         if self._model is None:

@@ -15,6 +15,7 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.guarded_xml import (
     LARGEST_XML,
     XmlElement,
+    is_xml,
     parse_xml,
     refuse_xacro,
     text_of_xml,
@@ -77,7 +78,7 @@ def load_srdf(
     """
     given: object = text_or_path
     data: str | bytes
-    if isinstance(given, str) and given.lstrip("\ufeff \t\r\n").startswith("<"):
+    if isinstance(given, str) and is_xml(given):
         data, where = given, "SRDF string"
     elif isinstance(given, str | os.PathLike) and str(given).strip():
         where = str(given)
