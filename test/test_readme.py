@@ -16,8 +16,10 @@ FOREIGN = {
     "sensor_msgs/msg/JointState",
     "control_msgs/action/FollowJointTrajectory",
     "control_msgs/srv/QueryTrajectoryState",
+    "std_msgs/msg/String",
     "std_srvs/srv/SetBool",
     "std_srvs/srv/Trigger",
+    "tf2_msgs/msg/TFMessage",
     "trajectory_msgs/msg/JointTrajectory",
 }
 
@@ -59,9 +61,9 @@ def test_types_in_the_table_are_defined():
 
 def test_what_the_table_names_is_in_the_nodes():
     source = "\n".join(path.read_text(encoding="utf-8") for path in NODES)
-    offered = set(re.findall(r'"(?:~/)?([a-z_]+)"', source))
+    offered = set(re.findall(r'"(?:~?/)?([a-z_]+)"', source))
     for names, _ in served():
-        assert {name.removeprefix("~/") for name in names} <= offered, names
+        assert {name.removeprefix("~").removeprefix("/") for name in names} <= offered, names
 
 
 def test_every_service_of_the_nodes_is_in_the_table():

@@ -7,8 +7,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.display.robot_display import RobotDisplay
 from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
-from robomech_ros.nodes.joint_trajectory_controller.frame_publisher import frame_publisher
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
@@ -60,7 +60,14 @@ class ControlCycle:
         self._logger = node.get_logger()
         self._robot = robot
         self.states = StatePublisher(node, model, [robot])
-        self._frames = frame_publisher(node, model.description, settings.publish_frames)
+        self._display = RobotDisplay(
+            node,
+            model,
+            frames=settings.publish_frames,
+            rate=settings.frame_rate,
+            # What came from the topic is there already.
+            description=settings.publish_description and bool(settings.robot_description),
+        )
         self._control = control
         self._servers = servers
         self._on_moved = on_moved
@@ -105,8 +112,8 @@ class ControlCycle:
 
     def _publish_what_is_due(self) -> None:
         self._count += 1
-        if self._frames is not None and self._count % self._cycles_per_frames == 0:
-            self._frames.publish(self.states.positions)
+        if self._count % self._cycles_per_frames == 0:
+            self._display.publish(self.states.positions, self.states.stamp)
         if self._count % self._cycles_per_state == 0:
             self._control.publish()
         if self._count % self._cycles_per_feedback == 0:

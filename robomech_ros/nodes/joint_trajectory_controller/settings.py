@@ -9,12 +9,11 @@ from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.robots import SerialChain
 
 __all__ = [
     "DYNAMIC",
-    "FRAMES_AUTO",
-    "FRAMES_NEVER",
     "ControllerSettings",
     "check_simulation",
     "default_tolerances",
@@ -23,7 +22,6 @@ __all__ = [
 ]
 
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
-FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER = "auto", "always", "never"
 SPLINES, NO_INTERPOLATION = "splines", "none"
 
 
@@ -167,13 +165,18 @@ class ControllerSettings(RobotSettings):
         "s",
     )
     publish_frames: str = parameter(
-        FRAMES_AUTO,
-        "Whether /tf and /tf_static are published, where tf2_msgs is installed; auto = unless "
-        "robot_state_publisher, which does it, is installed",
-        choices=(FRAMES_AUTO, FRAMES_ALWAYS, FRAMES_NEVER),
+        AUTO,
+        "Whether /tf and /tf_static are published, where tf2_msgs is installed; auto = those "
+        "frames of the robot that nobody else publishes",
+        choices=(AUTO, ALWAYS, NEVER),
     )
     frame_rate: float = parameter(
         20.0, "How often /tf is published; at most publish_rate", 0.1, 1000.0, "Hz"
+    )
+    publish_description: bool = parameter(
+        True,
+        "Whether the robot of the parameter robot_description is published as a URDF on the "
+        "latched topic robot_description, unless somebody else publishes one",
     )
     fault_stuck_joints: str = parameter(
         "",

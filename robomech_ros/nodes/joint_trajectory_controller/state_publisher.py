@@ -65,6 +65,12 @@ class StatePublisher:
         """Position (rad or m) of every joint, as published last."""
         return dict(zip(self._message.name, self._message.position, strict=True))
 
+    @property
+    def stamp(self) -> tuple[int, int]:
+        """ROS time (s and ns) of that."""
+        when = self._message.header.stamp
+        return when.sec, when.nanosec
+
     def publish(self, stamp: tuple[int, int]) -> None:
         """Publish where the joints are, at a ROS time (s and ns); their lock is to be held."""
         for joints, places in self._commanded:

@@ -1,0 +1,1 @@
+"""What RViz and others need to show a robot: its description, and its frames on /tf."""

@@ -1,0 +1,141 @@
+"""Publishes frames of a robot on /tf and /tf_static."""
+
+from collections import deque
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from geometry_msgs.msg import TransformStamped
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from robomech_ros.nodes.display.joint_poses import JointPoses
+from robomech_ros.robots import Joint, RobotDescription
+
+__all__ = ["FramePublisher"]
+
+# As tf2_ros has them.
+_DEPTH = 100
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# So many stamps are kept for who looks less often than frames are published.
+_STAMPS = 1000
+_NANO = 1_000_000_000
+
+
+class _Moving(NamedTuple):
+    """The frames that move: names of their joints, poses, and the message to be written."""
+
+    names: list[str]
+    poses: JointPoses
+    message: Any
+
+
+class FramePublisher:
+    """Publishes the pose of every link in the one before it, of all links or of some.
+
+    Links behind a joint of several degrees of freedom are left out: where such a link is, others
+    know, such as an odometry.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    description : RobotDescription
+        The robot; the frame of each joint's child is that of the joint, as in a URDF.
+    prefix : str
+        What the names of frames begin with.
+    message : type
+        tf2_msgs/TFMessage.
+
+    Attributes
+    ----------
+    moving, fixed : tuple of str
+        The frames of links that move in the one before them, and of those that do not.
+    topic, fixed_topic : str
+        Full names of the topics.
+    turns : int
+        How many times frames were due so far.
+    stamps : deque of int
+        ROS times (ns) of the latest messages on /tf.
+    kind : type
+        Of the messages.
+    at_rest : TFMessage or None
+        What was published on /tf_static last.
+    """
+
+    def __init__(self, node: Node, description: RobotDescription, prefix: str, message: Any):
+        self._clock, self._prefix, self.kind = node.get_clock(), prefix, message
+        joints = description.joints
+        self._of_moving = {f"{prefix}{joint.child}": joint for joint in joints if joint.moves}
+        self._of_fixed = {
+            f"{prefix}{joint.child}": joint for joint in joints if joint.type == "fixed"
+        }
+        self.moving, self.fixed = tuple(self._of_moving), tuple(self._of_fixed)
+        shown = {*self._of_moving.values(), *self._of_fixed.values()}
+        if left_out := sorted(joint.name for joint in joints if joint not in shown):
+            text = f"/tf lacks what is behind the joints {', '.join(left_out)}"
+            node.get_logger().warning(text)
+        self._publisher = node.create_publisher(message, "/tf", _DEPTH)
+        self._latched = node.create_publisher(message, "/tf_static", _LATCHED)
+        self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
+        self.turns = 0
+        self.stamps: deque[int] = deque(maxlen=_STAMPS)
+        self.at_rest: Any = None
+        # Replaced as a whole: frames are published in another thread.
+        self._frames: _Moving | None = None
+
+    def choose(self, moving: Collection[str], fixed: Collection[str]) -> None:
+        """Publish these frames from now on, and those that do not move at once.
+
+        Parameters
+        ----------
+        moving, fixed : collection of str
+            Parts of the attributes of these names.
+        """
+        still = [joint for frame, joint in self._of_fixed.items() if frame in fixed]
+        self.at_rest = self.kind(transforms=self._transforms(still))
+        now = divmod(int(self._clock.now().nanoseconds), _NANO)
+        _put(self.at_rest, JointPoses(still), np.zeros(len(still)), now)
+        self._latched.publish(self.at_rest)
+        joints = [joint for frame, joint in self._of_moving.items() if frame in moving]
+        message = self.kind(transforms=self._transforms(joints))
+        chosen = _Moving([joint.name for joint in joints], JointPoses(joints), message)
+        self._frames = chosen if joints else None
+
+    def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
+        """Publish the frames of the joints that move.
+
+        Parameters
+        ----------
+        positions : mapping
+            Of every joint that moves (rad or m).
+        stamp : tuple of two int
+            ROS time (s and ns) at which the joints were there.
+        """
+        self.turns += 1
+        frames = self._frames
+        if frames is None:
+            return
+        at = np.array([positions[name] for name in frames.names])
+        _put(frames.message, frames.poses, at, stamp)
+        self.stamps.append(stamp[0] * _NANO + stamp[1])
+        self._publisher.publish(frames.message)
+
+    def _transforms(self, joints: Sequence[Joint]) -> list[TransformStamped]:
+        """Make the transforms of joints, their numbers to be filled in."""
+        made = []
+        for joint in joints:
+            made.append(TransformStamped(child_frame_id=f"{self._prefix}{joint.child}"))
+            made[-1].header.frame_id = f"{self._prefix}{joint.parent}"
+        return made
+
+
+def _put(message: Any, poses: JointPoses, at: NDArray[np.float64], stamp: tuple[int, int]) -> None:
+    """Write the poses at positions (rad or m) into a message, with a ROS time (s and ns)."""
+    places, turns = poses.at(at)
+    for entry, place, turn in zip(message.transforms, places.tolist(), turns.tolist(), strict=True):
+        entry.header.stamp.sec, entry.header.stamp.nanosec = stamp
+        translation, rotation = entry.transform.translation, entry.transform.rotation
+        translation.x, translation.y, translation.z = place
+        rotation.x, rotation.y, rotation.z, rotation.w = turn

@@ -1,0 +1,124 @@
+"""Frames of a robot that are heard from others on /tf and /tf_static."""
+
+import random
+from collections import Counter
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from robomech_ros.nodes.common.polled_subscription import Inbox
+from robomech_ros.nodes.display.frame_publisher import FramePublisher
+from robomech_ros.nodes.display.other_publishers import OtherPublishers
+
+__all__ = ["FixedFrames", "MovingFrames"]
+
+# Others that are silent for so long publish no more, s.  Up to the second number is added by
+# chance, so that of two nodes that yield to each other one is back first.
+SILENCE, BY_CHANCE = 3.0, 1.0
+# As many messages of /tf are read in a look, the latest, and as many latched ones are asked for.
+_DEPTH = 100
+_FIXED = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_NANO = 1_000_000_000
+
+
+class MovingFrames:
+    """Frames that others publish on /tf.
+
+    While nobody else publishes there, nothing is read.  Messages do not say who sent them: of each
+    stamp as many as the node itself has sent are its own.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    publisher : FramePublisher
+        Its own.
+    rate : float
+        How often frames are due (Hz).
+    """
+
+    def __init__(self, node: Node, publisher: FramePublisher, rate: float) -> None:
+        self._node, self._publisher = node, publisher
+        self._frames = frozenset(publisher.moving)
+        self.others = OtherPublishers(node, publisher.topic)
+        silence = SILENCE + random.uniform(0.0, BY_CHANCE)
+        self._silence = max(2, round(silence * rate))
+        # When a frame was heard of last, in turns of the publisher: simulated time may stand.
+        self._heard: dict[str, int] = {}
+        self._own: Counter[int] = Counter()
+        self._inbox: Inbox | None = None
+
+    def look(self) -> frozenset[str]:
+        """Give the frames that others publish at present."""
+        if not self.others.look():
+            self._heard.clear()
+            return frozenset()
+        if self._inbox is None:
+            kind, topic = self._publisher.kind, self._publisher.topic
+            self._inbox = Inbox(self._node, kind, topic, _DEPTH, lambda: None)
+            self._inbox.attend(False)
+            self._publisher.stamps.clear()
+        # In this order: what arrived was sent, and noted, before.
+        self._listen([*self._inbox.take()], self._newly_sent())
+        turn = self._publisher.turns
+        return frozenset(f for f, heard in self._heard.items() if turn - heard < self._silence)
+
+    def _newly_sent(self) -> Counter[int]:
+        stamps = self._publisher.stamps
+        return Counter(stamps.popleft() for _ in range(len(stamps)))
+
+    def _listen(self, messages: list[Any], sent: Counter[int]) -> None:
+        """Note what others have said, given the stamps of what was sent since the last look."""
+        own = self._own + sent
+        for message in messages:
+            frames = self._frames.intersection(e.child_frame_id for e in message.transforms)
+            if not frames:
+                continue
+            stamp = message.transforms[0].header.stamp
+            nanoseconds = stamp.sec * _NANO + stamp.nanosec
+            if own[nanoseconds] > 0:
+                own[nanoseconds] -= 1
+            else:
+                self._heard.update(dict.fromkeys(frames, self._publisher.turns))
+        # What is older will not arrive any more.
+        self._own = Counter({stamp: n for stamp, n in own.items() if n > 0 and stamp in sent})
+
+
+class FixedFrames:
+    """Frames that others publish on /tf_static, and that are not gone with them.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    publisher : FramePublisher
+        Its own.
+    """
+
+    def __init__(self, node: Node, publisher: FramePublisher) -> None:
+        self._node, self._publisher = node, publisher
+        self._frames = frozenset(publisher.fixed)
+        self.others = OtherPublishers(node, publisher.fixed_topic)
+        self._heard: set[str] = set()
+        self._subscription: Any = None
+
+    def look(self) -> frozenset[str] | None:
+        """Give the frames that others publish; None where that will be known at the next look."""
+        if not self.others.look():
+            self._heard.clear()
+            return frozenset()
+        if self._subscription is not None and not self.others.one_left:
+            return frozenset(self._heard)
+        # Which frames went with who left, the latched messages of those who are there will tell.
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+        self._heard.clear()
+        kind, topic = self._publisher.kind, self._publisher.fixed_topic
+        self._subscription = self._node.create_subscription(kind, topic, self._take, _FIXED)
+        return None
+
+    def _take(self, message: Any) -> None:
+        if message != self._publisher.at_rest:
+            said = {entry.child_frame_id for entry in message.transforms}
+            self._heard.update(self._frames & said)

@@ -1,0 +1,56 @@
+"""Which other nodes publish on a topic."""
+
+from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+__all__ = ["PERIOD", "OtherPublishers"]
+
+# How often the graph is looked at, s.
+PERIOD = 0.5
+
+
+class OtherPublishers:
+    """Finds the publishers of a topic that are not a node's own.
+
+    Parameters
+    ----------
+    node : Node
+        Its own publishers do not count: at most one, since a namesake's do.
+    topic : str
+        Full name.
+
+    Attributes
+    ----------
+    nodes : tuple of str
+        Full names of their nodes, one for each publisher, as of the last look.
+    one_left : bool
+        Whether a publisher that was there at the look before was gone at the last.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._node, self._topic = node, topic
+        self._known: set[bytes] = set()
+        self.nodes: tuple[str, ...] = ()
+        self.one_left = False
+
+    def look(self, *, own: bool = True) -> tuple[str, ...]:
+        """Look who publishes now, and give the nodes.
+
+        Parameters
+        ----------
+        own : bool, optional
+            Whether the node has a publisher of its own there.
+        """
+        found = self._node.get_publishers_info_by_topic(self._topic)
+        present = {bytes(info.endpoint_gid) for info in found}
+        self.one_left = bool(self._known - present)
+        self._known = present
+        nodes, name = sorted(map(_name, found)), self._node.get_fully_qualified_name()
+        if own and name in nodes:
+            nodes.remove(name)
+        self.nodes = tuple(nodes)
+        return self.nodes
+
+
+def _name(info: TopicEndpointInfo) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

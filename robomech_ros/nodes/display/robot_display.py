@@ -1,0 +1,72 @@
+"""All of a robot that is shown to others: its description, and where its links are."""
+
+from collections.abc import Mapping
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.display.description_publisher import DescriptionPublisher
+from robomech_ros.nodes.display.frame_publisher import FramePublisher
+from robomech_ros.nodes.display.shared_frames import SharedFrames
+from robomech_ros.robots import RobotDescription, load_description, urdf_from_description
+
+__all__ = ["ALWAYS", "AUTO", "NEVER", "RobotDisplay"]
+
+AUTO, ALWAYS, NEVER = "auto", "always", "never"
+
+
+class RobotDisplay:
+    """Publishes the description and the frames of a robot, as far as that is wanted and needed.
+
+    Frames are those of the description that is published: in the one of a robot from a table, more
+    links are needed than the table has.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    model : RobotModel
+        The robot.
+    frames : str
+        Whether frames are published: auto (those that nobody else publishes), always or never.
+    rate : float
+        How often `publish` is called (Hz).
+    description : bool
+        Whether the description is published, unless somebody else does.
+    """
+
+    def __init__(
+        self, node: Node, model: RobotModel, frames: str, rate: float, description: bool
+    ) -> None:
+        text, shown = "", model.description
+        if description or (frames != NEVER and not shown.document):
+            text = urdf_from_description(model.description)
+        if not shown.document and text:
+            shown = load_description(text)
+        self._frames = None
+        if frames != NEVER:
+            self._frames = _frame_publisher(node, shown, model.frame_prefix, frames, rate)
+        if description:
+            DescriptionPublisher(node, text)
+
+    def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
+        """Publish the frames that move, as :meth:`FramePublisher.publish` does."""
+        if self._frames is not None:
+            self._frames.publish(positions, stamp)
+
+
+def _frame_publisher(
+    node: Node, shown: RobotDescription, prefix: str, wanted: str, rate: float
+) -> FramePublisher | None:
+    try:
+        from tf2_msgs.msg import TFMessage
+    except ImportError as error:
+        if getattr(error, "name", "") != "tf2_msgs" or wanted != AUTO:
+            node.get_logger().warning(f"no /tf: {error}")
+        return None
+    publisher = FramePublisher(node, shown, prefix, TFMessage)
+    if wanted == ALWAYS:
+        publisher.choose(publisher.moving, publisher.fixed)
+    else:
+        SharedFrames(node, publisher, shown.name, rate)
+    return publisher
