@@ -1,5 +1,7 @@
 """Chains as arms for the tracking of paths."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

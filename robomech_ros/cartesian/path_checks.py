@@ -1,5 +1,7 @@
 """What ends a joint path before its arm does: singularities, jumps, conditions of the caller."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields

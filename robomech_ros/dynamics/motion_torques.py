@@ -1,5 +1,7 @@
 """What a motion demands of the drives: peaks, energy, and which joint saturates where."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Indices of an arm as a whole: averages over its workspace."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -153,7 +155,7 @@ def _ranges(chain: SerialChain, respect_limits: bool) -> tuple[Array, Array]:
     return np.where(whole, -math.pi, chain.lower), np.where(whole, math.pi, chain.upper)
 
 
-def _shifted(dimensions: int, count: int) -> "list[Array]":
+def _shifted(dimensions: int, count: int) -> list[Array]:
     """Spread points in the unit cube, as many times anew as there are shifts."""
     from scipy.stats import qmc  # a second and 40 MB that few need
 

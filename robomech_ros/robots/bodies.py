@@ -1,5 +1,7 @@
 """Rigid bodies: mass, centre of mass and inertia, what bodies can have, and those of a chain."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -99,7 +101,7 @@ class Body:
             )
         return ""
 
-    def seen_from(self, T: Array) -> "Body":
+    def seen_from(self, T: Array) -> Body:
         """Give the same body in the frame in which T, shape (4, 4), is the pose of its own."""
         R = T[:3, :3]
         inertia = R @ self.inertia @ R.T

@@ -1,5 +1,7 @@
 """The one model of a serial chain: constant transforms between its joints, and limits."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -194,7 +196,7 @@ class SerialChain:
                 return frame
         raise UnknownLinkError(link, [frame.name for frame in self.frames])
 
-    def with_tip(self, link: str) -> "SerialChain":
+    def with_tip(self, link: str) -> SerialChain:
         """Give the chain that ends at another of its links.
 
         Parameters
@@ -220,11 +222,11 @@ class SerialChain:
         return self._with_tip[link]
 
     @cached_property
-    def _with_tip(self) -> "dict[str, SerialChain]":
+    def _with_tip(self) -> dict[str, SerialChain]:
         """The chains to other links that have been asked for."""
         return {}
 
-    def _cut_at(self, target: LinkFrame) -> "SerialChain":
+    def _cut_at(self, target: LinkFrame) -> SerialChain:
         k = target.joints
         rest = np.clip(0.0, self.lower, self.upper)
         packed = self.packed[: k + 1].copy()

@@ -1,5 +1,7 @@
 """A robot as a tree of links and joints, and the serial chains in it."""
 
+from __future__ import annotations
+
 import math
 from collections import deque
 from collections.abc import Iterator, Mapping

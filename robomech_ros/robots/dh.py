@@ -1,5 +1,7 @@
 """Chains from Denavit-Hartenberg parameters, and the parameters of any chain."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 
 import numpy as np

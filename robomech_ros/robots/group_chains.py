@@ -1,5 +1,7 @@
 """Chains of groups of joints, and groups that are given by their links alone."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError

@@ -1,5 +1,7 @@
 """A joint of a robot's tree."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 

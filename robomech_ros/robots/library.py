@@ -6,6 +6,8 @@ The folders are, first to last: those of the environment variable ``ROBOMECH_ROB
 ``sys.prefix``, and those of ``AMENT_PREFIX_PATH``.
 """
 
+from __future__ import annotations
+
 import os
 import re
 import sys

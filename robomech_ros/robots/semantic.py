@@ -3,6 +3,8 @@
 One place for named postures: a robot without an SRDF has ``home`` of its own description.
 """
 
+from __future__ import annotations
+
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -174,7 +176,7 @@ class SemanticDescription:
         except (BadValueError, RobotDescriptionError):
             return chain
 
-    def with_groups(self, groups: Mapping[str, Group]) -> "SemanticDescription":
+    def with_groups(self, groups: Mapping[str, Group]) -> SemanticDescription:
         """Add groups; they go before others of the same name, whose states they get."""
         return replace(self, groups={**self.groups, **groups})
 

@@ -1,5 +1,7 @@
 """Axis and angle of a rotation, its natural invariants, and the rotation vector."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -3,6 +3,8 @@
 ``Q = Rz(yaw) Ry(pitch) Rx(roll)``, the convention of URDF and of ROS.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

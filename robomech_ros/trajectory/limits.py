@@ -1,5 +1,7 @@
 """Limits of joints as trajectories see them."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -71,7 +73,7 @@ class JointLimits(Protocol):
 class Tools(list[Any]):
     """A list whose contents are neither copied nor stored with it."""
 
-    def __reduce__(self) -> tuple[type["Tools"], tuple[()]]:
+    def __reduce__(self) -> tuple[type[Tools], tuple[()]]:
         return Tools, ()
 
 
@@ -147,7 +149,7 @@ class Limits:
             raise BadValueError(f"{what} of joint '{name}'", float(values[k]), expected)
 
     @classmethod
-    def of(cls, limits: JointLimits | Any) -> "Limits":
+    def of(cls, limits: JointLimits | Any) -> Limits:
         """Read the limits of anything that has them as attributes; what it lacks is unlimited.
 
         Raises
@@ -171,7 +173,7 @@ class Limits:
         velocity: FloatArray | float = 1.0,
         acceleration: FloatArray | float = 1.0,
         jerk: FloatArray | float = 1.0,
-    ) -> "Limits":
+    ) -> Limits:
         """Multiply the limits by factors, one for all joints or one for each."""
         return replace(
             self,
@@ -198,12 +200,12 @@ class Limits:
         return found
 
     @cached_property
-    def tools(self) -> "Tools":
+    def tools(self) -> Tools:
         """What planners keep for the next plan within these limits."""
         return Tools()
 
     @cached_property
-    def with_margin(self) -> "Limits":
+    def with_margin(self) -> Limits:
         """These limits less the room that the rounding of samples needs."""
         return self.scaled(velocity=1.0 - MARGIN, acceleration=1.0 - MARGIN, jerk=1.0 - JERK_MARGIN)
 

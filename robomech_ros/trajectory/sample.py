@@ -1,5 +1,7 @@
 """What a trajectory is at one or many instants."""
 
+from __future__ import annotations
+
 from typing import NamedTuple, Protocol
 
 import numpy as np

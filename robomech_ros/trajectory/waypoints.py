@@ -1,5 +1,7 @@
 """Waypoints, as a trajectory message carries them, and how a curve is turned into them."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -5,6 +5,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.2.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -62,7 +64,7 @@ class Counted:
     value: float
     tally: Operations = field(repr=False)
 
-    def __add__(self, other: "Scalar") -> "Counted":
+    def __add__(self, other: Scalar) -> Counted:
         if isinstance(other, int) and other == 0:
             return self
         self.tally.additions += 1
@@ -70,16 +72,16 @@ class Counted:
 
     __radd__ = __add__
 
-    def __sub__(self, other: "Scalar") -> "Counted":
+    def __sub__(self, other: Scalar) -> Counted:
         return self + (-other)
 
-    def __rsub__(self, other: "Scalar") -> "Counted":
+    def __rsub__(self, other: Scalar) -> Counted:
         return -self + other
 
-    def __neg__(self) -> "Counted":
+    def __neg__(self) -> Counted:
         return Counted(-self.value, self.tally)
 
-    def __mul__(self, other: "Scalar") -> "Scalar":
+    def __mul__(self, other: Scalar) -> Scalar:
         if isinstance(other, int) and other == 0:
             return 0
         if isinstance(other, int) and abs(other) == 1:
@@ -89,7 +91,7 @@ class Counted:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: "Scalar") -> "Counted":
+    def __truediv__(self, other: Scalar) -> Counted:
         self.tally.multiplications += 1
         return Counted(self.value / _value(other), self.tally)
 

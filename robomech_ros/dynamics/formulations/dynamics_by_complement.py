@@ -5,6 +5,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5 and 7.6.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -5,6 +5,8 @@ References
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.6.1.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """What inverse kinematics returns."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple

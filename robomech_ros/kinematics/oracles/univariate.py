@@ -7,6 +7,8 @@ Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
 Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.3.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

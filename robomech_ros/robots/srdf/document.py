@@ -6,6 +6,8 @@ collisions are passed over, and end effectors with such names are left out and n
 does; all others are refused.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator
 from pathlib import Path

@@ -5,6 +5,8 @@ extensions included; visual bodies are added where a rigid part has none, and wh
 knows besides: limits of acceleration and jerk, and drives.
 """
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Iterator

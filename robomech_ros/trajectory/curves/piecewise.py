@@ -1,5 +1,7 @@
 """Piecewise polynomials in time: the one form that every trajectory here can be brought into."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -71,7 +73,7 @@ class PiecewisePolynomial:
             values = _differentiated(values)
         return values
 
-    def stretched(self, factor: float) -> "PiecewisePolynomial":
+    def stretched(self, factor: float) -> PiecewisePolynomial:
         """Give the same curve over a time longer by a factor, from the same instant on."""
         powers = factor ** np.arange(len(self.coefficients))
         breaks = self.breaks[0] + factor * (self.breaks - self.breaks[0])

@@ -1,5 +1,7 @@
 """What tracking needs of an arm, and serial arms made from three functions."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,5 +1,7 @@
 """Joint paths: joint values over a path coordinate, and motions along them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +69,7 @@ class JointPath:
         """
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
 
-    def until(self, s: float) -> "JointPath":
+    def until(self, s: float) -> JointPath:
         """Give the part from the start up to a coordinate (m), above 0 and at most `length`."""
         pieces = self.pieces
         last = int(np.searchsorted(pieces.breaks, s, side="left"))
@@ -77,7 +79,7 @@ class JointPath:
             self.stops[self.stops < s],
         )
 
-    def along(self, law: Trajectory) -> "JointMotion":
+    def along(self, law: Trajectory) -> JointMotion:
         """Run along the path by a time law.
 
         Parameters

@@ -1,5 +1,7 @@
 """A C2 spline through orientations."""
 
+from __future__ import annotations
+
 import numpy as np
 import numpy.typing as npt
 

@@ -1,5 +1,7 @@
 """How far a joint path follows a pose path, and why not farther."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -96,7 +98,7 @@ class PathTracking:
         complete = self.status is PathTrackingStatus.COMPLETE
         return 1.0 if complete else min(self.reached / self.length, 1.0)
 
-    def cut(self, cut: PathCut) -> "PathTracking":
+    def cut(self, cut: PathCut) -> PathTracking:
         """Give the part up to a place; no joint path where that is too near to the start."""
         assert self.path is not None
         begins = cut.s > _SHORTEST * self.length

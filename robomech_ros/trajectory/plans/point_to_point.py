@@ -1,5 +1,7 @@
 """Motion from point to point in joint space, by profile."""
 
+from __future__ import annotations
+
 import math
 from typing import Any, ClassVar, Protocol
 

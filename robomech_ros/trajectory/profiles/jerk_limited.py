@@ -1,5 +1,7 @@
 """Time-optimal motion within velocity, acceleration and jerk limits, computed by Ruckig."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -74,7 +76,7 @@ class JerkLimited:
         duration: float | None = None,
         start_velocity: FloatArray | None = None,
         start_acceleration: FloatArray | None = None,
-    ) -> "JerkLimited":
+    ) -> JerkLimited:
         """Compute the fastest motion, or one that takes a wanted time.
 
         Parameters

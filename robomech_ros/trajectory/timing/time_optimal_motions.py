@@ -1,5 +1,7 @@
 """Time-optimal motions along joint paths, with the continuous acceleration that samples need."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -76,7 +78,7 @@ class TimeOptimalMotion(MotionToRest):
         duration: float | None = None,
         start_velocity: FloatArray | None = None,
         start_acceleration: FloatArray | None = None,
-    ) -> "TimeOptimalMotion":
+    ) -> TimeOptimalMotion:
         """Compute the fastest motion, slowed down as a whole where wanted.
 
         Parameters

@@ -15,6 +15,8 @@ specified paths", International Journal of Robotics Research 4(3), 1985.
 J. Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.4 and 7.8.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -152,7 +154,7 @@ class _Model:
     friction: Friction | None
     effort: FloatArray
 
-    def limits(self, speed: "_Speed", part: float) -> TorqueLimits:
+    def limits(self, speed: _Speed, part: float) -> TorqueLimits:
         """Limits with friction's tangent at a speed, and the part of the efforts to use."""
         joints = np.isfinite(self.effort)
 
@@ -170,7 +172,7 @@ class _Model:
         bound = part * self.effort[joints]
         return TorqueLimits(coefficients, -bound, bound)
 
-    def first_speed(self, velocity: FloatArray) -> "_Speed":
+    def first_speed(self, velocity: FloatArray) -> _Speed:
         """Give so little of the speed that the velocity limits allow that only dry friction counts.
 
         A tangent at too high a speed would ask for torques that no slow motion takes.
@@ -188,7 +190,7 @@ class _Model:
             speed *= 0.5
         return _Speed(middles, speed**2)
 
-    def tangent(self, rates: FloatArray, s: FloatArray, speed: "_Speed") -> tuple[FloatArray, ...]:
+    def tangent(self, rates: FloatArray, s: FloatArray, speed: _Speed) -> tuple[FloatArray, ...]:
         """Friction as ``value + slope square`` of the square of the speed along the path."""
         now = np.maximum(speed(s), PATH_STANDSTILL)[:, None]
         least = np.maximum(now, _LEAST_SPEED * speed.highest)
