@@ -8,6 +8,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.common.polled_subscription import Inbox
+from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
 
@@ -72,7 +73,7 @@ class MovingFrames:
         """Note what others have said, given the stamps of what was sent since the last look."""
         own = self._own + sent
         for message in messages:
-            frames = self._frames.intersection(e.child_frame_id for e in message.transforms)
+            frames = self._frames & _children(message)
             if not frames:
                 continue
             stamp = message.transforms[0].header.stamp
@@ -115,10 +116,23 @@ class FixedFrames:
             self._node.destroy_subscription(self._subscription)
         self._heard.clear()
         kind, topic = self._publisher.kind, self._publisher.fixed_topic
-        self._subscription = self._node.create_subscription(kind, topic, self._take, _FIXED)
+        self._subscription = self._node.create_subscription(
+            kind, topic, self._take, _FIXED, raw=True
+        )
         return None
 
-    def _take(self, message: Any) -> None:
+    def _take(self, data: bytes) -> None:
+        try:
+            message = unpack(data, self._publisher.kind)
+        except UnreadableMessageError as error:
+            self._node.get_logger().warning(
+                f"passed over on '{self._publisher.fixed_topic}': {error}"
+            )
+            return
         if message != self._publisher.at_rest:
-            said = {entry.child_frame_id for entry in message.transforms}
-            self._heard.update(self._frames & said)
+            self._heard.update(self._frames & _children(message))
+
+
+def _children(message: Any) -> set[str]:
+    """Name the frames that a message places, without the slash that tf had before them once."""
+    return {str(entry.child_frame_id).removeprefix("/") for entry in message.transforms}

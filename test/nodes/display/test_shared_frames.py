@@ -104,6 +104,36 @@ def test_frames_of_others_that_are_none_of_the_robot_do_not_matter(graph, robot,
     assert set(listener.frames()) == {*MOVING, UR5E.root}
 
 
+def test_topics_may_be_those_of_the_namespace(graph, listener):
+    """As `bringup --ros-args -r /tf:=tf` has it."""
+    remaps = ["--ros-args", "-r", "/tf:=tf", "-r", "/tf_static:=tf_static"]
+
+    def remapped(**options):
+        return JointTrajectoryControllerNode(cli_args=remaps, **options)
+
+    for side in ("left", "right"):
+        graph.start(remapped, namespace=side, robot_description="ur5e")
+    for _ in range(2):
+        listener.until_said("/tf: nobody else publishes frames of ur5e")
+    for side in ("left", "right"):
+        moving = graph.receive(TFMessage, f"{side}/tf", 100, lambda message: True)
+        fixed = graph.receive(TFMessage, f"{side}/tf_static", LATCHED, lambda message: True)
+        found = [*moving.transforms, *fixed.transforms]
+        assert {entry.child_frame_id for entry in found} == set(EDGES)
+    assert not listener.moving and not listener.fixed
+
+
+def test_bytes_that_are_no_frames_harm_nobody(graph, robot, listener):
+    fixed = graph.client.create_publisher(TFMessage, "/tf_static", LATCHED)
+    fixed.publish(b"\x00\x01\x00\x00\xff\xff\xff\x00\x01\x02\x03\x04")
+    moving = graph.client.create_publisher(TFMessage, "/tf", 10)
+    bad = b"\x00\x01\x00\x00\x01\x00\x00\x00\xff\xff\xff\xff\x01\x02\x03\x04"
+    graph.client.create_timer(0.05, lambda: moving.publish(bad))
+    robot(robot_description="ur5e")
+    listener.until_said("passed over on '/tf")
+    listener.until_said("/tf: nobody else publishes frames of ur5e")
+
+
 @pytest.mark.parametrize("wanted", ["always", "never"])
 def test_always_and_never_look_at_nobody(graph, robot, listener, wanted):
     other(graph)
