@@ -379,9 +379,16 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
         "trajectory_publisher_node",
     ],
 )
-def test_every_node_ends_with_0_on_a_signal(suite, node, number):
+def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
+    suite, node, number, tmp_path
+):
+    # As launch_ros's Node makes it of name, namespace, parameters and remappings.
+    file = tmp_path / "launch_params_0"
+    parameters = {"robot_description": "puma560", "frame_prefix": "left/"}
+    file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}))
+    given = ["-r", "__node:=named", "-r", "__ns:=/left", "--params-file", str(file)]
     process = subprocess.Popen(
-        [str(suite.executables / node), "--ros-args", "-p", "robot_description:=puma560"],
+        [str(suite.executables / node), "--ros-args", *given, "-r", "/tf:=tf"],
         env=suite.environment,
         stderr=subprocess.PIPE,
         text=True,
@@ -389,7 +396,9 @@ def test_every_node_ends_with_0_on_a_signal(suite, node, number):
     try:
         assert process.stderr is not None
         said = iter(process.stderr.readline, "")
-        assert any("ready" in line for line in said), f"{node} ended before it was ready"
+        found = next((line for line in said if "ready" in line), None)
+        assert found, f"{node} ended before it was ready"
+        assert "[left.named]: ready" in found
         process.send_signal(number)
         _, rest = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0

@@ -22,6 +22,8 @@ __all__ = ["add_arguments", "launch_options", "run"]
 EXIT_CHILD_FAILED = 1
 
 _PART_OF_A_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+# A remap that gives every node the same name.
+_NAME_OF_ALL = re.compile(r"__(node|name):=")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -128,8 +130,12 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _check_ros_args(words: list[str]) -> None:
+    """Refuse words that ROS does not understand, and one name for all nodes."""
     from rclpy.context import Context
 
+    if any(_NAME_OF_ALL.match(word) for word in words):
+        expected = "no name, which all nodes would have; in a launch file leave out name="
+        raise BadValueError("--ros-args", " ".join(words), expected)
     context = Context()
     try:
         context.init(["robomech", "--ros-args", *words], initialize_logging=False)

@@ -72,6 +72,10 @@ def test_ros_arguments_go_to_every_node():
         assert command.count("--ros-args") == 1
 
 
+def test_launch_may_append_nothing():
+    assert commands("--robot", "ur5e", "--ros-args") == commands("--robot", "ur5e")
+
+
 @pytest.mark.parametrize(
     ("given", "text"),
     [
@@ -80,6 +84,7 @@ def test_ros_arguments_go_to_every_node():
             "--ros-args is '-r /tf', expected arguments as `ros2 run` takes them .*/tf",
         ),
         (("--remap-it", "a:=b"), "--ros-args is '--remap-it a:=b', expected arguments as"),
+        (("-r", "__node:=arm"), "--ros-args is '-r __node:=arm', expected no name, which all"),
     ],
 )
 def test_wrong_ros_arguments_are_refused_once(given, text):
