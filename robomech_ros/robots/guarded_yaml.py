@@ -11,11 +11,26 @@ import yaml
 
 from robomech_ros.errors import RobotDescriptionError
 
-__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_keys", "parse_yaml"]
+__all__ = ["LARGEST_YAML", "UniqueKeyLoader", "check_keys", "parse_yaml", "shown"]
 
 # Bytes; a robot's file takes a few thousand.
 LARGEST_YAML = 256 * 1024
 DEEPEST = 12
+# What an error may repeat from a file that may not have been meant to be read: names, nothing else.
+_NAME = re.compile(r"[A-Za-z_][\w.-]{0,39}")
+_QUOTED = re.compile(r"""(?P<quote>['"])(?P<text>.{2,}?)(?P=quote)""")
+
+
+def shown(value: object) -> str:
+    """Show a value from a file in an error: names and numbers as they are, others by their kind."""
+    if isinstance(value, str):
+        is_name = _NAME.fullmatch(value)
+        return f"'{value}'" if is_name else f"a text of {len(value)} characters"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    if isinstance(value, dict):
+        return f"a mapping of {len(value)}"
+    return repr(value)
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
@@ -31,7 +46,10 @@ class UniqueKeyLoader(yaml.SafeLoader):
                 )
             if key_node.value in seen:
                 raise yaml.constructor.ConstructorError(
-                    None, None, f"the key '{key_node.value}' is given twice", key_node.start_mark
+                    None,
+                    None,
+                    f"the key {shown(key_node.value)} is given twice",
+                    key_node.start_mark,
                 )
             seen.add(key_node.value)
         return super().construct_mapping(node, deep=True)
@@ -97,7 +115,8 @@ def parse_yaml(text: str | bytes, where: str) -> dict[str, Any]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"{where}: line {mark.line + 1}, column {mark.column + 1}" if mark else where
-        raise RobotDescriptionError(place, str(error.problem)) from None
+        problem = _QUOTED.sub(lambda found: shown(found["text"]), str(error.problem))
+        raise RobotDescriptionError(place, problem) from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise RobotDescriptionError(where, f"not readable as YAML: {error}") from None
     if not isinstance(document, dict):
@@ -122,7 +141,7 @@ def check_keys(
         raise RobotDescriptionError(where, f"expected a mapping with the keys {allowed}")
     unknown = [str(key) for key in mapping if key not in required and key not in optional]
     if unknown:
-        names = ", ".join(f"'{key[:80]}'" for key in unknown[:10])
+        names = ", ".join(map(shown, unknown[:10]))
         raise RobotDescriptionError(where, f"unknown key {names}; allowed: {allowed}")
     missing = [key for key in required if key not in mapping]
     if missing:

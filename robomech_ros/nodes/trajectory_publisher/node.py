@@ -19,6 +19,7 @@ from robomech_ros.nodes.trajectory_publisher.diagnostics import execution_condit
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
+from robomech_ros.nodes.trajectory_publisher.program_file import check_program_change
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.program_service import ProgramService
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
@@ -38,7 +39,7 @@ class TrajectoryPublisherNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("trajectory_publisher", **options)
-        table = NodeParameters(self, PublisherSettings)
+        self._table = table = NodeParameters(self, PublisherSettings, check=self._check)
         settings, clock = table.settings, MotionClock(self)
         transport = answering_transport(settings)
         limits = settings.max_points, settings.max_duration
@@ -67,6 +68,9 @@ class TrajectoryPublisherNode(Node):
         how = f"by {settings.transport}" if settings.auto_execute else "on request only"
         self.get_logger().info(f"ready: sends trajectories to '{settings.controller}', {how}")
 
+    def _check(self, settings: PublisherSettings) -> None:
+        check_program_change(self._table.settings, settings)
+
     def _know_robot(self, model: RobotModel) -> None:
         self._link.know_robot(model)
         self._reader.robot_joints = tuple(model.joint_names)
@@ -81,13 +85,17 @@ class TrajectoryPublisherNode(Node):
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""
-        self._runner.cancel("the trajectory publisher shuts down")
-        self._loop.dispatcher.close("the trajectory publisher shuts down")
+        reason = "the trajectory publisher shuts down"
+        self._programs.give_up(reason)
+        self._runner.cancel(reason)
+        self._loop.dispatcher.close(reason)
 
     def destroy_node(self) -> None:
         """Destroy the node and, what rclpy leaves out, its action client."""
         if hasattr(self, "_link"):
             self._link.destroy()
+        if hasattr(self, "_programs"):
+            self._programs.destroy()
         super().destroy_node()
 
 

@@ -20,8 +20,9 @@ from pathlib import Path
 from typing import Any
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.regular_files import read_regular
 from robomech_ros.robots import SemanticDescription, SerialChain
-from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml, shown
 
 __all__ = ["Program", "Step", "read_program"]
 
@@ -69,12 +70,12 @@ class Program:
     cycles: int
 
 
-def read_program(path: str, chain: SerialChain, semantic: SemanticDescription) -> Program:
+def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) -> Program:
     """Read a program for a robot.
 
     Parameters
     ----------
-    path : str
+    path : Path
         Of the YAML file.
     chain : SerialChain
         The robot, for the number of joints and their ranges.
@@ -90,16 +91,16 @@ def read_program(path: str, chain: SerialChain, semantic: SemanticDescription) -
     RobotDescriptionError
         The file cannot be read, or says something that cannot be; with the place in it.
     """
-    try:
-        with Path(path).expanduser().open("rb") as file:
-            text = file.read(LARGEST_YAML + 1)
-    except (OSError, ValueError) as error:
-        raise RobotDescriptionError(f"program '{path}'", f"not readable: {error}") from None
     where = f"program '{path}'"
+    try:
+        text = read_regular(path, LARGEST_YAML)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise RobotDescriptionError(where, f"not readable: {reason}") from None
     given = check_keys(parse_yaml(text, where), where, ("steps",), ("postures", "cycles"))
     cycles = given.get("cycles", 1)
     if type(cycles) is not int or not 0 <= cycles <= _MOST_CYCLES:
-        why = f"cycles is {cycles!r}, expected a whole number from 0 (until cancelled) on"
+        why = f"cycles is {shown(cycles)}, expected a whole number from 0 (until cancelled) on"
         raise RobotDescriptionError(where, f"{why} to {_MOST_CYCLES}")
     postures = _Postures(_postures(given.get("postures", {}), where, chain), chain, semantic)
     steps = given["steps"]
@@ -126,7 +127,7 @@ class _Postures:
         known = self.semantic.postures(self.chain)
         if name not in known:
             names = ", ".join(dict.fromkeys([*self.given, *known]))
-            raise RobotDescriptionError(where, f"no posture '{name[:80]}'; there are {names}")
+            raise RobotDescriptionError(where, f"no posture {shown(name)}; there are {names}")
         try:
             return tuple(self.semantic.posture(self.chain, name).tolist())
         except RobomechError as error:
@@ -137,7 +138,7 @@ def _postures(given: object, where: str, chain: SerialChain) -> dict[str, tuple[
     if not isinstance(given, dict):
         raise RobotDescriptionError(where, "postures is no mapping of names to positions")
     return {
-        str(name): _positions(values, f"{where}: posture '{name}'", chain)
+        str(name): _positions(values, f"{where}: posture {shown(name)}", chain)
         for name, values in given.items()
     }
 
@@ -151,7 +152,9 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
     ):
         if not _is_number(value) or not low <= value <= high:
             expected = f"a number from {low:.6g} to {high:.6g}"
-            raise RobotDescriptionError(where, f"joint '{name}' is {value!r}, expected {expected}")
+            raise RobotDescriptionError(
+                where, f"joint '{name}' is {shown(value)}, expected {expected}"
+            )
     return tuple(float(value) for value in given)
 
 
@@ -160,7 +163,7 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
         wait = check_keys(given, where, ("wait",), ())["wait"]
         if not _is_number(wait) or not 0.0 <= wait <= _LONGEST_WAIT:
             expected = f"a number from 0 to {_LONGEST_WAIT:g} s"
-            raise RobotDescriptionError(where, f"wait is {wait!r}, expected {expected}")
+            raise RobotDescriptionError(where, f"wait is {shown(wait)}, expected {expected}")
         return Step(wait=float(wait))
     step = check_keys(given, where, ("move",), _OPTIONS)
     name = str(step["move"])
@@ -169,11 +172,11 @@ def _step(given: object, where: str, postures: _Postures) -> Step:
 
     options = {"profile": _PROFILE, **{key: step[key] for key in _OPTIONS if key in step}}
     if options["profile"] not in PROFILES:
-        why = f"profile is {options['profile']!r}, expected one of {', '.join(PROFILES)}"
+        why = f"profile is {shown(options['profile'])}, expected one of {', '.join(PROFILES)}"
         raise RobotDescriptionError(where, why)
     for key in _OPTIONS[1:]:
         if key in options and not (_is_number(options[key]) and options[key] > 0.0):
-            why = f"{key} is {options[key]!r}, expected a number above 0"
+            why = f"{key} is {shown(options[key])}, expected a number above 0"
             raise RobotDescriptionError(where, why)
     return Step(posture=name, positions=positions, options=options)
 

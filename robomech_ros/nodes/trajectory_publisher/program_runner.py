@@ -14,6 +14,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["ProgramRunner"]
 
@@ -56,36 +57,54 @@ class ProgramRunner:
         self._offer = offer
         self._transport = transport
         self._max_points, self._max_duration = limits
+        self._preparing = False
         self._program: Program | None = None
         self._timer: Timer | None = None
         self._done = 0
 
     @property
     def runs(self) -> bool:
-        """Whether a program runs."""
-        return self._program is not None
+        """Whether a program runs, or is about to."""
+        return self._preparing or self._program is not None
 
-    def start(self, program: Program, chain: SerialChain, position: FloatArray) -> None:
-        """Begin a program, from where the robot is (rad or m).
+    def prepare(self) -> None:
+        """Note that a program is being read and planned; `cancel` ends that, too."""
+        self._preparing = True
+        self.condition = "program being planned"
+
+    def end_preparation(self) -> bool:
+        """Note that it is no longer; says whether nobody cancelled it."""
+        goes_on, self._preparing = self._preparing, False
+        return goes_on
+
+    def check(self, program: Program, chain: SerialChain, place: FloatArray) -> None:
+        """Plan all moves of a program, from where the robot is (rad or m); in any thread.
 
         Raises
         ------
         RobomechError
-            One of its moves cannot be planned; the robot does not move then.
+            One of its moves cannot be planned.
         """
-        self._chain, self._position, self._done = chain, position, 0
-        place = position
+        known = set()
         for step in (*program.steps, *program.steps[: program.cycles != 1]):
             if step.posture:
-                self._plan(step, place)
+                move = (tuple(place), step.positions, tuple(step.options.items()))
+                if move not in known:
+                    self._plan(step, chain, place)
+                    known.add(move)
                 place = np.array(step.positions)
+
+    def start(self, program: Program, chain: SerialChain, position: FloatArray) -> None:
+        """Begin a program that was checked, from where the robot is (rad or m)."""
+        self._chain, self._position, self._done = chain, position, 0
         self._program = program
         self._next()
 
     def cancel(self, text: str) -> bool:
-        """End the program for a reason; returns whether one ran."""
-        if self._program is None:
+        """End the program for a reason; returns whether one ran or was about to."""
+        if not self.runs:
             return False
+        self._preparing = False
         self._end(text)
         return True
 
@@ -108,7 +127,7 @@ class ProgramRunner:
             )
             return
         try:
-            delivery = self._plan(step, self._position)
+            delivery = self._delivery(self._plan(step, self._chain, self._position))
             delivery.listen(self._moved)
             self._position = np.array(step.positions)
             self._offer(delivery)
@@ -125,12 +144,12 @@ class ProgramRunner:
         else:
             self._next()
 
-    def _plan(self, step: Step, start: FloatArray) -> Delivery:
+    def _plan(self, step: Step, chain: SerialChain, start: FloatArray) -> Waypoints:
         # Compiled code, 100 MB and seconds, that a publisher without programs does without.
         from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 
         plan = fitting_plan(
-            self._chain,
+            chain,
             np.stack([start, step.positions]),
             wanted_period=0.0,
             usual_period=_PERIOD,
@@ -138,7 +157,10 @@ class ProgramRunner:
             max_duration=self._max_duration,
             **step.options,
         )
-        names, points = list(self._chain.joint_names), plan.waypoints
+        return plan.waypoints
+
+    def _delivery(self, points: Waypoints) -> Delivery:
+        names = list(self._chain.joint_names)
         rows: Any = (points.times, points.positions, points.velocities, points.accelerations)
         return Delivery(joint_trajectory(names, *rows), names, points, self._transport)
 

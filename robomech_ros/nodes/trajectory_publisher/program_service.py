@@ -1,21 +1,28 @@
 """The service run_program: starts the program in the file named by a parameter."""
 
+from functools import partial
+from pathlib import Path
 from typing import Any
 
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
+from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
-from robomech_ros.nodes.trajectory_publisher.program import read_program
+from robomech_ros.nodes.trajectory_publisher.program import Program, read_program
+from robomech_ros.nodes.trajectory_publisher.program_file import program_file
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["ProgramService"]
 
@@ -55,31 +62,63 @@ class ProgramService:
         self._runner = runner
         self._loop = loop
         self._link = link
-        serve(node, Trigger, "~/run_program", self._run_program)
+        self._worker = Worker(node)
+        group = ReentrantCallbackGroup()
+        serve(node, Trigger, "~/run_program", self._run_program, callback_group=group)
 
-    def _run_program(self, request: Any, response: Any) -> Any:
+    def give_up(self, reason: str) -> None:
+        """Answer whoever waits for a program to begin."""
+        self._worker.give_up(TrajectoryRefusedError(reason))
+
+    def destroy(self) -> None:
+        """End the thread that reads programs."""
+        self._worker.close()
+
+    async def _run_program(self, request: Any, response: Any) -> Any:
         try:
-            response.message = self._start(self._table.settings.program)
+            response.message = await self._start()
             response.success = True
         except RobomechError as error:
             response.message = str(error)
         return response
 
-    def _start(self, path: str) -> str:
+    async def _start(self) -> str:
         """Read a program and begin it; says so."""
-        model = self.model
-        if not path:
-            raise BadValueError("the parameter program", path, "the path of a YAML file")
+        model, path = self.model, program_file(self._table.settings)
         if model is None:
             allowed = "a robot, for a program to be planned"
             raise ParameterError("robot_description", "", allowed)
-        if self._runner.runs or self._loop.dispatcher.busy:
-            raise TrajectoryRefusedError("something is being executed already; ~/cancel ends it")
-        chain = model.chain
-        program = read_program(path, chain, model.semantic)
+        if self._runner.runs:
+            raise self._busy()
+        place = self._place(model.chain)
+        # Thousands of moves take seconds, in which others are served and it can be cancelled.
+        self._runner.prepare()
+        try:
+            program = await self._worker.do(partial(self._planned, path, model, place))
+        except RobomechError as error:
+            self._runner.cancel(str(error))
+            raise
+        if not self._runner.end_preparation():
+            raise TrajectoryRefusedError(self._runner.condition)
+        self._runner.start(program, model.chain, self._place(model.chain))
+        count = f"{program.cycles} cycles" if program.cycles else "cycles until cancelled"
+        return f"{len(program.steps)} steps, {count}"
+
+    def _place(self, chain: SerialChain) -> FloatArray:
+        """Give where the robot stands (rad or m), while nothing is executed."""
+        if self._loop.dispatcher.busy:
+            raise self._busy()
         position = self._link.positions(chain.joint_names)
         if position is None:
             raise NoStateError(chain.joint_names, "joint_states")
-        self._runner.start(program, chain, position)
-        count = f"{program.cycles} cycles" if program.cycles else "cycles until cancelled"
-        return f"{len(program.steps)} steps, {count}"
+        return position
+
+    def _planned(self, path: Path, model: RobotModel, place: FloatArray) -> Program:
+        """Read a program all of whose moves can be planned; runs beside the executor."""
+        program = read_program(path, model.chain, model.semantic)
+        self._runner.check(program, model.chain, place)
+        return program
+
+    @staticmethod
+    def _busy() -> TrajectoryRefusedError:
+        return TrajectoryRefusedError("something is being executed already; ~/cancel ends it")

@@ -38,8 +38,13 @@ class PublisherSettings(RobotSettings):
     )
     program: str = parameter(
         "",
-        "Path of a YAML file with the program for ~/run_program. Empty = none",
+        "YAML file with the program for ~/run_program: its path, or its name in program_folder; "
+        "only such a name may change at run time. Empty = none",
         read_only=False,
+    )
+    program_folder: str = parameter(
+        "",
+        "Folder of all programs that may be run. Empty = only the one named at start",
     )
     transport: str = parameter(
         Transport.TOPIC.value,

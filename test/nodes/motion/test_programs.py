@@ -1,8 +1,13 @@
 """Programs of moves and waits, from a YAML file."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from drivers import ROBOT
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobotDescriptionError
@@ -97,10 +102,103 @@ def test_without_program_or_robot(suite, tmp_path):
 )
 def test_what_cannot_be(tmp_path, options, text):
     with pytest.raises(RobotDescriptionError, match=r"program '.*program.yaml'") as caught:
-        read_program(written(tmp_path, **options), CHAIN, NAMED)
+        read_program(Path(written(tmp_path, **options)), CHAIN, NAMED)
     assert text in str(caught.value)
 
 
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(RobotDescriptionError, match="not readable"):
-        read_program(str(tmp_path / "none.yaml"), CHAIN, NAMED)
+        read_program(tmp_path / "none.yaml", CHAIN, NAMED)
+
+
+def test_nobody_waits_for_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with pytest.raises(RobotDescriptionError, match="not readable: not a regular file"):
+        read_program(tmp_path / "pipe.yaml", CHAIN, NAMED)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "root:x:0:0:the secret of root:/root:/bin/bash\nbin:x:1:1:the secret:/bin\n",
+        "the secret: of root\n",
+        "steps: the secret\n",
+        "steps: [{move: the secret}]\n",
+        "steps: [{wait: the secret}]\n",
+        "steps: [{move: home, profile: the secret}]\n",
+        "steps: [{move: home, duration: the secret}]\n",
+        "steps: [{move: home}]\ncycles: the secret\n",
+        "steps: [{move: a}]\npostures: {the secret: 3}\n",
+        "steps: [{move: a}]\npostures: {a: [the secret, 1, 1, 1, 1, 1]}\n",
+        "the secret: 1\nthe secret: 2\n",
+        "&secret_of_root a: *secret_of_root\n",
+        "%TAG !s! the secret\n--- !s!x\n",
+        "'the secret\n",
+        "- the secret\n",
+    ],
+)
+def test_no_error_repeats_what_stands_in_a_file(tmp_path, text):
+    path = tmp_path / "file"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RobotDescriptionError) as caught:
+        read_program(path, CHAIN, NAMED)
+    assert "secret" not in str(caught.value).removeprefix(f"program '{path}'")
+
+
+def set_program(arm, value):
+    parameter = Parameter("program", value=value).to_parameter_msg()
+    request = SetParameters.Request(parameters=[parameter])
+    answer = arm.graph.call(SetParameters, "trajectory_publisher/set_parameters", request)
+    return answer.results[0].successful, answer.results[0].reason
+
+
+def test_another_file_only_from_the_folder(suite, tmp_path):
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    written(folder)
+    (tmp_path / "secret.yaml").write_text("steps: [{move: home}]")
+    (folder / "link.yaml").symlink_to(tmp_path / "secret.yaml")
+    (folder / "circle.yaml").symlink_to("circle.yaml")
+    arm = suite(with_controller=False, robot_description=ROBOT, program_folder=str(folder))
+    assert set_program(arm, "program.yaml") == (True, "")
+    outside = (str(tmp_path / "secret.yaml"), "../secret.yaml", "link.yaml", "/dev/zero")
+    for name in outside:
+        done, reason = set_program(arm, name)
+        assert not done
+        assert "allowed is the name of a file in program_folder" in reason
+    for name in ("none.yaml", "circle.yaml", "."):
+        set_program(arm, name)
+        assert not trigger(arm, "run_program")[0]
+
+
+def test_without_a_folder_the_program_is_fixed_at_start(suite, tmp_path):
+    path = written(tmp_path)
+    arm = suite(with_controller=False, program=path)
+    done, reason = set_program(arm, "/etc/passwd")
+    assert not done
+    assert "allowed is what was given at start, as there is no program_folder" in reason
+    assert set_program(arm, path) == (True, "")
+
+
+def test_others_are_served_while_a_long_program_is_planned(suite, tmp_path):
+    moves = "".join(
+        f"\n  - {{move: {name}, velocity_scale: 0.{900 + k}}}"
+        for k in range(500)
+        for name in ("above", "down")
+    )
+    arm = suite(robot_description=ROBOT, program=written(tmp_path, steps=f"{moves}\n"))
+    arm.until(lambda: arm.states)
+
+    def cancelled():
+        waiting = arm.graph.start_call(Trigger, "trajectory_publisher/run_program", request)
+        while not waiting.done():
+            trigger(arm, "cancel")
+        return arm.graph.wait_for(waiting).message
+
+    request = Trigger.Request()
+    tries = (cancelled() for _ in range(1000))
+    said = next(text for text in tries if "no present state" not in text)
+    assert said == "program cancelled by the service cancel"
+    before = arm.position
+    assert not arm.velocity.any()
+    np.testing.assert_array_equal(before, HOME)
