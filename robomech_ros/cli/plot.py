@@ -8,7 +8,7 @@ from pathlib import Path
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.plotting.postures import plot_postures
-from robomech_ros.robots import load_description
+from robomech_ros.robots import load_description, main_chain, semantics_of
 from robomech_ros.spatial import pose_from_position_quaternion
 
 __all__ = ["add_arguments", "run"]
@@ -21,6 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
+    parser.add_argument("--srdf", default="", help="SRDF with groups and named states")
+    parser.add_argument("--group", default="", help="the group of the SRDF that is drawn")
     pose = parser.add_mutually_exclusive_group(required=True)
     names = ("X", "Y", "Z", "QX", "QY", "QZ", "QW")
     pose.add_argument(
@@ -29,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     pose.add_argument(
         "--joints", nargs="+", type=float, metavar="Q", help="the pose that these make, rad or m"
     )
+    pose.add_argument("--posture", help="the pose that a named posture makes, such as home")
     parser.add_argument("--ignore-limits", action="store_true", help="beyond joint limits, too")
     parser.add_argument("--title", help="above the picture (the robot's name)")
     eye = "of the eye as seen from the base, degrees"
@@ -44,8 +47,12 @@ def run(args: argparse.Namespace) -> int:
             raise BadValueError(f"--{name}", getattr(args, name), "a finite angle in degrees")
     if args.output.suffix not in (".png", ".svg", ".pdf"):
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")
-    chain = load_description(args.robot).chain(args.base_link or None, args.tip_link or None)
-    if args.joints:
+    description = load_description(args.robot)
+    known = semantics_of(description, args.srdf)
+    chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
+    if args.posture is not None:
+        T = forward_kinematics(chain, known.posture(chain, args.posture))
+    elif args.joints:
         T = forward_kinematics(chain, args.joints)
     else:
         T = pose_from_position_quaternion(args.pose[:3], args.pose[3:])

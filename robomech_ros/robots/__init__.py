@@ -7,7 +7,12 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh, dh_from_chain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
-from robomech_ros.robots.group_chains import group_chain, groups_by_links, main_chain
+from robomech_ros.robots.group_chains import (
+    group_chain,
+    groups_by_links,
+    main_chain,
+    semantics_of,
+)
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.library import (
     list_robots,
@@ -51,5 +56,6 @@ __all__ = [
     "load_srdf",
     "main_chain",
     "robot_folders",
+    "semantics_of",
     "urdf_from_description",
 ]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.semantic import Group, SemanticDescription
+from robomech_ros.robots.srdf.document import load_srdf
 
-__all__ = ["group_chain", "group_of_chain", "groups_by_links", "main_chain"]
+__all__ = ["group_chain", "group_of_chain", "groups_by_links", "main_chain", "semantics_of"]
 
 
 def group_chain(description: RobotDescription, group: Group, link: str = "") -> SerialChain:
@@ -137,6 +139,44 @@ def _sole_arm(
             raise RobotDescriptionError(error.where, f"{error.why}{more}") from None
         ends = next(iter(arms.values()))
         return base or ends[0], ends[1]
+
+
+def semantics_of(
+    description: RobotDescription,
+    srdf: str | os.PathLike[str] = "",
+    groups: Iterable[str] = (),
+) -> SemanticDescription:
+    """Give what is known of a robot's groups and named postures.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        The robot.
+    srdf : str or path, optional
+        The text or the path of an SRDF; default none: the robot has no posture but ``home``.
+    groups : iterable of str, optional
+        More groups, as for :func:`groups_by_links`.
+
+    Returns
+    -------
+    SemanticDescription
+
+    Raises
+    ------
+    RobomechError
+        As from :func:`load_srdf` and :func:`groups_by_links`.
+
+    Examples
+    --------
+    >>> from robomech_ros.robots import load_description, main_chain, semantics_of
+    >>> ur5e = load_description("ur5e")
+    >>> known = semantics_of(ur5e, groups=["arm:base_link:tool0"])
+    >>> chain = main_chain(ur5e, known, group="arm")
+    >>> known.postures(chain)
+    ('home',)
+    """
+    known = load_srdf(srdf, description) if srdf else SemanticDescription(description.name)
+    return known.with_groups(groups_by_links(description, groups))
 
 
 def groups_by_links(description: RobotDescription, entries: Iterable[str]) -> dict[str, Group]:

@@ -15,7 +15,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.start import NODE_MODULES
-from robomech_ros.robots import load_description
+from robomech_ros.robots import load_description, main_chain, semantics_of
 
 __all__ = ["add_arguments", "launch_options", "run"]
 
@@ -36,6 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
+    parser.add_argument(
+        "--srdf",
+        default="",
+        help="SRDF with groups of joints and named states; its home is where the robot begins; "
+        "default: the topic robot_description_semantic",
+    )
+    parser.add_argument("--group", default="", help="the group whose chain is meant")
     parser.add_argument("--namespace", default="", help="namespace of all nodes, such as /left")
     parser.add_argument(
         "--frame-prefix",
@@ -83,6 +90,8 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         robot=args.robot,
         base_link=args.base_link,
         tip_link=args.tip_link,
+        srdf=args.srdf,
+        group=args.group,
         namespace=args.namespace,
         frame_prefix=args.frame_prefix,
         rate=args.rate,
@@ -101,7 +110,9 @@ def _load(args: argparse.Namespace) -> None:
         from robomech_ros.nodes.common.joint_limits import read_joint_limits
 
         description = read_joint_limits(args.joint_limits).on(description)
-    description.chain(args.base_link, args.tip_link)
+    if args.srdf or not args.group:
+        known = semantics_of(description, args.srdf)
+        main_chain(description, known, args.base_link, args.tip_link, args.group)
 
 
 def _run_here(options: LaunchOptions) -> int:

@@ -19,6 +19,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--robot", default="puma560", help="name or path of a robot (puma560)")
     parser.add_argument(
+        "--srdf",
+        default="",
+        help="SRDF whose state home is where the robot begins, and ends",
+    )
+    parser.add_argument("--group", default="", help="the group of the SRDF that moves")
+    parser.add_argument(
         "--dynamic",
         action="store_true",
         help="drives move the robot, through mass, friction and effort limits",
@@ -44,11 +50,12 @@ def run(args: argparse.Namespace) -> int:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     warm(silent_if_quick=True)
+    from robomech_ros.nodes.demonstration.limits import Which
     from robomech_ros.nodes.demonstration.session import demonstrate
 
     try:
         payload = args.payload if args.dynamic else None
-        demonstrate(args.robot, args.output, payload)
+        demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
     except RobomechError as error:
         print(f"robomech demo failed: {error}", file=sys.stderr)
         return EXIT_FAILED

@@ -9,12 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.robots import (
-    RobotDescription,
-    SemanticDescription,
-    groups_by_links,
-    load_srdf,
-)
+from robomech_ros.robots import RobotDescription, SemanticDescription, semantics_of
 from robomech_ros.robots.guarded_xml import is_xml
 
 __all__ = ["SEMANTIC_TOPIC", "SemanticSource"]
@@ -98,9 +93,7 @@ class SemanticSource:
             self._log.warning(f"{more} more such lines: `robomech groups` shows all")
 
     def _read(self, description: RobotDescription) -> SemanticDescription:
-        text = self._given or self._heard
-        known = load_srdf(text, description) if text else SemanticDescription(description.name)
-        return known.with_groups(groups_by_links(description, self._groups))
+        return semantics_of(description, self._given or self._heard, self._groups)
 
     def _receive(self, message: String) -> None:
         if not is_xml(message.data):

@@ -15,6 +15,7 @@ from robomech_ros.nodes.demonstration.load import TRACKED, Load
 from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Leg, Reporter
 from robomech_ros.robots import SerialChain
+from robomech_ros.robots.semantic import HOME
 from robomech_ros.spatial import pose_error
 
 __all__ = ["PickAndPlace"]
@@ -83,11 +84,27 @@ class PickAndPlace:
                 "have ended the motion (path_tolerance)"
             )
 
+    def stands_at_home(self) -> None:
+        """Check that the robot begins where the named posture home is."""
+        home = self._chain.home()
+        self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS, lambda: None)
+        self._reporter.say(f"stands at {HOME}: {_listed(home)} rad or m")
+
+    def go_home(self) -> None:
+        """Move to the named posture home, which the planner is told by its name alone."""
+        home = self._chain.home()
+        self._reporter.heading(f"{HOME}, by its name")
+        self.marks.append((self._client.now(), f"{HOME} (RUCKIG)"))
+        leg = self._plan(HOME, "RUCKIG", JointState(name=[HOME]))
+        self._watch(leg, home)
+        self._check(leg, forward_kinematics(self._chain, home))
+        self.legs.append(leg)
+
     def _leg(self, name: str, profile: str, T: Array) -> None:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
-        leg = self._plan(name, profile, goal)
+        leg = self._plan(name, profile, joint_state(self._chain.joint_names, goal))
         self._watch(leg, goal)
         self._check(leg, T)
         self.legs.append(leg)
@@ -117,11 +134,11 @@ class PickAndPlace:
         self._reporter.solutions(shown, chosen)
         return goal
 
-    def _plan(self, name: str, profile: str, goal: Array) -> Leg:
+    def _plan(self, name: str, profile: str, goal: JointState) -> Leg:
         """Ask for a plan, which its publication sets in motion."""
         request = PlanJoint.Request(
             start=self._present_state(),
-            goal=joint_state(self._chain.joint_names, goal),
+            goal=goal,
             profile=_PROFILES[profile],
         )
         response = self._client.call("trajectory_planner/plan_joint", request)

@@ -10,7 +10,7 @@ from robomech_interfaces.srv import Execute, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.demonstration.client import DemoClient
-from robomech_ros.nodes.demonstration.limits import robot_with_limits
+from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
 from robomech_ros.nodes.demonstration.load import CARRYING, TRACKED, Load
 from robomech_ros.nodes.demonstration.pick_and_place import PickAndPlace
 from robomech_ros.nodes.demonstration.report import Reporter
@@ -31,13 +31,13 @@ _SERVICES = {
 }
 
 
-def demonstrate(robot: str, output: Path, payload: float | None = None) -> None:
+def demonstrate(which: Which, output: Path, payload: float | None = None) -> None:
     """Pick and place with a robot, and tell about it.
 
     Parameters
     ----------
-    robot : str
-        Name or path.
+    which : Which
+        The robot, and what of it moves.
     output : Path
         Folder for the plot.
     payload : float, optional
@@ -50,7 +50,7 @@ def demonstrate(robot: str, output: Path, payload: float | None = None) -> None:
     """
     reporter = Reporter()
     start = time.perf_counter()
-    with robot_with_limits(robot) as (used, chain, notice):
+    with robot_with_limits(which) as (used, chain, notice):
         if notice:
             reporter.say(notice)
         plot = _session(used, chain, output, reporter, payload)
@@ -59,12 +59,12 @@ def demonstrate(robot: str, output: Path, payload: float | None = None) -> None:
 
 
 def _session(
-    robot: str, chain: SerialChain, output: Path, reporter: Reporter, payload: float | None
+    which: Which, chain: SerialChain, output: Path, reporter: Reporter, payload: float | None
 ) -> Path:
     joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
     reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
     start = time.perf_counter()
-    with running_suite(_commands(robot, chain, payload is not None)) as suite:
+    with running_suite(_commands(which, chain, payload is not None)) as suite:
         client = DemoClient(suite, chain.joint_names)
         try:
             client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
@@ -75,7 +75,11 @@ def _session(
             )
             load = None if payload is None else Load(client, payload)
             task = PickAndPlace(client, chain, reporter, load)
+            if which.srdf:
+                task.stands_at_home()
             task.run()
+            if which.srdf:
+                task.go_home()
             reporter.heading("summary")
             reporter.summary(task.legs)
             return _plot(chain, client, task, output)
@@ -86,11 +90,14 @@ def _session(
             client.close()
 
 
-def _commands(robot: str, chain: SerialChain, dynamic: bool) -> dict[str, list[str]]:
+def _commands(which: Which, chain: SerialChain, dynamic: bool) -> dict[str, list[str]]:
     if dynamic:
         # A robot that cannot be simulated is refused here, once, instead of by a node.
         mass_matrix(chain, chain.midrange())
-    commands = LaunchOptions(robot, dynamic=dynamic, servo=False).commands()
+    options = LaunchOptions(
+        which.robot, srdf=which.srdf, group=which.group, dynamic=dynamic, servo=False
+    )
+    commands = options.commands()
     if dynamic:
         commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
     return commands

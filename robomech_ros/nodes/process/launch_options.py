@@ -21,6 +21,10 @@ class LaunchOptions:
         Name, or path of a URDF or YAML file; empty: the nodes wait for the topic.
     base_link, tip_link : str, optional
         Ends of the chain; empty for the defaults of the robot.
+    srdf : str, optional
+        Path of an SRDF; empty: the nodes listen to the topic.
+    group : str, optional
+        The group whose chain is meant.
     namespace : str, optional
         Of all nodes.
     frame_prefix : str, optional
@@ -42,6 +46,8 @@ class LaunchOptions:
     robot: str = ""
     base_link: str = ""
     tip_link: str = ""
+    srdf: str = ""
+    group: str = ""
     namespace: str = ""
     frame_prefix: str | None = None
     rate: float | None = None
@@ -72,6 +78,8 @@ class LaunchOptions:
             "robot_description": self._robot(),
             "base_link": self.base_link,
             "tip_link": self.tip_link,
+            "robot_description_semantic": _absolute(self.srdf) if self.srdf else "",
+            "group": self.group,
             "frame_prefix": self._frame_prefix(),
         }
         for name, value in values.items():

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.launch_options import LaunchOptions
@@ -46,6 +46,33 @@ def test_paths_are_made_absolute(tmp_path, monkeypatch):
     assert "__ns:=/left" in command
     assert "joint_trajectory_controller:publish_rate:=50.0" in command
     assert f'trajectory_planner:joint_limits:="{tmp_path}/limits.yaml"' in command
+
+
+def test_groups_go_to_every_node(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for command in commands("--robot", "ur5e", "--srdf", "a.srdf", "--group", "arm").values():
+        assert f'robot_description_semantic:="{tmp_path}/a.srdf"' in command
+        assert 'group:="arm"' in command
+    assert "semantic" not in str(commands("--robot", "ur5e"))
+
+
+@pytest.mark.parametrize(
+    ("group", "text"),
+    [
+        ("legs", "group is 'legs', expected one of arm"),
+        ("", "line 2: chain: tip_link is 'tool', expected a link"),
+    ],
+)
+def test_an_srdf_that_does_not_fit_is_refused_once(tmp_path, group, text):
+    path = tmp_path / "ur5e.srdf"
+    tip = "tool0" if group else "tool"
+    path.write_text(
+        f'<robot name="ur5e"><group name="arm">\n<chain base_link="base_link" tip_link="{tip}"/>'
+        "</group></robot>"
+    )
+    hint = r"( \(did you mean '\w+'\?\))?"
+    with pytest.raises(RobomechError, match=text.replace("'tool'", f"'tool'{hint}")):
+        bringup.run(parsed("--robot", "ur5e", "--srdf", str(path), "--group", group))
 
 
 @pytest.mark.parametrize(

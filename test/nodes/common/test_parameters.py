@@ -41,6 +41,7 @@ class Table:
     tolerances: tuple[float, ...] = parameter((), "How close", 0.0)
     scale: float = parameter(1.0, "How much", 0.0, 2.0, read_only=False)
     enabled: bool = parameter(True, "Whether")
+    names: tuple[str, ...] = parameter((), "Which")
 
 
 class TableNode(Node):
@@ -80,6 +81,8 @@ def test_given_values_arrive_in_the_declared_type(graph):
         ("tolerances", [0.1, -0.1], "a list of numbers, each of at least 0"),
         ("tolerances", ["a"], "a list of numbers, each of at least 0"),
         ("enabled", 1, "true or false"),
+        ("names", [1.0], "a list of strings"),
+        ("names", "one", "a list of strings"),
     ],
 )
 def test_a_wrong_value_at_start_names_parameter_value_and_what_is_allowed(
@@ -119,6 +122,20 @@ def test_refused_run_time_change(graph, name, value, reason):
     assert reason in result.reason
     assert node.parameters.settings == Table()
     assert node.changes == []
+
+
+def test_lists_of_strings(graph):
+    node = graph.start(TableNode, names=["one", "two"])
+    assert node.parameters.settings.names == ("one", "two")
+    assert node.get_parameter("names").value == ["one", "two"]
+    empty = graph.start(TableNode, namespace="other")
+    assert empty.parameters.settings.names == ()
+    request = DescribeParameters.Request(names=["names"])
+    (found,) = graph.call(
+        DescribeParameters, "other/table/describe_parameters", request
+    ).descriptors
+    assert found.type == ParameterType.PARAMETER_STRING_ARRAY
+    assert found.additional_constraints == "a list of strings"
 
 
 def test_descriptors(graph):
@@ -165,6 +182,6 @@ def test_all_parameters_of_a_node_are_dumped_at_once(graph, kind):
 
 def test_rows_say_everything():
     rows = {row.name: row for row in table_rows(Table)}
-    assert list(rows) == ["rate", "count", "method", "tolerances", "scale", "enabled"]
+    assert list(rows) == ["rate", "count", "method", "tolerances", "scale", "enabled", "names"]
     assert rows["rate"].allowed == "a number from 1 to 1000 Hz"
     assert rows["tolerances"].default == ()

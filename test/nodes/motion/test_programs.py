@@ -5,14 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drivers import ROBOT
+from drivers import ROBOT, Driver
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.nodes.trajectory_publisher.program import read_program
-from robomech_ros.robots import SemanticDescription, load_robot
+from robomech_ros.robots import SemanticDescription, load_description, load_robot, load_srdf
 
 CHAIN = load_robot(ROBOT)
 HOME = CHAIN.home()
@@ -74,6 +76,62 @@ def test_until_cancelled(suite, tmp_path):
     arm.until(lambda: not arm.velocity.any())
     value = arm.value("program", lambda status: "program cancelled" in str(status.values))
     assert value == "program cancelled by the service cancel"
+
+
+SRDF = """<robot name="puma560">
+  <group name="arm"><chain base_link="base_link" tip_link="tool0"/></group>
+  {}
+</robot>"""
+
+
+def srdf(**states):
+    """Make an SRDF with these postures of the arm, rad."""
+    text = ""
+    for name, places in states.items():
+        joints = zip(CHAIN.joint_names, places, strict=True)
+        values = "".join(f'<joint name="{joint}" value="{at}"/>' for joint, at in joints)
+        text += f'<group_state name="{name}" group="arm">{values}</group_state>'
+    return SRDF.format(text)
+
+
+def test_a_program_moves_to_named_states_of_an_srdf(suite, tmp_path):
+    steps = "\n  - {move: up}\n  - {move: above}\n  - {move: home}"
+    semantic = srdf(home=HOME - 0.1, up=HOME + 0.05)
+    arm, said = started(
+        lambda **options: suite(robot_description_semantic=semantic, **options),
+        written(tmp_path, cycles=1, steps=steps),
+    )
+    assert said == "3 steps, 1 cycles"
+    arm.until(lambda: np.abs(arm.position - (HOME - 0.1)).max() < 1e-6)
+    seen = np.array([state.position for state in arm.states])
+    for place in (HOME + 0.05, ABOVE):
+        assert np.abs(seen - place).max(axis=1).min() < 1e-6
+
+
+def test_the_robot_begins_at_home_of_the_srdf_and_a_topic_comes_too_late_for_that(graph):
+    semantic = srdf(home=HOME - 0.1)
+    first = Driver(graph, graph.start, robot_description_semantic=semantic)
+    first.until(lambda: first.states)
+    np.testing.assert_allclose(first.position, HOME - 0.1, atol=1e-12)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    topic = "late/robot_description_semantic"
+    graph.client.create_publisher(String, topic, latched).publish(String(data=semantic))
+    second = Driver(graph, graph.start, namespace="late")
+    second.until(lambda: second.states)
+    np.testing.assert_allclose(second.position, HOME, atol=1e-12)
+
+
+def test_a_posture_out_of_reach_is_refused_when_a_program_moves_there(tmp_path):
+    far = HOME + np.array([0, 0, 0, 0, 9.0, 0])
+    known = load_srdf(srdf(far=far), load_description(ROBOT))
+    with pytest.raises(RobotDescriptionError) as caught:
+        read_program(written(tmp_path, steps="\n  - {move: far}"), CHAIN, known)
+    assert "step 1: state 'far' of group 'arm': joint '" in str(caught.value)
+    assert "outside its limits" in str(caught.value)
+    # What the program says itself goes before it.
+    more = f"  far: {DOWN.tolist()}\n"
+    path = written(tmp_path, steps="\n  - {move: far}", more=more)
+    assert read_program(path, CHAIN, known).steps[0].positions == tuple(DOWN)
 
 
 def test_without_program_or_robot(suite, tmp_path):

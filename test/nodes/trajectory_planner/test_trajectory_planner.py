@@ -73,6 +73,29 @@ def check(response, chain=PUMA, start=START, goal=GOAL):
     return points
 
 
+def test_a_goal_may_be_a_posture_by_its_name(graph):
+    joints = zip(PUMA.joint_names, GOAL, strict=True)
+    places = "".join(f'<joint name="{name}" value="{at}"/>' for name, at in joints)
+    semantic = f"""<robot name="puma560">
+      <group name="arm"><chain base_link="base_link" tip_link="tool0"/></group>
+      <group_state name="there" group="arm">{places}</group_state>
+    </robot>"""
+    graph.start(
+        TrajectoryPlannerNode, robot_description="puma560", robot_description_semantic=semantic
+    )
+    home = JointState(name=["home"])
+    check(plan(graph, goal=JointState(name=["there"])))
+    check(plan(graph, goal=home), goal=PUMA.home())
+    there = JointState(name=["there"])
+    check(plan(graph, start=home, goal=there), start=PUMA.home())
+    response = plan(graph, goal=JointState(name=["their"]))
+    assert response.error_code == ErrorCode.BAD_VALUE
+    assert response.error_msg == "posture is 'their', expected one of home, there"
+    # The name of a joint is the name of a joint.
+    response = plan(graph, goal=JointState(name=["waist"]))
+    assert response.error_code == ErrorCode.WRONG_SIZE
+
+
 def test_a_plan_is_as_fast_as_the_limits_allow(puma, profile):
     response = plan(puma, profile=PROFILES[profile])
     points = check(response)
