@@ -1,6 +1,7 @@
 """All of a robot that is shown to others: its description, and where its links are."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from rclpy.node import Node
 
@@ -9,6 +10,7 @@ from robomech_ros.nodes.display.description_publisher import DescriptionPublishe
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.shared_frames import SharedFrames
 from robomech_ros.robots import RobotDescription, load_description, urdf_from_description
+from robomech_ros.robots.urdf.mesh_urls import with_mesh_urls
 
 __all__ = ["ALWAYS", "AUTO", "NEVER", "RobotDisplay"]
 
@@ -47,12 +49,18 @@ class RobotDisplay:
         if frames != NEVER:
             self._frames = _frame_publisher(node, shown, model.frame_prefix, frames, rate)
         if description:
-            DescriptionPublisher(node, text)
+            DescriptionPublisher(node, _found_by_others(text, model.description))
 
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
         """Publish the frames that move, as :meth:`FramePublisher.publish` does."""
         if self._frames is not None:
             self._frames.publish(positions, stamp)
+
+
+def _found_by_others(text: str, description: RobotDescription) -> str:
+    """Give the document with meshes that are found from anywhere, where it came from a file."""
+    file = Path(description.where)
+    return with_mesh_urls(text, file.parent) if description.document and file.is_file() else text
 
 
 def _frame_publisher(

@@ -1,5 +1,8 @@
 """The URDF on robot_description: what RViz needs, from exactly one publisher."""
 
+from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 from xml.etree import ElementTree
 
 import numpy as np
@@ -75,6 +78,22 @@ def test_meshes_and_names_of_a_urdf_stay(graph, robot):
     text = described(graph)
     assert 'filename="package://maker/arm.dae"' in text
     assert text == urdf_from_description(load_description(MESHES))
+
+
+def test_meshes_beside_the_file_are_found_from_elsewhere(graph, robot, tmp_path):
+    """Names with blanks and with what means something in XML and in URLs."""
+    folder = tmp_path / "left & right"
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "meshes" / "arm 100%.dae").write_text("")
+    mesh = '<visual><geometry><mesh filename="meshes/{}"/></geometry></visual>'
+    visuals = mesh.format("arm 100%.dae") + mesh.format("missing.dae").replace('"', "'")
+    (folder / "robot.urdf").write_text(MESHES.replace("</link>", f"{visuals}</link>"))
+    robot(robot_description=str(folder / "robot.urdf"))
+    root = ElementTree.fromstring(described(graph))
+    *_, kept, found, missing = [mesh.get("filename") for mesh in root.iter("mesh")]
+    assert (kept, missing) == ("package://maker/arm.dae", "meshes/missing.dae")
+    assert Path(url2pathname(urlsplit(found).path)) == folder / "meshes" / "arm 100%.dae"
+    assert found.startswith("file:///")
 
 
 def test_a_description_that_comes_from_the_topic_is_not_published_back(graph, robot, listener):
