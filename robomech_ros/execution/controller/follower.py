@@ -8,14 +8,15 @@ from dataclasses import replace
 from enum import Enum
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.execution.controller.catching_up import Belt
 from robomech_ros.execution.controller.curve_motion import CurveMotion
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
-from robomech_ros.execution.controller.joining import join, join_in_steps
 from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.smoothing import braking_time
 from robomech_ros.execution.controller.supervision import verdict
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
+from robomech_ros.execution.controller.way_onto import Way, way_onto
 from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
@@ -23,6 +24,13 @@ from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Follower", "Phase"]
+
+# After this time (s) another attempt is made to get onto a trajectory.
+_AGAIN = 0.01
+# A trajectory that is followed at its pace is no farther from its time than rounding (s).
+_IN_STEP = 1e-6
+# A jump of the clock by more than this is of interest to who waits for a motion (s).
+_REMARKABLE = 0.2
 
 
 class Phase(Enum):
@@ -74,7 +82,6 @@ class Follower:
         self.active: TrajectoryGoal | None = None
         self.waiting: TrajectoryGoal | None = None
         self.now = self.held_since = now
-        self._join = join if self.settings.interpolate else join_in_steps
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
 
     @property
@@ -134,8 +141,11 @@ class Follower:
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
-        curve = self._join(waypoints, present, self.joints, self.settings.start_tolerance, late)
-        goal = TrajectoryGoal(waypoints, tolerances, self.now + delay, curve, late, on_end)
+        way = self._way_onto(waypoints, present, late)
+        if way.blocked:
+            delay, late = _AGAIN, late + _AGAIN
+        begin = self.now + delay
+        goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, belt=way.belt)
         if self.settings.interpolate and waypoints.velocities is not None:
             goal.braking = braking_time(waypoints.velocities[-1], self.joints)
         self._drop_waiting(f"replaced by {by}")
@@ -167,7 +177,7 @@ class Follower:
 
         The motion under way goes on from where it is, and says so; what waits keeps to its stamp.
         """
-        if self.active is not None:
+        if self.active is not None and abs(by) > _REMARKABLE:
             how = "forward" if by > 0.0 else "back"
             self.active.remark = (
                 f"the clock jumped {how} by {abs(by):.4g} s on the way, and the robot went on from "
@@ -220,15 +230,33 @@ class Follower:
         self.active, self.phase = goal, Phase.MOVING
         self.motion.begin()
 
+    def _way_onto(self, waypoints: Waypoints, present: State, late: float) -> Way:
+        before = self._belt() if late > 0.0 else None
+        return way_onto(waypoints, present, self.joints, self.settings, late, before)
+
+    def _belt(self) -> Belt | None:
+        """Give what is followed on a clock that is 0 now; None for nothing, or at another pace."""
+        goal = self.active
+        if goal is None or self.phase is not Phase.MOVING:
+            return None
+        if abs(self.now - goal.begin - goal.time) > _IN_STEP:
+            return None
+        belt = goal.belt or Belt(goal.curve)
+        return belt.since(goal.time)
+
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            tolerance = self.settings.start_tolerance
-            goal.curve = self._join(goal.waypoints, self.desired, self.joints, tolerance, goal.late)
+            way = self._way_onto(goal.waypoints, self.desired, goal.late)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
             return
+        if way.blocked:
+            goal.begin, goal.late = goal.begin + _AGAIN, goal.late + _AGAIN
+            self.waiting = goal
+            return
+        goal.curve, goal.belt = way.curve, way.belt
         self._begin(goal, "preempted by a trajectory that was to begin now")
 
     def _drop_waiting(self, text: str, end: End = End.ABORTED, code: int = Code.PREEMPTED) -> None:

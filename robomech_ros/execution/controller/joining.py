@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.controller.curve_parts import peak_accelerations, peak_jerks
 from robomech_ros.execution.controller.smoothing import (
     delayed,
     fading_time,
-    peak_accelerations,
     with_braking,
     with_fading,
 )
@@ -23,7 +23,7 @@ from robomech_ros.trajectory.plans.violations import Violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["join", "join_in_steps"]
+__all__ = ["completed", "join", "join_in_steps", "without_turns"]
 
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
@@ -56,8 +56,8 @@ def join(
 
     A first point at time 0 must be where the robot is, within tolerance; what is left of the
     step, and the difference in velocity and acceleration if the robot moves, is smoothed out with a
-    quintic, in a time in which the acceleration limits are kept, so that all three are continuous,
-    the acceleration unless the limits of position and velocity leave no room for that.
+    quintic, in a time in which the limits of acceleration and jerk are kept, so that all three are
+    continuous, the acceleration unless the limits of position and velocity leave no room for that.
     Where the trajectory needs the acceleration for itself, and begins at rest, it begins that
     time later.  A first point later than that is reached from the present state as
     the points among each other: linearly, or by a cubic or quintic where it has velocities and
@@ -92,7 +92,7 @@ def join(
     LimitExceededError
         A position or velocity limit would be exceeded, on the points or between them.
     """
-    remaining = _remaining(_completed(waypoints, present), present, joints, late)
+    remaining = _remaining(completed(waypoints, present), present, joints, late)
     positions = _turned(remaining, present, joints, start_tolerance)
     if remaining.times[0] <= 0.0:
         curve = interpolant(
@@ -128,8 +128,8 @@ def join_in_steps(
     accelerations do not matter.  What the joints would do between the points is refused as by
     `join`; parameters and errors are those of `join`.
     """
-    completed = _completed(Waypoints(waypoints.times, waypoints.positions), present)
-    remaining = _remaining(completed, present, joints, late)
+    named = completed(Waypoints(waypoints.times, waypoints.positions), present)
+    remaining = _remaining(named, present, joints, late)
     positions = _turned(remaining, present, joints, start_tolerance)
     times, commanded = remaining.times, np.vstack([positions[1:], positions[-1:]])
     if times[0] > 0.0:
@@ -145,14 +145,19 @@ def _turned(
     waypoints: Waypoints, present: State, joints: Joints, start_tolerance: float
 ) -> FloatArray:
     """Take whole turns off the positions, and require a first point at time 0 to be near."""
-    turns = np.round((present.position - waypoints.positions[0]) / math.tau)
-    positions = waypoints.positions + np.where(joints.continuous, turns * math.tau, 0.0)
+    positions = without_turns(waypoints.positions, present, joints)
     if waypoints.times[0] <= 0.0:
         _require_near(positions[0], present, joints, start_tolerance)
     return positions
 
 
-def _completed(waypoints: Waypoints, present: State) -> Waypoints:
+def without_turns(positions: FloatArray, present: State, joints: Joints) -> FloatArray:
+    """Move continuous joints by the whole turns that bring the first point near the present."""
+    turns = np.round((present.position - positions[0]) / math.tau)
+    return positions + np.where(joints.continuous, turns * math.tau, 0.0)
+
+
+def completed(waypoints: Waypoints, present: State) -> Waypoints:
     """Let the joints that the trajectory does not name stay where they are."""
     missing = np.isnan(waypoints.positions[0])
     if not missing.any():
@@ -233,8 +238,8 @@ def _smoothed(
 ) -> PiecewisePolynomial:
     """Smooth out the offset at the start, in a time that keeps the limits.
 
-    Those of acceleration are kept if that is possible; a planned motion that is over them anyway
-    is followed as it is.
+    Those of acceleration and jerk are kept if that is possible; a planned motion that is over them
+    anyway is followed as it is.
     """
     step, kick, push = offset
     violation = _violation(curve, joints)
@@ -242,14 +247,17 @@ def _smoothed(
         raise _refusal(violation, first)
     if max(np.max(np.abs(part)) for part in offset) <= NO_STEP:
         return curve
-    time = fading_time(step, kick, joints)
-    allowed, found, best = _accelerations(curve, push, joints), list[Violation](), None
+    time = fading_time(step, kick, push, joints)
+    acceleration = _accelerations(curve, push, joints)
+    jerk = np.maximum(joints.limits.jerk, peak_jerks(curve))
+    found, best = list[Violation](), None
     for candidate in _candidates(curve, offset, time):
         violation = _violation(candidate, joints)
         if violation is not None:
             found.append(violation)
             continue
-        excess = float(np.max(peak_accelerations(candidate) / allowed))
+        over = peak_accelerations(candidate) / acceleration, peak_jerks(candidate) / jerk
+        excess = float(np.max(over))
         if excess <= 1.0 + _SLACK:
             return candidate
         if best is None or excess < best[0]:

@@ -1,9 +1,8 @@
 """What is added to a curve: a step at its start fades out, speed at its end is braked."""
 
-import math
-
 import numpy as np
 
+from robomech_ros.execution.controller.curve_parts import rebased
 from robomech_ros.execution.joints import Joints
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
@@ -13,7 +12,6 @@ __all__ = [
     "braking_time",
     "delayed",
     "fading_time",
-    "peak_accelerations",
     "with_braking",
     "with_fading",
 ]
@@ -26,15 +24,22 @@ REST = 1e-6
 # Peak second derivatives of the smoothing quintic over one unit of time, per unit of step in
 # position and in velocity.
 _PEAK_OF_POSITION, _PEAK_OF_VELOCITY = 5.7736, 3.941
+# Its largest third derivatives, per unit of step in position, velocity and acceleration, and which
+# root of a quotient by the limit is a time.
+_JERKS, _ROOTS = np.array([60.0, 36.0, 9.0]), np.array([1.0 / 3.0, 0.5, 1.0])
 
 
-def fading_time(step: FloatArray, kick: FloatArray, joints: Joints) -> float:
-    """Give the time in which the smoothing needs half the acceleration limit of the worst joint."""
-    half = 0.5 * joints.acceleration
+def fading_time(step: FloatArray, kick: FloatArray, push: FloatArray, joints: Joints) -> float:
+    """Give the time in which the smoothing needs half the limits of the worst joint.
+
+    An offset in acceleration counts for the jerk alone.
+    """
+    half, jerk = 0.5 * joints.acceleration, joints.limits.jerk
     linear = _PEAK_OF_VELOCITY * np.abs(kick)
     square = 4.0 * half * _PEAK_OF_POSITION * np.abs(step)
     times = (linear + np.sqrt(linear * linear + square)) / (2.0 * half)
-    return max(float(np.max(times)), SHORTEST_BLEND)
+    by_jerk = (6.0 * _JERKS[:, None] * np.abs((step, kick, push)) / jerk) ** _ROOTS[:, None]
+    return max(float(np.max(times)), float(np.max(by_jerk)), SHORTEST_BLEND)
 
 
 def with_fading(
@@ -52,7 +57,7 @@ def with_fading(
     for segment, begin in enumerate(curve.breaks[:-1]):
         if begin >= time:
             break
-        coefficients[:, segment] += _moved(fading.coefficients[:, 0], float(begin))
+        coefficients[:, segment] += rebased(fading.coefficients[:, 0], float(begin))
     return PiecewisePolynomial(curve.breaks, coefficients)
 
 
@@ -64,28 +69,6 @@ def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
         coefficients[:, 1:] = curve.coefficients
     breaks = np.append(curve.breaks[0], curve.breaks + time)
     return PiecewisePolynomial(breaks, coefficients)
-
-
-def peak_accelerations(curve: PiecewisePolynomial) -> FloatArray:
-    """Give the largest accelerations (n,) of a curve's joints, by quintics at the most."""
-    if len(curve.breaks) < 2:
-        return np.zeros(curve.joints)
-    spans = np.diff(curve.breaks)[:, None]
-    c = np.zeros((6, *curve.coefficients.shape[1:]))
-    c[: len(curve.coefficients)] = curve.coefficients
-    rate, half, third = 6.0 * c[3], 12.0 * c[4], 20.0 * c[5]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(half * half - 3.0 * third * rate)
-        # The acceleration turns where rate + 2 half t + 3 third t^2 is 0.
-        turns = [
-            -rate / (2.0 * half),
-            (-half - root) / (3.0 * third),
-            (root - half) / (3.0 * third),
-        ]
-    times = np.clip(np.nan_to_num([0.0 * c[0], spans + 0.0 * c[0], *turns]), 0.0, spans)
-    values = 2.0 * c[2] + times * (rate + times * (half + times * third))
-    peaks: FloatArray = np.abs(values).max(axis=(0, 1))
-    return peaks
 
 
 def braking_time(velocity: FloatArray, joints: Joints) -> float:
@@ -120,7 +103,7 @@ def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
         return curve
     segment = int(np.searchsorted(breaks, time)) - 1
     if time < breaks[-1]:
-        added = _moved(coefficients[:, segment], float(time - breaks[segment]))
+        added = rebased(coefficients[:, segment], float(time - breaks[segment]))
     else:
         added = np.zeros_like(coefficients[:, 0])
         added[0] = curve.sample(breaks[-1]).position
@@ -131,15 +114,3 @@ def _with_break(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
     return PiecewisePolynomial(
         np.insert(breaks, segment + 1, time), np.insert(coefficients, place, added, axis=1)
     )
-
-
-def _moved(coefficients: FloatArray, by: float) -> FloatArray:
-    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s)."""
-    order = len(coefficients)
-    shift = np.array(
-        [
-            [math.comb(i, k) * by ** (i - k) if i >= k else 0.0 for i in range(order)]
-            for k in range(order)
-        ]
-    )
-    return shift @ coefficients

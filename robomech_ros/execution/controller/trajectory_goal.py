@@ -6,6 +6,7 @@ from enum import IntEnum, auto
 
 import numpy as np
 
+from robomech_ros.execution.controller.catching_up import Belt
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
@@ -70,6 +71,8 @@ class TrajectoryGoal:
         Whether it was where it should be when the trajectory was over.
     remark : str
         What else the result is to say.
+    belt : Belt or None
+        Where the trajectory is, if it came late and the robot catches up with it.
     """
 
     waypoints: Waypoints
@@ -83,6 +86,7 @@ class TrajectoryGoal:
     braking: float = 0.0
     arrived: bool = False
     remark: str = ""
+    belt: Belt | None = None
 
     @property
     def last_position(self) -> FloatArray:

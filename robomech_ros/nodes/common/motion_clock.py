@@ -11,8 +11,16 @@ from rclpy.node import Node
 __all__ = ["MotionClock"]
 
 _NANO = 1e-9
-# Simulated time that goes on by more than this (s) from one message to the next has jumped.
-LONGEST_STEP = 0.5
+# Simulated time that goes on by more than this (s) from one message to the next has jumped, and so
+# has one that goes on by so many times its usual steps and by more than the shortest jump (s).
+LONGEST_STEP, SHORTEST_JUMP, _UNUSUAL = 0.5, 0.05, 5.0
+# How fast the usual step falls to what the steps are now, as a part of it for each step.
+_FORGET = 0.1
+# Jumps longer than this (s) are said.
+_SAID = 0.1
+# The setting of the system's clock is followed as it is from a difference of this on, and slowly,
+# by a part of the time, from the second on (ns): between lies what looks at two clocks are off.
+_SET, _ADRIFT, _SLOWLY = 1_000_000, 50_000, 1e-3
 # Two clocks are read at once if that takes no longer than this (ns); so often it is tried.
 _AT_ONCE = 20_000
 _LOOKS = 5
@@ -23,8 +31,8 @@ class MotionClock:
 
     The steady clock of the machine, which the setting of the system's clock does not touch; with
     the parameter ``use_sim_time`` the simulated time, so that motions keep pace with the
-    simulation.  Jumps of that, forward or back, are left out, and where it goes back a little this
-    clock stands still.  Stamps of messages are always ROS time.
+    simulation.  What that goes back, or forward by more than its usual steps, is left out: no step
+    of the clock moves a joint.  Stamps of messages are always ROS time.
 
     Parameters
     ----------
@@ -46,23 +54,38 @@ class MotionClock:
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
         self._jumped = self._latest = 0
+        # The usual step of simulated time (s), and how far ROS time was ahead (ns), and when.
+        self._usual = LONGEST_STEP
+        self._ahead: int | None = None
+        self._looked = 0
         self._epoch = int(self._ros.now().nanoseconds) if self.simulated else time.monotonic_ns()
         if self.simulated:
-            limit = Duration(seconds=LONGEST_STEP)
-            back = Duration(nanoseconds=-limit.nanoseconds)
-            threshold = JumpThreshold(min_forward=limit, min_backward=back, on_clock_change=False)
-            # Jumps are reported as long as this is kept.
-            self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_jump)
+            least, back = Duration(nanoseconds=1), Duration(nanoseconds=-1)
+            threshold = JumpThreshold(min_forward=least, min_backward=back, on_clock_change=False)
+            # Steps are reported as long as this is kept.
+            self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_step)
 
     def on_jump(self, listener: Callable[[float], None]) -> None:
         """Report every jump of simulated time, in s, negative where it jumped back."""
         self._listeners.append(listener)
 
-    def _take_jump(self, jump: TimeJump) -> None:
-        by = int(jump.delta.nanoseconds)
+    def _take_step(self, step: TimeJump) -> None:
+        """Take a step of simulated time for a jump, or for usual."""
+        by = float(step.delta.nanoseconds) * _NANO
+        longest = min(max(_UNUSUAL * self._usual, SHORTEST_JUMP), LONGEST_STEP)
+        if 0.0 <= by <= longest:
+            self._usual = max(by, (1.0 - _FORGET) * self._usual)
+            return
+        # A clock that has come to go in longer steps is believed after some of them.
+        self._usual = min(2.0 * self._usual, LONGEST_STEP)
+        self._take_jump(int(step.delta.nanoseconds))
+
+    def _take_jump(self, by: int) -> None:
         self._jumped += by
         # Before its first message the time is 0: there it begins.
-        if int(self._ros.now().nanoseconds) != by:
+        if int(self._ros.now().nanoseconds) == by:
+            self._usual = LONGEST_STEP
+        elif abs(by) * _NANO > _SAID:
             how = "forward" if by > 0 else "back"
             self._logger.warning(
                 f"the clock jumped {how} by {abs(by) * _NANO:.4g} s; motions go on as if it had not"
@@ -96,12 +119,27 @@ class MotionClock:
         return float(given - self.stamp(now)) * _NANO
 
     def _ros_ahead(self) -> int:
-        """Give how far ROS time is ahead of this clock (ns).
+        """Give how far ROS time is ahead of this clock (ns), the same from one look to the next.
 
-        A thread may be held up between two looks at clocks, which would show as so much time.
+        Otherwise the stamps of a regular motion would be irregular by some microseconds.
         """
         if self.simulated:
             return int(self._ros.now().nanoseconds) - self._nanoseconds()
+        found, now = self._difference(), time.monotonic_ns()
+        known = self._ahead
+        if known is None or abs(found - known) > _SET:
+            known = found
+        elif abs(found - known) > _ADRIFT:
+            most = round(_SLOWLY * (now - self._looked))
+            known += max(min(found - known, most), -most)
+        self._ahead, self._looked = known, now
+        return known
+
+    def _difference(self) -> int:
+        """Look how far ROS time is ahead of this clock (ns).
+
+        A thread may be held up between two looks at clocks, which would show as so much time.
+        """
         shortest = ahead = 0
         for look in range(_LOOKS):
             begin = time.monotonic_ns()

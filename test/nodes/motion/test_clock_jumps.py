@@ -27,11 +27,12 @@ def assert_no_jump(arm, forward=True):
     ("jump", "said"),
     [
         (-3600.0, SAID.format("back by 3600")),
-        (-0.3, ""),
+        (-0.3, SAID.format(r"back by 0\.\d+")),
+        (0.4, SAID.format(r"forward by 0\.[34]\d*")),
         (5.0, SAID.format(r"forward by (5|5\.0\d|4\.9\d)")),
         (3600.0, SAID.format("forward by 3600")),
     ],
-    ids=("back", "a little back", "forward", "far forward"),
+    ids=("back", "a little back", "a little forward", "forward", "far forward"),
 )
 def test_a_motion_under_way(simulated_time, drive, jump, said):
     arm = drive(use_sim_time=True)

@@ -1,0 +1,173 @@
+"""Pieces of curves: later, cut, put one after the other, prolonged backwards; and their peaks."""
+
+import math
+
+import numpy as np
+
+from robomech_ros.trajectory.curves.interpolation import interpolant
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = [
+    "acceleration_steps",
+    "paced",
+    "part_from",
+    "peak_accelerations",
+    "peak_jerks",
+    "prolonged_back",
+    "rebased",
+    "shifted",
+    "spliced",
+]
+
+# A piece shorter than this (s) is not kept: the next one begins where it does.
+_SHORTEST = 2e-3
+# How finely a change of pace is looked at (s), every which of these begins a piece, and rounding.
+_FINE, _COARSE, _ROUNDING = 1e-3, 5, 1e-12
+# The polynomial that is the time itself.
+_LIKE_TIME = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def rebased(coefficients: FloatArray, by: float) -> FloatArray:
+    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s)."""
+    order = len(coefficients)
+    shift = np.array(
+        [
+            [math.comb(i, k) * by ** (i - k) if i >= k else 0.0 for i in range(order)]
+            for k in range(order)
+        ]
+    )
+    return shift @ coefficients
+
+
+def shifted(curve: PiecewisePolynomial, by: float) -> PiecewisePolynomial:
+    """Give the same curve later by a time (s)."""
+    return PiecewisePolynomial(curve.breaks + by, curve.coefficients)
+
+
+def part_from(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
+    """Give the part of a curve that begins at a time (s), which becomes 0."""
+    breaks = curve.breaks - time
+    if len(breaks) == 1 or breaks[-1] <= 0.0:
+        rest = curve.sample(curve.breaks[-1]).position
+        return PiecewisePolynomial(np.zeros(1), rest[None, None])
+    first = max(int(np.searchsorted(breaks, 0.0, side="right")) - 1, 0)
+    coefficients = curve.coefficients[:, first:].copy()
+    coefficients[:, 0] = rebased(coefficients[:, 0], float(-breaks[first]))
+    return PiecewisePolynomial(np.append(0.0, breaks[first + 1 :]), coefficients)
+
+
+def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> PiecewisePolynomial | None:
+    """Give the part of a curve from 0 on, at another pace for a time (s).
+
+    The place on the curve is the time plus the polynomial `ahead` (lowest power first) of it, both
+    in s; None where that would go backwards.  By cubics that are exact at both their ends.
+    """
+    rest = part_from(curve, time)
+    if not time:
+        return rest
+    fine = np.linspace(0.0, time, max(round(time / _FINE), 2) + 1)
+    progress = np.polynomial.Polynomial(ahead + _LIKE_TIME)
+    places = progress(fine)
+    if not (np.diff(places) >= -_ROUNDING).all():
+        return None
+    knots = np.interp(curve.breaks, places, fine)
+    times = np.sort(np.concatenate((fine[::_COARSE], knots)))
+    times = times[(times > _SHORTEST) & (times < time - _SHORTEST)]
+    times = np.concatenate(([0.0], times[np.diff(times, prepend=0.0) > 0.25 * _SHORTEST], [time]))
+    there = curve.sample(progress(times))
+    through = interpolant(times, there.position, there.velocity * progress.deriv()(times)[:, None])
+    if len(rest.breaks) < 2:
+        return through
+    parts = [through.coefficients, rest.coefficients]
+    return PiecewisePolynomial(
+        np.concatenate((times, time + rest.breaks[1:])),
+        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
+    )
+
+
+def spliced(first: PiecewisePolynomial, then: PiecewisePolynomial) -> PiecewisePolynomial:
+    """Go over from one curve to the beginning of another one, by a piece between two breaks.
+
+    Where the curves agree, that piece is the one that the first curve has there.
+    """
+    begin = float(then.breaks[0])
+    kept = int(np.searchsorted(first.breaks, begin - _SHORTEST, side="right"))
+    # The last break that is kept is where the piece between begins.
+    here, there = first.sample(first.breaks[kept - 1]), then.sample(begin)
+    between = interpolant(
+        [first.breaks[kept - 1], begin],
+        np.vstack((here.position, there.position)),
+        np.vstack((here.velocity, there.velocity)),
+        np.vstack((here.acceleration, there.acceleration)) if len(then.coefficients) > 4 else None,
+    )
+    parts = [first.coefficients[:, : kept - 1], between.coefficients]
+    if len(then.breaks) > 1:
+        parts.append(then.coefficients)
+    return PiecewisePolynomial(
+        np.concatenate((first.breaks[:kept], then.breaks)),
+        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
+    )
+
+
+def prolonged_back(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
+    """Have a curve begin earlier by a time (s), at its first velocity."""
+    begin = curve.sample(curve.breaks[0])
+    before = np.stack((begin.position - time * begin.velocity, begin.velocity))[:, None]
+    parts = [before, curve.coefficients] if len(curve.breaks) > 1 else [before]
+    return PiecewisePolynomial(
+        np.append(curve.breaks[0] - time, curve.breaks),
+        np.concatenate([_of_order(part, parts) for part in parts], axis=1),
+    )
+
+
+def _of_order(part: FloatArray, parts: list[FloatArray]) -> FloatArray:
+    """Write polynomials with as many coefficients as the one that has most."""
+    filled = np.zeros((max(map(len, parts)), *part.shape[1:]))
+    filled[: len(part)] = part
+    return filled
+
+
+def peak_accelerations(curve: PiecewisePolynomial) -> FloatArray:
+    """Give the largest accelerations (n,) of a curve's joints, by quintics at the most."""
+    return _peaks(curve, 2)
+
+
+def peak_jerks(curve: PiecewisePolynomial) -> FloatArray:
+    """Give the largest jerks (n,) of a curve's joints, by quintics at the most."""
+    return _peaks(curve, 3)
+
+
+def acceleration_steps(curve: PiecewisePolynomial) -> FloatArray:
+    """Give the largest steps (n,) of the accelerations between pieces of a curve."""
+    if len(curve.breaks) < 3:
+        return np.zeros(curve.joints)
+    given = curve.derivative(2)
+    spans = np.diff(curve.breaks)[:-1, None]
+    ends = given[-1, :-1]
+    for lower in given[-2::-1]:
+        ends = ends * spans + lower[:-1]
+    steps: FloatArray = np.abs(given[0, 1:] - ends).max(axis=0)
+    return steps
+
+
+def _peaks(curve: PiecewisePolynomial, rate: int) -> FloatArray:
+    """Give the largest magnitudes of a rate, which is a cubic at the most."""
+    if len(curve.breaks) < 2:
+        return np.zeros(curve.joints)
+    spans = np.diff(curve.breaks)[:, None]
+    given = curve.derivative(rate)
+    c = np.zeros((4, *given.shape[1:]))
+    c[: len(given)] = given
+    turns = [0.0 * c[0], spans + 0.0 * c[0]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # The rate turns where c1 + 2 c2 t + 3 c3 t^2 is 0.
+        if c[2].any():
+            turns.append(-c[1] / (2.0 * c[2]))
+        if c[3].any():
+            root = np.sqrt(c[2] * c[2] - 3.0 * c[3] * c[1])
+            turns += [(-c[2] - root) / (3.0 * c[3]), (root - c[2]) / (3.0 * c[3])]
+    times = np.clip(np.nan_to_num(turns), 0.0, spans)
+    values = c[0] + times * (c[1] + times * (c[2] + times * c[3]))
+    peaks: FloatArray = np.abs(values).max(axis=(0, 1))
+    return peaks

@@ -1,0 +1,111 @@
+"""The way of a robot onto a trajectory: joined in time, caught up with, or none yet."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.errors import LimitExceededError
+from robomech_ros.execution.controller.catching_up import (
+    LONGEST_LAG,
+    Belt,
+    caught_up,
+    too_hard,
+)
+from robomech_ros.execution.controller.follower_settings import FollowerSettings
+from robomech_ros.execution.controller.joining import (
+    completed,
+    join,
+    join_in_steps,
+    without_turns,
+)
+from robomech_ros.execution.joints import Joints, State
+from robomech_ros.execution.refusals import TrajectoryOverError
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Way", "way_onto"]
+
+
+class Way(NamedTuple):
+    """How a trajectory is followed.
+
+    Attributes
+    ----------
+    curve : PiecewisePolynomial
+        From now on, to the end.
+    belt : Belt or None
+        Where the trajectory is that is being caught up with; None if the robot is in time.
+    blocked : bool
+        Whether the limits leave no way from the present motion yet, which is to go on.
+    """
+
+    curve: PiecewisePolynomial
+    belt: Belt | None = None
+    blocked: bool = False
+
+
+def way_onto(
+    waypoints: Waypoints,
+    present: State,
+    joints: Joints,
+    settings: FollowerSettings,
+    late: float,
+    before: Belt | None,
+) -> Way:
+    """Join a trajectory; catch up with one that comes late where to join it would be too hard.
+
+    Parameters
+    ----------
+    waypoints, present, joints, late
+        As of `join`.
+    settings : FollowerSettings
+        How it is joined.
+    before : Belt or None
+        What the robot follows, in time, on a clock that is 0 now; None where it stands.
+
+    Returns
+    -------
+    Way
+
+    Raises
+    ------
+    RobomechError
+        It is refused, as by `join`.
+    """
+    joined = join if settings.interpolate else join_in_steps
+    known = completed(waypoints, present)
+    may_catch_up = late > 0.0 and settings.interpolate and _can_be_caught(known, late)
+    behind = may_catch_up and before is not None and not before.in_time
+    curve: PiecewisePolynomial | None = None
+    refused: Exception | None = None
+    if not behind:
+        try:
+            curve = joined(waypoints, present, joints, settings.start_tolerance, late)
+        except (LimitExceededError, TrajectoryOverError) as error:
+            if not may_catch_up or before is None:
+                raise
+            refused = error
+        if curve is not None:
+            refused = too_hard(curve, present, joints) if may_catch_up else None
+            if refused is None:
+                return Way(curve)
+    near = Waypoints(
+        known.times,
+        without_turns(known.positions, present, joints),
+        known.velocities,
+        known.accelerations,
+    )
+    if (found := caught_up(near, present, joints, late, before)) is not None:
+        return Way(*found)
+    if before is not None and (curve is not None or behind):
+        return Way(near.curve, None, True)
+    assert refused is not None
+    raise refused
+
+
+def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
+    """Whether a trajectory has velocities everywhere, and has not been over for long."""
+    velocities = waypoints.velocities
+    if velocities is None or not np.isfinite(velocities).all():
+        return False
+    return bool(late < waypoints.times[-1] + LONGEST_LAG)
