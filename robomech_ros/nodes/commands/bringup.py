@@ -1,6 +1,7 @@
 """``robomech bringup``: all nodes for one robot, as processes or in one."""
 
 import argparse
+import os
 import re
 import signal
 import sys
@@ -14,6 +15,7 @@ from typing import Any
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
 from robomech_ros.nodes.process.process_group import ProcessGroup
+from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import load_description, main_chain, semantics_of
 
@@ -62,6 +64,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="drives move the simulated robot, through mass, friction and effort limits",
     )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
+    parser.add_argument(
+        "--localhost",
+        action="store_true",
+        help="let this machine alone discover the nodes; default: ROS_AUTOMATIC_DISCOVERY_RANGE, "
+        "or the whole subnet",
+    )
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
         "--in-one-process", action="store_true", help="all nodes in one process and one executor"
@@ -80,6 +88,9 @@ def run(args: argparse.Namespace) -> int:
     _check(args)
     if args.robot:
         _load(args)
+    if args.localhost:
+        stay_on_this_machine()
+    print(f"robomech bringup: {reach(os.environ)}", file=sys.stderr, flush=True)
     options = launch_options(args)
     return _run_here(options) if args.in_one_process else _supervise(options.commands())
 

@@ -1,0 +1,30 @@
+"""Who can reach the nodes: this machine alone, or all machines of the subnet."""
+
+import os
+from collections.abc import Mapping
+
+__all__ = ["reach", "stay_on_this_machine"]
+
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+_WHO = {
+    "SUBNET": "every machine of the subnet",
+    "LOCALHOST": "this machine",
+    "OFF": "nobody: no discovery",
+    "SYSTEM_DEFAULT": "whoever the middleware's own configuration lets in",
+}
+
+
+def stay_on_this_machine() -> None:
+    """Let nodes that start from now on, and in processes of this one, discover no other machine."""
+    os.environ[_RANGE] = "LOCALHOST"
+    # It was there before, and goes before the range while it is set.
+    os.environ.pop("ROS_LOCALHOST_ONLY", None)
+
+
+def reach(environment: Mapping[str, str]) -> str:
+    """Say in words which domain nodes are in, and from where they can be reached."""
+    chosen = environment.get(_RANGE, "").upper() or "SUBNET"
+    if environment.get("ROS_LOCALHOST_ONLY", "0") == "1":
+        chosen = "LOCALHOST"
+    domain = environment.get("ROS_DOMAIN_ID", "") or "0"
+    return f"domain {domain}, reached from {_WHO.get(chosen, _WHO['SUBNET'])}"
