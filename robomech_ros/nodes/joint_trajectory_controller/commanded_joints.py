@@ -8,7 +8,11 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.follower import Follower
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
-from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
+from robomech_ros.execution.controller.trajectory_goal import (
+    End,
+    GoalResult,
+    TrajectoryGoal,
+)
 from robomech_ros.execution.joints import Joints
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
@@ -23,6 +27,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     default_tolerances,
     follower_settings,
 )
+from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["CommandedJoints"]
@@ -168,6 +173,11 @@ class CommandedJoints:
             partial=settings.allow_partial_joints_goal,
             to_rest=not settings.allow_nonzero_velocity_at_trajectory_end,
         )
+
+    def close(self, why: str) -> None:
+        """Refuse all trajectories from now on, slow down, and hold; the lock is to be held."""
+        self.refuse_all = why
+        self.follower.stop(End.ABORTED, Code.PREEMPTED, why)
 
     def reset(self, text: str) -> None:
         """Put the joints back to where they were at start, at once."""

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import RobotDisplay
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
-from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.nodes.joint_trajectory_controller.state_publisher import StatePublisher
 from robomech_ros.outcomes import Code
@@ -28,15 +29,15 @@ class ControlCycle:
     ----------
     node : Node
         Owner of the publishers.
-    robot : SimulatedRobot
-        What moves.
+    commanded : sequence of CommandedJoints
+        What moves, the robot first; they share a lock.
     model : RobotModel
         The whole robot, with the joints that do not belong to the chain.
     settings : ControllerSettings
         Which rates there are.
     control : ControlInterfaces
         Gets its states.
-    servers : sequence of GoalServer
+    servers : sequence of ServedAction
         Get their feedback.
     on_moved : callable
         Called in every cycle when the robot has moved on; the robot's lock is held.
@@ -50,16 +51,16 @@ class ControlCycle:
     def __init__(
         self,
         node: Node,
-        robot: SimulatedRobot,
+        commanded: Sequence[CommandedJoints],
         model: RobotModel,
         settings: ControllerSettings,
         control: ControlInterfaces,
-        servers: Sequence[GoalServer],
+        servers: Sequence[ServedAction],
         on_moved: Callable[[], None],
     ) -> None:
         self._logger = node.get_logger()
-        self._robot = robot
-        self.states = StatePublisher(node, model, [robot])
+        self._robot, self._commanded = commanded[0], commanded
+        self.states = StatePublisher(node, model, commanded)
         self._display = RobotDisplay(
             node,
             model,
@@ -81,7 +82,8 @@ class ControlCycle:
     def run(self) -> None:
         """Do what is to be done in one cycle."""
         with self._robot.lock:
-            self._move()
+            for joints in self._commanded:
+                self._move(joints)
             self.publish_joint_states()
             self._log_saturation()
             self._on_moved()
@@ -91,22 +93,24 @@ class ControlCycle:
         """Publish where the joints are; the robot's lock is to be held."""
         self.states.publish(self._robot.stamp())
 
-    def _move(self) -> None:
+    def _move(self, joints: CommandedJoints) -> None:
         try:
-            self._robot.advance()
+            joints.advance()
         except RobomechError as error:
             self._logger.error(str(error), throttle_duration_sec=_SELDOM)
-            self._robot.follower.halt(Code.PATH_TOLERANCE, str(error))
+            joints.follower.halt(Code.PATH_TOLERANCE, str(error))
         except Exception:
             self._logger.error(f"motion failed, please report:\n{traceback.format_exc()}")
             text = "internal error of the controller, see its log"
-            self._robot.follower.halt(Code.INTERNAL, text)
+            joints.follower.halt(Code.INTERNAL, text)
 
     def _log_saturation(self) -> None:
         """Log once in each motion that drives are at their limits."""
         limited = bool(self._robot.simulated_joints.at_limit.any())
         if limited and not self._limited:
-            text = f"the robot may not follow: {self._robot.saturation()} so far"
+            robot = self._robot
+            saturation = saturation_text(robot.simulated_joints.at_limit, robot.joint_names)
+            text = f"the robot may not follow: {saturation} so far"
             self._logger.warning(text, throttle_duration_sec=_SELDOM)
         self._limited = limited
 

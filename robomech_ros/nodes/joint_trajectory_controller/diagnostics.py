@@ -3,9 +3,11 @@
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.nodes.common.refusals import refusal_values
 from robomech_ros.nodes.common.status_report import NodeCondition
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 
-__all__ = ["robot_condition"]
+__all__ = ["gripper_condition", "robot_condition"]
 
 
 def robot_condition(robot: SimulatedRobot) -> NodeCondition:
@@ -15,23 +17,33 @@ def robot_condition(robot: SimulatedRobot) -> NodeCondition:
     the last motion began.
     """
     with robot.lock:
-        counts = robot.counts
-        values = {
-            "trajectories accepted": counts.accepted,
-            "goals reached": counts.reached,
-            "ended early": counts.ended_early,
-            "last end": counts.last_end,
-            **refusal_values(counts.refusal),
-        }
-        saturation = robot.saturation()
+        values, saturation = _values(robot), robot.saturation()
         if robot.dynamic:
             values["at effort limits"] = saturation
         summary = "; ".join(part for part in (_summary(robot), saturation) if part)
-        return NodeCondition(summary, bool(counts.refusal.text or saturation), values)
+        return NodeCondition(summary, bool(robot.counts.refusal.text or saturation), values)
 
 
-def _summary(robot: SimulatedRobot) -> str:
-    follower, refusal = robot.follower, robot.counts.refusal.text
+def gripper_condition(gripper: Gripper) -> NodeCondition:
+    """Describe the gripper; a warning while what came last was refused."""
+    with gripper.lock:
+        values = {**_values(gripper), "pressing": ", ".join(gripper.pressing())}
+        return NodeCondition(_summary(gripper), bool(gripper.counts.refusal.text), values)
+
+
+def _values(joints: CommandedJoints) -> dict[str, object]:
+    counts = joints.counts
+    return {
+        "trajectories accepted": counts.accepted,
+        "goals reached": counts.reached,
+        "ended early": counts.ended_early,
+        "last end": counts.last_end,
+        **refusal_values(counts.refusal),
+    }
+
+
+def _summary(joints: CommandedJoints) -> str:
+    follower, refusal = joints.follower, joints.counts.refusal.text
     if refusal:
         return f"{follower.phase.value}; refused: {refusal}"
     if follower.phase is Phase.MOVING and follower.active is not None:

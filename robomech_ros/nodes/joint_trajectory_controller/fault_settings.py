@@ -1,5 +1,7 @@
 """Faults of the simulated joints, as the parameters of the node ask for them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robomech_ros.execution.controller.simulated_joints import Faults
@@ -7,11 +9,18 @@ from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.robots import SerialChain
 
-__all__ = ["faults_of"]
+__all__ = ["faults_of", "listed_names"]
 
 
-def faults_of(settings: ControllerSettings, chain: SerialChain) -> Faults:
-    """Read the faults.
+def listed_names(text: str) -> list[str]:
+    """Read names with commas between."""
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def faults_of(
+    settings: ControllerSettings, chain: SerialChain, others: Sequence[str] = ()
+) -> Faults:
+    """Read the faults of the joints of a chain; the other joints of the robot may be stuck, too.
 
     Raises
     ------
@@ -19,10 +28,10 @@ def faults_of(settings: ControllerSettings, chain: SerialChain) -> Faults:
         A joint that the robot does not have, or not one offset for every joint.
     """
     names = list(chain.joint_names)
-    stuck = [name.strip() for name in settings.fault_stuck_joints.split(",") if name.strip()]
+    stuck = listed_names(settings.fault_stuck_joints)
     for name in stuck:
-        if name not in names:
-            allowed = f"names with commas between, of {', '.join(names)}"
+        if name not in names and name not in others:
+            allowed = f"names with commas between, of {', '.join((*names, *others))}"
             raise ParameterError("fault_stuck_joints", settings.fault_stuck_joints, allowed)
     offset = settings.fault_offset
     if offset and len(offset) != len(names):

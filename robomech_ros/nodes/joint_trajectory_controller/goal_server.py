@@ -6,11 +6,9 @@ no reason to the client.
 
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from builtin_interfaces.msg import Time
-from rclpy.action import CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
@@ -19,15 +17,12 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
-from robomech_ros.nodes.common.deep_queues import serve_action
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionMessages", "GoalServer"]
-
-# A client may ask for the result this long after the motion has ended, s.
-_RESULT_KEPT = 60
 
 
 class ActionMessages(Protocol):
@@ -38,7 +33,7 @@ class ActionMessages(Protocol):
     kind : type
         The action.
     name : str
-        Its name below the node.
+        Its name below that of the joints.
     """
 
     kind: Any
@@ -59,16 +54,8 @@ class ActionMessages(Protocol):
         """Tell how far a motion has come."""
 
 
-@dataclass
-class _ServedGoal:
-    """A goal on its way."""
-
-    handle: ServerGoalHandle
-    goal: TrajectoryGoal
-
-
-class GoalServer:
-    """Serves the action; the robot is moved by the node's cycles, nothing here waits.
+class GoalServer(ServedAction[TrajectoryGoal]):
+    """Serves the action.
 
     Parameters
     ----------
@@ -81,20 +68,9 @@ class GoalServer:
     """
 
     def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
-        self._node = node
         self._robot = robot
         self._messages = messages
-        self._served: dict[bytes, _ServedGoal] = {}
-        self._idle: Future = Future()
-        self._destroyed = False
-        self._server = serve_action(
-            node,
-            messages.kind,
-            f"~/{messages.name}",
-            self._execute,
-            cancel_callback=self._cancel,
-            result_timeout=_RESULT_KEPT,
-        )
+        super().__init__(node, robot, messages.kind, f"{robot.place}/{messages.name}")
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()
@@ -104,10 +80,9 @@ class GoalServer:
             self._log_refusal(error)
             handle.abort()
             return self._messages.refused(error)
-        result = await self._serve(_ServedGoal(handle, goal), ended)
+        result: GoalResult = await self._until_ended(handle, goal, ended)
         self._conclude(handle, result)
-        if not self._served and not self._idle.done():
-            self._idle.set_result(None)
+        self._handed_over()
         return self._messages.ended(result, note)
 
     def _start(self, message: Any, ended: Future) -> tuple[TrajectoryGoal, str]:
@@ -137,18 +112,6 @@ class GoalServer:
             text = f"goal failed, please report:\n{traceback.format_exc()}"
             self._node.get_logger().error(text)
 
-    async def _serve(self, served: _ServedGoal, ended: Future) -> GoalResult:
-        """Let the client cancel a goal and see how far it has come, until it has ended."""
-        key = _key(served.handle)
-        with self._robot.lock:
-            self._served[key] = served
-        if served.handle.is_cancel_requested:
-            self._cancel(served.handle)
-        result: GoalResult = await ended
-        with self._robot.lock:
-            del self._served[key]
-        return result
-
     def _conclude(self, handle: ServerGoalHandle, result: GoalResult) -> None:
         if result.end is End.REACHED:
             handle.succeed()
@@ -159,42 +122,18 @@ class GoalServer:
         if result.code:
             self._node.get_logger().warning(f"goal ended early: {result.text}")
 
-    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
-        served = self._served.get(_key(handle))
-        if served is None:
-            # It has not begun yet: it is cancelled as soon as it begins.
-            return CancelResponse.ACCEPT
+    def _stop(self, motion: TrajectoryGoal) -> bool:
+        if motion.result is not None:
+            return False
         text = "cancelled by the client; the robot has stopped on its path"
-        with self._robot.lock:
-            if served.goal.result is not None:
-                return CancelResponse.REJECT
-            self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, served.goal)
-        return CancelResponse.ACCEPT
+        self._robot.follower.stop(End.CANCELLED, Code.PREEMPTED, text, motion)
+        return True
 
     def publish_feedback(self) -> None:
         """Tell the clients how far their goals have come; the robot's lock is to be held."""
         follower = self._robot.follower
         seconds, nanoseconds = self._robot.stamp()
         stamp = Time(sec=seconds, nanosec=nanoseconds)
-        for served in self._served.values():
-            desired = follower.actual if served.goal is follower.waiting else follower.desired
-            served.handle.publish_feedback(
-                self._messages.feedback(served.goal, desired, follower.actual, stamp)
-            )
-
-    def destroy(self) -> None:
-        """Give up the action server; once is enough."""
-        if not self._destroyed:
-            self._destroyed = True
-            self._server.destroy()
-
-    def all_ended(self) -> Future:
-        """Give a future that is done when the results of all goals have been handed over."""
-        self._idle = Future()
-        if not self._served:
-            self._idle.set_result(None)
-        return self._idle
-
-
-def _key(handle: ServerGoalHandle) -> bytes:
-    return bytes(handle.goal_id.uuid)
+        for handle, goal in self._served.values():
+            desired = follower.actual if goal is follower.waiting else follower.desired
+            handle.publish_feedback(self._messages.feedback(goal, desired, follower.actual, stamp))

@@ -31,10 +31,11 @@ class MotionCounts:
 
     def end(self, result: GoalResult) -> None:
         """Count a motion that has ended."""
-        if result.code:
-            self.ended_early += 1
-            self.last_end = result.text
-        else:
-            self.reached += 1
-            said = f"; {result.text}" if result.text else ""
-            self.last_end = f"goal reached{said}"
+        said = f"; {result.text}" if result.text else ""
+        self.end_with(not result.code, result.text if result.code else f"goal reached{said}")
+
+    def end_with(self, reached: bool, text: str) -> None:
+        """Count a motion that has reached its goal or not, as the text says."""
+        self.reached += reached
+        self.ended_early += not reached
+        self.last_end = text

@@ -1,23 +1,31 @@
 """The simulated robot: follows trajectories as ros2_control's joint_trajectory_controller does."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 
+from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
-from robomech_ros.nodes.joint_trajectory_controller.commands import Commands
+from robomech_ros.nodes.joint_trajectory_controller.commands import Commands, TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.control_cycle import ControlCycle
 from robomech_ros.nodes.joint_trajectory_controller.control_interfaces import ControlInterfaces
 from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
-from robomech_ros.nodes.joint_trajectory_controller.diagnostics import robot_condition
+from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
+    gripper_condition,
+    robot_condition,
+)
 from robomech_ros.nodes.joint_trajectory_controller.execute_messages import ExecuteMessages
 from robomech_ros.nodes.joint_trajectory_controller.fault_settings import faults_of
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
+from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
+from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
     check_simulation,
@@ -32,8 +40,9 @@ class JointTrajectoryControllerNode(Node):
     SETTINGS = ControllerSettings
 
     def __init__(self, **options: Any) -> None:
-        self._servers: list[GoalServer] = []
+        self._servers: list[ServedAction] = []
         self._robot: SimulatedRobot | None = None
+        self._gripper: Gripper | None = None
         self._cycles: Cycles | None = None
         super().__init__("joint_trajectory_controller", **options)
         self._settings = NodeParameters(
@@ -43,18 +52,27 @@ class JointTrajectoryControllerNode(Node):
 
     def _serve(self, model: RobotModel) -> None:
         clock, settings = MotionClock(self), self._settings
-        robot = self._robot = SimulatedRobot(model.chain, settings, clock)
-        robot.simulated_joints.inject(faults_of(settings, model.chain))
+        robot = SimulatedRobot(model.chain, settings, clock)
+        gripper = gripper_of(model, settings, clock, robot.lock)
+        self._robot, self._gripper = robot, gripper
+        self._check(settings)
+        robot.simulated_joints.inject(self._faults(settings))
         control = ControlInterfaces(self, robot, clock)
         execute = GoalServer(self, robot, ExecuteMessages(robot.joint_names))
-        self._servers = [execute, *control.servers]
-        self._shutdown = Shutdown(self, robot)
-        self._control_cycle = ControlCycle(
-            self, robot, model, settings, control, self._servers, self._shutdown.look
-        )
         hardware = f"{model.chain.name} (simulated)"
         report = StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
-        Commands(self, robot, self._control_cycle.publish_joint_states, report.publish)
+        self._servers = [execute, *control.servers]
+        if gripper is not None:
+            condition = partial(gripper_condition, gripper)
+            of_gripper = StatusReport(self, "gripper", hardware, condition)
+            self._servers += serve_gripper(self, gripper, settings, of_gripper.publish)
+        commanded = [robot] if gripper is None else [robot, gripper]
+        self._shutdown = Shutdown(self, commanded)
+        self._control_cycle = ControlCycle(
+            self, commanded, model, settings, control, self._servers, self._shutdown.look
+        )
+        TrajectoryTopic(self, robot, report.publish)
+        Commands(self, commanded, self._control_cycle.publish_joint_states)
         self._cycles = Cycles(self, clock, settings.publish_rate, self._control_cycle.run)
         self._log_start(robot)
 
@@ -70,19 +88,33 @@ class JointTrajectoryControllerNode(Node):
             self.get_logger().warning(text)
 
     def _change(self, settings: ControllerSettings) -> None:
-        """Give the simulated joints the faults and the payload that were asked for at run time."""
+        """Give the simulated joints what was asked for at run time: faults, payload, object."""
         self._settings = settings
-        if self._robot is not None:
-            faults = faults_of(settings, self._robot.chain)
-            with self._robot.lock:
-                self._robot.simulated_joints.inject(faults)
-                self._robot.carry(settings)
+        if self._robot is None:
+            return
+        with self._robot.lock:
+            self._robot.simulated_joints.inject(self._faults(settings))
+            self._robot.carry(settings)
+            if self._gripper is not None:
+                self._gripper.change(settings)
 
     def _check(self, settings: ControllerSettings) -> None:
-        """Refuse faults and payloads that the robot cannot have."""
+        """Refuse faults, payloads and objects that the robot cannot have."""
         check_simulation(settings)
-        if self._robot is not None:
-            faults_of(settings, self._robot.chain)
+        if self._robot is None:
+            return
+        self._faults(settings)
+        if self._gripper is not None:
+            self._gripper.check(settings)
+        elif settings.gripper_object_width:
+            allowed = "0: nothing moves behind the chain of this robot"
+            raise ParameterError("gripper_object_width", settings.gripper_object_width, allowed)
+
+    def _faults(self, settings: ControllerSettings) -> Faults:
+        """Read the faults of the arm; fingers may be stuck, too."""
+        assert self._robot is not None
+        fingers = () if self._gripper is None else self._gripper.joint_names
+        return faults_of(settings, self._robot.chain, fingers)
 
     async def stop(self) -> None:
         """Slow down and hold, say so, abort what was to be done, and let the clients know."""

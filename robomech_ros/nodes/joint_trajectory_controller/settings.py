@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
+from robomech_ros.nodes.joint_trajectory_controller.gripper_settings import GripperSettings
 from robomech_ros.robots import SerialChain
 
 __all__ = [
@@ -26,7 +26,7 @@ SPLINES, NO_INTERPOLATION = "splines", "none"
 
 
 @dataclass(frozen=True)
-class ControllerSettings(RobotSettings):
+class ControllerSettings(GripperSettings):
     """Parameters of the node."""
 
     publish_rate: float = parameter(

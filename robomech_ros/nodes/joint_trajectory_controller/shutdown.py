@@ -1,13 +1,14 @@
 """The end of the controller: the robot slows down and holds before the node goes."""
 
+from collections.abc import Sequence
+
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.nodes.common.pauses import wake
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.outcomes import Code
 
 __all__ = ["Shutdown"]
@@ -25,13 +26,14 @@ class Shutdown:
     ----------
     node : Node
         What ends.
-    robot : SimulatedRobot
-        What is to stand.
+    commanded : sequence of CommandedJoints
+        What is to stand; they share a lock.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
+    def __init__(self, node: Node, commanded: Sequence[CommandedJoints]) -> None:
         self._node = node
-        self._robot = robot
+        self._commanded = commanded
+        self._lock = commanded[0].lock
         self._standing: Future | None = None
 
     async def stand(self) -> None:
@@ -41,23 +43,25 @@ class Shutdown:
             _LONGEST_STOP, self._halt, clock=Clock(clock_type=_STEADY)
         )
         standing: Future = Future()
-        with self._robot.lock:
-            self._robot.refuse_all = _WHY
+        with self._lock:
             self._standing = standing
-            self._robot.follower.stop(End.ABORTED, Code.PREEMPTED, _WHY)
+            for joints in self._commanded:
+                joints.close(_WHY)
             self.look()
         await standing
         self._node.destroy_timer(deadline)
 
     def look(self) -> None:
-        """Let `stand` go on as soon as the robot stands; the robot's lock is to be held."""
-        standing = self._robot.follower.phase is Phase.HOLDING
+        """Let `stand` go on as soon as the robot stands; the joints' lock is to be held."""
+        standing = all(joints.follower.phase is Phase.HOLDING for joints in self._commanded)
         if self._standing is not None and standing and not self._standing.done():
             self._standing.set_result(None)
             wake(self._node)
 
     def _halt(self) -> None:
         """Hold at once."""
-        with self._robot.lock:
-            self._robot.follower.halt(Code.PREEMPTED, _WHY)
+        with self._lock:
+            for joints in self._commanded:
+                if joints.follower.phase is not Phase.HOLDING:
+                    joints.follower.halt(Code.PREEMPTED, _WHY)
             self.look()

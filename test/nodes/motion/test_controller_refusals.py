@@ -8,7 +8,7 @@ from action_msgs.msg import GoalStatus
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.joint_trajectory_controller import robot
+from robomech_ros.nodes.joint_trajectory_controller import commanded_joints
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 
 MOVE = np.full(6, 0.05)
@@ -146,7 +146,7 @@ def test_bad_tolerances(arm, field, value, code, text):
 
 def test_an_error_within_is_told_with_its_code(drive, monkeypatch, capfd):
     arm = drive()
-    monkeypatch.setattr(robot, "read_waypoints", lambda *args, **options: 1 / 0)
+    monkeypatch.setattr(commanded_joints, "read_waypoints", lambda *args, **options: 1 / 0)
     status, result = arm.execute(arm.trajectory((0.3, MOVE)))
     assert (status, result.error_code) == (GoalStatus.STATUS_ABORTED, ErrorCode.INTERNAL)
     assert result.error_msg == "division by zero"

@@ -1,0 +1,132 @@
+"""What a command wants of the fingers, what has become of it, and the curve that they move by."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
+from robomech_ros.execution.joints import TIME_TO_SPEED, USUAL_SPEED, State
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.profiles.moving_ends import state_to_state
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints, discretise
+
+__all__ = ["FingerCommand", "FingerEnd", "FingerMotion", "complete_limits", "waypoints_to"]
+
+# Where no speed is known, fingers take this long from one end of their range to the other, s.
+_TIME_TO_CLOSE = 1.0
+# Where no jerk is known, they take this long to their acceleration, s.
+_TIME_TO_ACCELERATION = 0.1
+# A motion has a waypoint at each step of its jerk, and no others, s; and so many at the most.
+_NO_OTHERS = 1e6
+_MOST = 1000
+
+
+class FingerEnd(Enum):
+    """What has become of a command."""
+
+    REACHED = "reached"
+    STALLED = "stalled"
+    CANCELLED = "cancelled"
+    ABORTED = "aborted"
+
+
+@dataclass(frozen=True, eq=False)
+class FingerCommand:
+    """Where fingers are to go.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Of the n joints, rad or m; NaN for a joint that is to stay where it is.
+    velocity : ndarray, shape (n,)
+        Largest speeds, rad/s or m/s.
+    effort : ndarray, shape (n,)
+        The most that the drives may exert, N m or N; NaN where that is not known.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+    @property
+    def moved(self) -> npt.NDArray[np.bool_]:
+        """Which joints it is about, shape (n,)."""
+        return np.isfinite(self.position)
+
+
+@dataclass(eq=False)
+class FingerMotion:
+    """A command that was accepted.
+
+    Attributes
+    ----------
+    command : FingerCommand
+    last_moved : float
+        When a joint that it is about moved last, s on the clock of the follower.
+    on_end : callable
+        Called once with what has become of it, and a text that says why.
+    goal : TrajectoryGoal or None
+        The curve by which the fingers move.
+    arrived : bool
+        Whether that is over.
+    end : FingerEnd or None
+        None until it has ended.
+    """
+
+    command: FingerCommand
+    last_moved: float
+    on_end: Callable[[FingerEnd, str], None]
+    goal: TrajectoryGoal | None = field(default=None, init=False)
+    arrived: bool = field(default=False, init=False)
+    end: FingerEnd | None = field(default=None, init=False)
+
+    def finish(self, end: FingerEnd, text: str = "") -> None:
+        """Tell what has become of it; a second call does nothing."""
+        if self.end is None:
+            self.end = end
+            self.on_end(end, text)
+
+
+def complete_limits(limits: Limits) -> Limits:
+    """Estimate the velocities, accelerations and jerks of fingers for which none are known."""
+    known = np.isfinite(limits.lower) & np.isfinite(limits.upper)
+    spread = np.where(known, limits.upper, 1.0) - np.where(known, limits.lower, 0.0)
+    usual = np.where(known & (spread > 0.0), spread / _TIME_TO_CLOSE, USUAL_SPEED)
+    velocity = np.where(np.isfinite(limits.velocity), limits.velocity, usual)
+    push = limits.acceleration
+    acceleration = np.where(np.isfinite(push), push, velocity / TIME_TO_SPEED)
+    estimated = acceleration / _TIME_TO_ACCELERATION
+    jerk = np.where(np.isfinite(limits.jerk), limits.jerk, estimated)
+    return replace(limits, velocity=velocity, acceleration=acceleration, jerk=jerk)
+
+
+def waypoints_to(command: FingerCommand, present: State, limits: Limits) -> Waypoints:
+    """Plan the way from the present state to where a command wants the fingers, at rest there.
+
+    Parameters
+    ----------
+    command : FingerCommand
+    present : State
+        Where the joints should be now.
+    limits : Limits
+        Of all kinds for every joint; a joint that is faster already may stay so fast.
+
+    Raises
+    ------
+    RobomechError
+        The goal is outside the limits.
+    """
+    goal = np.where(command.moved, command.position, present.position)
+    speed = np.maximum(np.minimum(command.velocity, limits.velocity), np.abs(present.velocity))
+    motion = state_to_state(
+        present.position,
+        goal,
+        limits=replace(limits, velocity=speed),
+        start_velocity=present.velocity,
+        start_acceleration=present.acceleration,
+    )
+    return discretise(motion, _NO_OTHERS, _MOST)

@@ -1,0 +1,119 @@
+"""Commands to fingers as they arrive: checked field by field before anything moves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robomech_ros.errors import (
+    BadValueError,
+    LimitExceededError,
+    NonFiniteError,
+    UnknownJointError,
+    WrongSizeError,
+)
+from robomech_ros.execution.gripper.finger_motion import FingerCommand
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.sample import FloatArray
+
+__all__ = ["CommandReader"]
+
+
+@dataclass(frozen=True, eq=False)
+class CommandReader:
+    """Knows which commands the fingers of a gripper can follow.
+
+    Attributes
+    ----------
+    limits : Limits
+        Names and positions of the n joints.
+    commanded : sequence of str
+        Those that a command moves which names none; empty where it has to name one.
+    fastest, strongest : ndarray, shape (n,)
+        The most that they may do, rad/s or m/s and N m or N; infinite and NaN where that is not
+        known.
+    """
+
+    limits: Limits
+    commanded: Sequence[str]
+    fastest: FloatArray
+    strongest: FloatArray
+
+    def read(
+        self,
+        names: Sequence[str],
+        positions: Sequence[float],
+        speeds: Sequence[float] = (),
+        efforts: Sequence[float] = (),
+    ) -> FingerCommand:
+        """Check a command.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Joints; where there are none, one position is for all those that `commanded` names.
+        positions : sequence of float
+            One for each, rad or m.
+        speeds, efforts : sequence of float, optional
+            Where given the most for each, rad/s or m/s and N m or N; 0 or less stands for as much
+            as the joint can, and so does what is more than that.
+
+        Returns
+        -------
+        FingerCommand
+
+        Raises
+        ------
+        UnknownJointError, WrongSizeError, BadValueError, NonFiniteError, LimitExceededError
+            With the joint, the number and what is allowed.
+        """
+        self._check_names(names)
+        count = len(names) or 1
+        if len(positions) != count:
+            raise WrongSizeError("position", len(positions), count)
+        for what, values in (("velocity", speeds), ("effort", efforts)):
+            if len(values) not in (0, count):
+                raise WrongSizeError(what, len(values), f"{count}, or 0 for as much as possible")
+        named = [list(self.limits.joint_names).index(name) for name in names or self.commanded]
+        goal = np.full(len(self.limits.joint_names), np.nan)
+        goal[named] = positions
+        self._check_goal(goal, named)
+        return FingerCommand(
+            goal,
+            self._most("velocity", speeds, named, self.fastest),
+            self._most("effort", efforts, named, self.strongest),
+        )
+
+    def _check_names(self, names: Sequence[str]) -> None:
+        known = self.limits.joint_names
+        if not names and not self.commanded:
+            raise BadValueError("name", [], f"one or more of the joints {', '.join(known)}")
+        for name in names:
+            if name not in known:
+                raise UnknownJointError(name, known)
+        if len(set(names)) != len(names):
+            raise BadValueError("name", list(names), "every joint once")
+
+    def _check_goal(self, goal: FloatArray, named: Sequence[int]) -> None:
+        for joint in named:
+            name, value = self.limits.joint_names[joint], float(goal[joint])
+            if not np.isfinite(value):
+                raise NonFiniteError(f"position of joint '{name}'", value)
+            lower, upper = float(self.limits.lower[joint]), float(self.limits.upper[joint])
+            if not lower <= value <= upper:
+                limit = lower if value < lower else upper
+                raise LimitExceededError("position", name, value, limit)
+
+    def _most(
+        self, what: str, values: Sequence[float], named: Sequence[int], most: FloatArray
+    ) -> FloatArray:
+        """Take what a command allows, where the joints can do as much."""
+        allowed = np.array(most)
+        given = np.broadcast_to(values, len(named)) if len(values) else np.zeros(len(named))
+        for joint, value in zip(named, given, strict=True):
+            if np.isnan(value):
+                name = self.limits.joint_names[joint]
+                raise NonFiniteError(f"{what} of joint '{name}'", float(value))
+            if value > 0.0:
+                allowed[joint] = np.fmin(allowed[joint], value)
+        return allowed

@@ -1,0 +1,123 @@
+"""Serves an action that commands the gripper."""
+
+import traceback
+from typing import Any
+
+from rclpy.action import GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+from rclpy.task import Future
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.gripper.finger_motion import FingerCommand, FingerEnd, FingerMotion
+from robomech_ros.execution.refusals import TrajectoryRefusedError
+from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.pauses import wake
+from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import CommandMessages
+from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
+from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
+from robomech_ros.outcomes import name_of
+
+__all__ = ["CommandServer"]
+
+
+class CommandServer(ServedAction[FingerMotion]):
+    """Serves the action.
+
+    Results have no place for a reason: a goal that cannot be executed is rejected, and the log and
+    /diagnostics say why.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the action server.
+    gripper : Gripper
+        What moves.
+    place : str
+        Name below which the action is.
+    messages : CommandMessages
+        Those of the action.
+    """
+
+    def __init__(self, node: Node, gripper: Gripper, place: str, messages: CommandMessages) -> None:
+        self._gripper = gripper
+        self._messages = messages
+        name = f"{place}/gripper_cmd"
+        super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
+
+    def _accept(self, goal: Any) -> GoalResponse:
+        try:
+            self._read(goal)
+        except RobomechError as error:
+            self._refuse(error)
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    def _read(self, goal: Any) -> FingerCommand:
+        if self._gripper.refuse_all:
+            raise TrajectoryRefusedError(self._gripper.refuse_all)
+        return self._messages.read(goal, self._gripper.reader)
+
+    def _refuse(self, error: RobomechError) -> None:
+        code = code_of(error)
+        with self._lock:
+            self._gripper.counts.refuse(code, str(error), "a command to the gripper")
+        text = f"gripper command refused ({code} {name_of(code)}): {error}"
+        self._node.get_logger().error(text)
+
+    async def _execute(self, handle: ServerGoalHandle) -> Any:
+        ended: Future = Future()
+        try:
+            motion = self._start(handle.request, ended)
+        except Exception as error:
+            handle.abort()
+            if isinstance(error, RobomechError):
+                self._refuse(error)
+            else:
+                text = f"gripper command failed, please report:\n{traceback.format_exc()}"
+                self._node.get_logger().error(text)
+            return self._messages.kind.Result()
+        end, result = await self._until_ended(handle, motion, ended)
+        self._conclude(handle, end)
+        self._handed_over()
+        return result
+
+    def _start(self, goal: Any, ended: Future) -> FingerMotion:
+        """Have the fingers moved."""
+        gripper = self._gripper
+        command = self._read(goal)
+
+        def end(how: FingerEnd, text: str) -> None:
+            said = f": {text}" if text else ""
+            gripper.counts.end_with(how is FingerEnd.REACHED, f"command {how.value}{said}")
+            if text:
+                self._node.get_logger().warning(f"gripper command {how.value}: {text}")
+            state = gripper.state_of(command)
+            ended.set_result((how, self._messages.result(how, state)))
+            wake(self._node)
+
+        with self._lock:
+            motion = gripper.command(command, end)
+            gripper.counts.accept()
+        return motion
+
+    def _conclude(self, handle: ServerGoalHandle, end: FingerEnd) -> None:
+        stalled_well = end is FingerEnd.STALLED and self._gripper.allow_stalling
+        if end is FingerEnd.REACHED or stalled_well:
+            handle.succeed()
+        elif end is FingerEnd.CANCELLED and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+
+    def _stop(self, motion: FingerMotion) -> bool:
+        if motion.end is not None:
+            return False
+        self._gripper.cancel(motion, "cancelled by the client; the fingers hold")
+        return True
+
+    def publish_feedback(self) -> None:
+        """Tell the clients where the fingers are; the gripper's lock is to be held."""
+        for handle, motion in self._served.values():
+            state = self._gripper.state_of(motion.command)
+            handle.publish_feedback(self._messages.feedback(state))

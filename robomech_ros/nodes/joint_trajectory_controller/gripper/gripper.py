@@ -1,0 +1,232 @@
+"""The gripper of the simulated robot, as actions and trajectories command it."""
+
+import threading
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from sensor_msgs.msg import JointState
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
+from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
+from robomech_ros.execution.gripper.finger_motion import (
+    FingerCommand,
+    FingerEnd,
+    FingerMotion,
+    complete_limits,
+)
+from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
+from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
+from robomech_ros.execution.gripper.received_command import CommandReader
+from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.motion_tolerances import Tolerances
+from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.joint_trajectory_controller.fault_settings import listed_names
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+from robomech_ros.robots import Joint
+from robomech_ros.robots.fingers import FingerOpening, finger_ends, finger_joints
+from robomech_ros.trajectory.limits import Limits
+from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.waypoints import Waypoints
+
+__all__ = ["Gripper", "gripper_of"]
+
+
+def gripper_of(
+    model: RobotModel, settings: ControllerSettings, clock: MotionClock, lock: "threading.RLock"
+) -> "Gripper | None":
+    """Make the gripper behind the chain of a robot; None where it has none.
+
+    Raises
+    ------
+    ParameterError
+        Parameters do not fit the robot.
+    """
+    names = listed_names(settings.gripper_joints)
+    try:
+        joints = finger_joints(model.description, model.chain, names)
+    except RobomechError as error:
+        raise ParameterError("gripper_joints", settings.gripper_joints, str(error)) from None
+    return Gripper(model, joints, settings, clock, lock) if joints else None
+
+
+class Gripper(CommandedJoints):
+    """Finger joints, which something between them may stop.
+
+    Parameters
+    ----------
+    model : RobotModel
+        The robot.
+    joints : sequence of Joint
+        The n finger joints.
+    settings : ControllerSettings
+        Parameters of the node.
+    clock : MotionClock
+        The time.
+    lock : RLock
+        That of the arm.
+
+    Attributes
+    ----------
+    reader : CommandReader
+        Checks commands.
+    commanded : tuple of str
+        The joints that a command moves which names none; empty where it has to name one.
+    allow_stalling : bool
+        Whether a command succeeds where something stops the fingers.
+
+    Raises
+    ------
+    ParameterError
+        Parameters do not fit the robot.
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        joints: Sequence[Joint],
+        settings: ControllerSettings,
+        clock: MotionClock,
+        lock: "threading.RLock",
+    ) -> None:
+        self._model = model
+        self._joints = tuple(joints)
+        limits, strongest = _limits(joints), _efforts(joints, settings.gripper_max_effort)
+        complete = complete_limits(limits)
+        initial = _at_rest(model, limits.joint_names)
+        self._plant = FingerPlant(initial, complete, strongest)
+        kinds = (
+            np.array([joint.type == "continuous" for joint in joints]),
+            np.array([joint.type != "prismatic" for joint in joints]),
+        )
+        simulated = SimulatedJoints(initial, 0.0, self._plant)
+        place = settings.gripper_controller
+        super().__init__(place, Joints(limits, *kinds), simulated, settings, clock, lock)
+        grip = GripSettings(
+            settings.gripper_goal_tolerance,
+            settings.gripper_stall_velocity_threshold,
+            settings.gripper_stall_timeout,
+        )
+        self._fingers = Fingers(self.follower, self._plant, complete, grip)
+        self.commanded = _commanded(joints, settings.gripper_joint)
+        fastest = np.minimum(complete.velocity, settings.gripper_max_velocity or np.inf)
+        self.reader = CommandReader(limits, self.commanded, fastest, strongest)
+        self.change(settings)
+
+    def check(self, settings: ControllerSettings) -> None:
+        """Refuse an object that these fingers cannot hold."""
+        self._contact(settings)
+
+    def change(self, settings: ControllerSettings) -> None:
+        """Take over the parameters that may change at run time; the lock is to be held."""
+        self.allow_stalling = settings.gripper_allow_stalling
+        self._plant.contact = self._contact(settings)
+        stuck = np.isin(self.joint_names, listed_names(settings.fault_stuck_joints))
+        self.simulated_joints.inject(Faults(stuck, np.zeros(len(stuck))))
+
+    def command(
+        self, command: FingerCommand, on_end: Callable[[FingerEnd, str], None]
+    ) -> FingerMotion:
+        """Move the fingers; see `Fingers.move`.  The lock is to be held."""
+        return self._fingers.move(command, self._clock.now(), on_end)
+
+    def cancel(self, motion: FingerMotion, text: str) -> None:
+        """Slow down and hold; see `Fingers.cancel`.  The lock is to be held."""
+        self._fingers.cancel(motion, text)
+
+    def close(self, why: str) -> None:
+        """Refuse all commands from now on, slow down, and hold; what is gripped stays so."""
+        super().close(why)
+        self._fingers.close(why)
+
+    def advance(self) -> None:
+        """Move on to the present time, and judge what has been commanded."""
+        super().advance()
+        self._fingers.look()
+
+    def reset(self, text: str) -> None:
+        """Put the joints back to where they were at start, at once."""
+        super().reset(text)
+        self._fingers.reset(text)
+
+    def pressing(self) -> list[str]:
+        """Name the joints that something stops; the lock is to be held."""
+        return [self.joint_names[int(joint)] for joint in np.flatnonzero(self._plant.pressing)]
+
+    def state_of(self, command: FingerCommand) -> JointState:
+        """Give the state of the joints that a command is about; the lock is to be held."""
+        moved, actual = command.moved, self.follower.actual
+        effort = self.simulated_joints.effort
+        assert effort is not None
+        message = JointState(
+            name=[self.joint_names[int(joint)] for joint in np.flatnonzero(moved)],
+            position=floats(actual.position[moved]),
+            velocity=floats(actual.velocity[moved]),
+            effort=floats(effort[moved]),
+        )
+        message.header.stamp.sec, message.header.stamp.nanosec = self.stamp()
+        return message
+
+    def _start(
+        self,
+        waypoints: Waypoints,
+        tolerances: Tolerances,
+        now: float,
+        delay: float,
+        on_end: Callable[[GoalResult], None],
+        by: str,
+    ) -> TrajectoryGoal:
+        return self._fingers.follow(waypoints, tolerances, now, delay, on_end, by)
+
+    def _contact(self, settings: ControllerSettings) -> Contact | None:
+        """Find where the simulated object stops the fingers; None for nothing."""
+        width = settings.gripper_object_width
+        if not width:
+            return None
+        description = self._model.description
+        joints = tuple(joint for joint in self._joints if joint.name in self.commanded)
+        links = listed_names(settings.gripper_finger_links) or finger_ends(description, joints)
+        try:
+            opening = FingerOpening(description, joints, tuple(links))
+            position = opening.position(width)
+        except RobomechError as error:
+            raise ParameterError("gripper_object_width", width, f"0, as {error}") from None
+        stopped = np.isin(self.joint_names, self.commanded)
+        closing = np.full(len(stopped), opening.closing)
+        return Contact(np.where(stopped, position, np.nan), closing)
+
+
+def _limits(joints: Sequence[Joint]) -> Limits:
+    kinds = ("velocity", "acceleration", "jerk", "lower", "upper")
+    rows = {kind: np.array([getattr(joint, kind) for joint in joints]) for kind in kinds}
+    return Limits(tuple(joint.name for joint in joints), **rows)
+
+
+def _efforts(joints: Sequence[Joint], most: float) -> FloatArray:
+    """Give the most that each drive exerts, N m or N, shape (n,); NaN where that is not known."""
+    own = np.array([joint.effort for joint in joints])
+    strongest: FloatArray = np.fmin(own, most) if most else own
+    return strongest
+
+
+def _at_rest(model: RobotModel, names: Sequence[str]) -> FloatArray:
+    """Give where joints stand to begin with, rad or m."""
+    description = model.description
+    home = {name: description.home[name] for name in names if name in description.home}
+    positions = description.joint_positions(home)
+    return np.array([positions[name] for name in names])
+
+
+def _commanded(joints: Sequence[Joint], named: str) -> tuple[str, ...]:
+    names = tuple(joint.name for joint in joints)
+    if named:
+        if named not in names:
+            allowed = f"one of {', '.join(names)}, or empty"
+            raise ParameterError("gripper_joint", named, allowed)
+        return (named,)
+    slides = len(joints) == 2 and all(joint.type == "prismatic" for joint in joints)
+    return names if len(names) == 1 or slides else ()

@@ -1,0 +1,70 @@
+"""Topics and actions of the gripper."""
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.joint_trajectory_controller.commands import TrajectoryTopic
+from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
+from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
+from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
+from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
+
+__all__ = ["serve_gripper"]
+
+
+def serve_gripper(
+    node: Node, gripper: Gripper, settings: ControllerSettings, on_refused: Callable[[], None]
+) -> list[ServedAction]:
+    """Offer the topic joint_trajectory, and the actions where control_msgs is installed.
+
+    Parameters
+    ----------
+    node : Node
+        Gets them, below names of their own.
+    gripper : Gripper
+        What moves.
+    settings : ControllerSettings
+        The names.
+    on_refused : callable
+        Called when a trajectory of the topic was refused, whose sender gets no answer.
+
+    Returns
+    -------
+    list of ServedAction
+        The servers of the actions.
+
+    Raises
+    ------
+    ParameterError
+        The names are the same.
+    """
+    parallel = settings.parallel_gripper_controller
+    if parallel == gripper.place:
+        allowed = "another name than that of gripper_controller: an action has one type"
+        raise ParameterError("parallel_gripper_controller", parallel, allowed)
+    TrajectoryTopic(node, gripper, on_refused)
+    try:
+        from control_msgs import action
+
+        from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
+        from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import (
+            GripperMessages,
+            ParallelGripperMessages,
+        )
+        from robomech_ros.nodes.joint_trajectory_controller.gripper.command_server import (
+            CommandServer,
+        )
+    except ImportError as error:
+        if getattr(error, "name", "") != "control_msgs":
+            node.get_logger().warning(f"no gripper_cmd: {error}")
+        return []
+    servers: list[ServedAction] = [GoalServer(node, gripper, FollowMessages(gripper.joint_names))]
+    for place, messages in ((gripper.place, GripperMessages), (parallel, ParallelGripperMessages)):
+        if hasattr(action, messages.type_name):
+            servers.append(CommandServer(node, gripper, place, messages()))
+        else:
+            text = f"no {place}/gripper_cmd: this control_msgs has no {messages.type_name}"
+            node.get_logger().warning(text)
+    return servers

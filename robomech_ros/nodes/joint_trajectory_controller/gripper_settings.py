@@ -1,0 +1,74 @@
+"""Parameters of the gripper of the simulated robot."""
+
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
+
+__all__ = ["GripperSettings"]
+
+
+@dataclass(frozen=True)
+class GripperSettings(RobotSettings):
+    """Names as of ros2_control's gripper controllers, with ``gripper_`` before them."""
+
+    gripper_controller: str = parameter(
+        "gripper_controller",
+        "Name below which the gripper has gripper_cmd (GripperCommand), joint_trajectory and "
+        "follow_joint_trajectory, where the robot has a gripper",
+    )
+    parallel_gripper_controller: str = parameter(
+        "parallel_gripper_controller",
+        "Name below which it has gripper_cmd as a ParallelGripperCommand; another than the one "
+        "above",
+    )
+    gripper_joints: str = parameter(
+        "",
+        "Joints of the gripper, names with commas between. Empty = all that move behind the last "
+        "joint of the chain and mimic no other",
+    )
+    gripper_joint: str = parameter(
+        "",
+        "Of these the joint that gripper_cmd moves. Empty = the only one, or both where they are "
+        "two slides",
+    )
+    gripper_finger_links: str = parameter(
+        "",
+        "Two links between which the width of the gripper is measured, with a comma between. "
+        "Empty = the last links behind its joints, where they are two",
+    )
+    gripper_goal_tolerance: float = parameter(
+        0.01, "How far a finger joint may be from its goal that has reached it, rad or m", 0.0, 10.0
+    )
+    gripper_allow_stalling: bool = parameter(
+        False,
+        "Whether gripper_cmd succeeds where something between the fingers stops them",
+        read_only=False,
+    )
+    gripper_stall_velocity_threshold: float = parameter(
+        0.001, "Speed up to which a finger joint stands, rad/s or m/s", 0.0, 10.0
+    )
+    gripper_stall_timeout: float = parameter(
+        1.0, "How long fingers stand before they have stalled", 0.0, 60.0, "s"
+    )
+    gripper_max_effort: float = parameter(
+        0.0,
+        "The most that a finger joint exerts, N m or N; 0 = its effort limit",
+        0.0,
+        1e6,
+    )
+    gripper_max_velocity: float = parameter(
+        0.0,
+        "How fast gripper_cmd moves a finger joint, rad/s or m/s; 0 = as fast as its limit allows",
+        0.0,
+        1e3,
+    )
+    gripper_object_width: float = parameter(
+        0.0,
+        "Simulated object between the fingers: its width, where it stops fingers that close; "
+        "0 = nothing",
+        0.0,
+        10.0,
+        "m",
+        read_only=False,
+    )

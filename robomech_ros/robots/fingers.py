@@ -1,0 +1,168 @@
+"""The joints of a gripper behind a chain, and the width between its fingers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError, UnknownJointError, UnknownLinkError
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.joint import Joint
+
+__all__ = ["FingerOpening", "finger_ends", "finger_joints"]
+
+# Halvings of the range of a joint, after which its position is exact.
+_HALVINGS = 60
+# What a width may be beyond the greatest by rounding, m.
+_ROUNDING = 1e-9
+
+
+def finger_joints(
+    description: RobotDescription, chain: SerialChain, names: Sequence[str] = ()
+) -> tuple[Joint, ...]:
+    """Find the joints of a gripper.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        The robot.
+    chain : SerialChain
+        Its arm.
+    names : sequence of str, optional
+        The joints; by default those that move behind the last joint of the chain, and mimic none.
+
+    Raises
+    ------
+    UnknownJointError
+        A name is not that of a joint which moves, mimics none, and is not on the chain.
+    """
+    able = {
+        joint.name: joint
+        for joint in description.joints
+        if joint.moves and joint.mimic is None and joint.name not in chain.joint_names
+    }
+    for name in names:
+        if name not in able:
+            raise UnknownJointError(name, able)
+    if names:
+        return tuple(able[name] for name in dict.fromkeys(names))
+    last = next(joint for joint in description.joints if joint.name == chain.joint_names[-1])
+    below = _links_below(description, [last.child])
+    return tuple(joint for joint in able.values() if joint.parent in below)
+
+
+def finger_ends(description: RobotDescription, joints: Sequence[Joint]) -> tuple[str, ...]:
+    """List the last links that the joints of a gripper move, those that mimic them included."""
+    names = {joint.name for joint in joints}
+    leaders = {name: follower.leader for name, follower in description.followers.items()}
+    children = [
+        joint.child
+        for joint in description.joints
+        if joint.name in names or leaders.get(joint.name) in names
+    ]
+    parents = {joint.parent for joint in description.joints}
+    return tuple(sorted(_links_below(description, children) - parents))
+
+
+def _links_below(description: RobotDescription, links: Sequence[str]) -> set[str]:
+    """Find these links and all that joints hang on them."""
+    found, waiting = set(links), list(links)
+    while waiting:
+        link = waiting.pop()
+        for joint in description.joints:
+            if joint.parent == link:
+                found.add(joint.child)
+                waiting.append(joint.child)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class FingerOpening:
+    """How wide a gripper of two fingers is open.
+
+    The width is the distance between the origins of two links less that in the closed gripper,
+    which is the end of the joints' range where they are nearer to each other.  For two slides, of
+    which one mimics the other, it is twice the joint's way from there.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        The robot.
+    joints : tuple of Joint
+        What opens the gripper: joints with limits, which all stand at the same position.
+    links : tuple of str
+        A link of each finger.
+
+    Raises
+    ------
+    BadValueError
+        Not two links, a joint without limits, or the links do not part from each other.
+    UnknownLinkError
+        The robot does not have a link.
+    """
+
+    description: RobotDescription
+    joints: tuple[Joint, ...]
+    links: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.links) != 2:
+            raise BadValueError("links of the fingers", list(self.links), "two, one of each finger")
+        for link in self.links:
+            if link not in self.description.links:
+                raise UnknownLinkError(link, self.description.links)
+        if not np.isfinite(self._range).all():
+            names = ", ".join(joint.name for joint in self.joints)
+            raise BadValueError(f"range of {names}", self._range, "limits at both ends")
+        if self.greatest <= 0.0:
+            expected = "two that part from each other as the gripper opens"
+            raise BadValueError("links of the fingers", list(self.links), expected)
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        return max(j.lower for j in self.joints), min(j.upper for j in self.joints)
+
+    @cached_property
+    def _distances(self) -> tuple[float, float]:
+        lower, upper = self._range
+        return self._distance(lower), self._distance(upper)
+
+    @property
+    def closing(self) -> float:
+        """1 where the gripper closes as the position of its joints grows, -1 where it opens."""
+        return 1.0 if self._distances[1] < self._distances[0] else -1.0
+
+    @property
+    def greatest(self) -> float:
+        """Width of the open gripper, m."""
+        return abs(self._distances[1] - self._distances[0])
+
+    def width(self, position: float) -> float:
+        """Give the width (m) at a position of the joints (rad or m)."""
+        return self._distance(position) - min(self._distances)
+
+    def position(self, width: float) -> float:
+        """Give the position of the joints (rad or m) at a width (m).
+
+        Raises
+        ------
+        BadValueError
+            The gripper is never so wide.
+        """
+        if not 0.0 <= width <= self.greatest + _ROUNDING:
+            raise BadValueError("width", width, f"from 0 to {self.greatest:.6g} m")
+        closed, opened = self._range[:: -int(self.closing)]
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (closed + opened)
+            if self.width(middle) < width:
+                closed = middle
+            else:
+                opened = middle
+        return 0.5 * (closed + opened)
+
+    def _distance(self, position: float) -> float:
+        poses = self.description.link_poses(dict.fromkeys((j.name for j in self.joints), position))
+        first, second = (poses[link][:3, 3] for link in self.links)
+        return float(np.linalg.norm(first - second))
