@@ -78,8 +78,8 @@ def findings() -> Iterator[Finding]:
         lambda: _optional("matplotlib", "plots of robomech demo"),
         lambda: _optional(
             "control_msgs",
-            "follow_joint_trajectory, controller_state, query_state of the simulated robot; "
-            "driving ros2_control; JointJog for the servo",
+            "follow_joint_trajectory, controller_state, query_state, gripper_cmd of the simulated "
+            "robot; driving ros2_control; JointJog for the servo",
         ),
         lambda: _optional(
             "moveit_msgs",

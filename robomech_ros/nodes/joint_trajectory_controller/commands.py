@@ -17,6 +17,7 @@ from robomech_ros.outcomes import Code, name_of
 
 __all__ = ["Commands", "TrajectoryTopic"]
 
+_TOPIC = "joint_trajectory"
 _DEPTH = 10
 # A stream replaces its trajectory a hundred times a second: that is said this often at the most, s.
 _SELDOM = 5.0
@@ -39,7 +40,7 @@ class TrajectoryTopic:
         self._logger = node.get_logger()
         self._joints = joints
         self._on_refused = on_refused
-        topic = f"{joints.place}/joint_trajectory"
+        topic = f"{joints.place}/{_TOPIC}"
         subscribe_reliably(node, JointTrajectory, topic, self._execute, _DEPTH)
 
     def _execute(self, trajectory: JointTrajectory) -> None:

@@ -42,6 +42,12 @@ HASHES = {
     "control_msgs/msg/SpeedScalingFactor": {
         "RIHS01_0c240f349f2b74e33e8741f83e0f196ddeb6585923663876ed3c1f51f0566037"
     },
+    "control_msgs/action/GripperCommand": {
+        "RIHS01_e17c0e644eccf14bea84a0a93e0977182872c2eb7873ca6694900059b46dbc84"
+    },
+    "control_msgs/action/ParallelGripperCommand": {
+        "RIHS01_adfd3c1ebe8abc38ebcc0e454b6423d291d4010dd5697d14eca5b9be4726ae18"
+    },
     "tf2_msgs/msg/TFMessage": {
         "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
     },

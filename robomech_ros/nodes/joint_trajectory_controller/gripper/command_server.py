@@ -20,6 +20,9 @@ from robomech_ros.outcomes import name_of
 
 __all__ = ["CommandServer"]
 
+# As ros2_control's gripper controllers call it.
+_NAME = "gripper_cmd"
+
 
 class CommandServer(ServedAction[FingerMotion]):
     """Serves the action.
@@ -42,7 +45,7 @@ class CommandServer(ServedAction[FingerMotion]):
     def __init__(self, node: Node, gripper: Gripper, place: str, messages: CommandMessages) -> None:
         self._gripper = gripper
         self._messages = messages
-        name = f"{place}/gripper_cmd"
+        name = f"{place}/{_NAME}"
         super().__init__(node, gripper, messages.kind, name, goal_callback=self._accept)
 
     def _accept(self, goal: Any) -> GoalResponse:
