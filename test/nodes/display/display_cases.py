@@ -20,6 +20,25 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ALL_LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # What the other one's frames are lifted by (m), so that one can see whose they are.
 LIFT = 1e-3
+# How long a message may be under way, s.
+SETTLING = 0.2
+# An arm of one joint with two fingers, of which one follows, and a pad that follows that.
+GRIPPER = """<robot name="gripper"><link name="base"/><link name="arm"/><link name="left"/>
+  <link name="right"/><link name="pad"/><link name="tool0"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/>
+    <origin xyz="0 0 0.2" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 0.8"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="tool" type="fixed"><parent link="arm"/><child link="tool0"/>
+    <origin xyz="0 0 0.3"/></joint>
+  <joint name="grip" type="prismatic"><parent link="tool0"/><child link="left"/>
+    <axis xyz="0 1 0"/><limit lower="0.01" upper="0.04" velocity="1" effort="1"/></joint>
+  <joint name="grip_2" type="prismatic"><parent link="tool0"/><child link="right"/>
+    <axis xyz="0 -1 0"/><limit lower="0" upper="0.04" velocity="1" effort="1"/>
+    <mimic joint="grip" multiplier="0.9" offset="0.001"/></joint>
+  <joint name="pad_joint" type="revolute"><parent link="right"/><child link="pad"/>
+    <axis xyz="1 0 0"/><limit lower="-3" upper="3" velocity="1" effort="1"/>
+    <mimic joint="grip_2" multiplier="-20"/></joint>
+</robot>"""
 
 
 class PinocchioRobot:
@@ -130,9 +149,10 @@ class Listener:
 
     def frames(self, seconds=0.3):
         """Collect frames for a time: child to all transforms, beside the fixed ones."""
+        # What is on its way may still come; then the time in which nothing may can only be waited for.
+        time.sleep(SETTLING)
         with self._news:
             self.moving.clear()
-        # The time in which nothing may come can only be waited for.
         time.sleep(seconds)
         with self._news:
             heard = [entry for message in self.moving for entry in message.transforms]

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from display_cases import LATCHED, PinocchioRobot, poses_in_root
+from display_cases import GRIPPER, LATCHED, PinocchioRobot, poses_in_root
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
@@ -19,22 +19,6 @@ MESHES = """<robot name="meshed"><link name="base"/>
   </link>
   <joint name="j" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
     <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
-</robot>"""
-GRIPPER = """<robot name="gripper"><link name="base"/><link name="arm"/><link name="left"/>
-  <link name="right"/><link name="pad"/><link name="tool0"/>
-  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/>
-    <origin xyz="0 0 0.2" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 0.8"/>
-    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
-  <joint name="tool" type="fixed"><parent link="arm"/><child link="tool0"/>
-    <origin xyz="0 0 0.3"/></joint>
-  <joint name="grip" type="prismatic"><parent link="tool0"/><child link="left"/>
-    <axis xyz="0 1 0"/><limit lower="0.01" upper="0.04" velocity="1" effort="1"/></joint>
-  <joint name="grip_2" type="prismatic"><parent link="tool0"/><child link="right"/>
-    <axis xyz="0 -1 0"/><limit lower="0" upper="0.04" velocity="1" effort="1"/>
-    <mimic joint="grip" multiplier="0.9" offset="0.001"/></joint>
-  <joint name="pad_joint" type="revolute"><parent link="right"/><child link="pad"/>
-    <axis xyz="1 0 0"/><limit lower="-3" upper="3" velocity="1" effort="1"/>
-    <mimic joint="grip_2" multiplier="-20"/></joint>
 </robot>"""
 
 
