@@ -149,7 +149,7 @@ class Listener:
 
     def frames(self, seconds=0.3):
         """Collect frames for a time: child to all transforms, beside the fixed ones."""
-        # What is on its way may still come; then the time in which nothing may can only be waited for.
+        # What is on its way may still come; that nothing comes after it can only be waited for.
         time.sleep(SETTLING)
         with self._news:
             self.moving.clear()
