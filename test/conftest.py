@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ from scipy.spatial.transform import Rotation
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.robots import SerialChain, load_description, load_robot
 from robomech_ros.robots.chain_layout import pack_chain
+
+# Robots of our own that tests of several parts share.
+sys.path.insert(0, str(Path(__file__).parent))
 
 GOLDEN = Path(__file__).parent / "data" / "golden"
 

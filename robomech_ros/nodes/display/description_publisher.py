@@ -1,4 +1,4 @@
-"""Publishes the URDF of a robot on the latched topic robot_description, where nobody else does."""
+"""Publishes what describes a robot on a latched topic, where nobody else does."""
 
 import random
 
@@ -7,7 +7,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
-from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers
 
 __all__ = ["DescriptionPublisher"]
@@ -18,7 +18,7 @@ _QUIET, _QUIET_AGAIN = 2, (3, 9)
 
 
 class DescriptionPublisher:
-    """Publishes a URDF while nobody else publishes one.
+    """Publishes a URDF or an SRDF while nobody else publishes one.
 
     Two latched publishers would leave it to chance which robot a late subscriber gets.
 
@@ -28,11 +28,16 @@ class DescriptionPublisher:
         Owner of publisher, timer and log.
     text : str
         The document.
+    topic : str
+        Where it is published.
+    what : str
+        What it is, for the log.
     """
 
-    def __init__(self, node: Node, text: str) -> None:
-        self._node, self._text = node, text
-        self._topic = node.resolve_topic_name(TOPIC)
+    def __init__(self, node: Node, text: str, topic: str, what: str) -> None:
+        self._node, self._text, self._what = node, text, what
+        self._topic = node.resolve_topic_name(topic)
+        self._own_name = topic
         self._others = OtherPublishers(node, self._topic)
         self._publisher: Publisher[String] | None = None
         self._before: tuple[str, ...] = ()
@@ -58,7 +63,7 @@ class DescriptionPublisher:
             self._node.get_logger().info(text)
 
     def _publish(self) -> None:
-        self._publisher = self._node.create_publisher(String, TOPIC, LATCHED)
+        self._publisher = self._node.create_publisher(String, self._own_name, LATCHED)
         self._publisher.publish(String(data=self._text))
-        text = f"'{self._topic}' comes from here: the robot as a URDF, for RViz and others"
+        text = f"'{self._topic}' comes from here: {self._what}"
         self._node.get_logger().info(text)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_description import TOPIC, RobotModel
+from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.description_publisher import DescriptionPublisher
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.shared_frames import SharedFrames
@@ -33,12 +34,18 @@ class RobotDisplay:
         Whether frames are published: auto (those that nobody else publishes), always or never.
     rate : float
         How often `publish` is called (Hz).
-    description : bool
-        Whether the description is published, unless somebody else does.
+    description, semantic : bool
+        Whether the description and the SRDF are published, unless somebody else does.
     """
 
     def __init__(
-        self, node: Node, model: RobotModel, frames: str, rate: float, description: bool
+        self,
+        node: Node,
+        model: RobotModel,
+        frames: str,
+        rate: float,
+        description: bool,
+        semantic: bool,
     ) -> None:
         text, shown = "", model.description
         if description or (frames != NEVER and not shown.document):
@@ -49,7 +56,11 @@ class RobotDisplay:
         if frames != NEVER:
             self._frames = _frame_publisher(node, shown, model.frame_prefix, frames, rate)
         if description:
-            DescriptionPublisher(node, _found_by_others(text, model.description))
+            what = "the robot as a URDF, for RViz and others"
+            DescriptionPublisher(node, _found_by_others(text, model.description), TOPIC, what)
+        if semantic:
+            what = "groups and named states as an SRDF, for MoveIt's clients"
+            DescriptionPublisher(node, model.semantic.document, SEMANTIC_TOPIC, what)
 
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
         """Publish the frames that move, as :meth:`FramePublisher.publish` does."""

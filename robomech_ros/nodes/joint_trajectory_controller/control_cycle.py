@@ -68,6 +68,7 @@ class ControlCycle:
             rate=settings.frame_rate,
             # What came from the topic is there already.
             description=settings.publish_description and bool(settings.robot_description),
+            semantic=settings.publish_description and bool(settings.robot_description_semantic),
         )
         self._control = control
         self._servers = servers

@@ -176,7 +176,8 @@ class ControllerSettings(GripperSettings):
     publish_description: bool = parameter(
         True,
         "Whether the robot of the parameter robot_description is published as a URDF on the "
-        "latched topic robot_description, unless somebody else publishes one",
+        "latched topic robot_description, and the SRDF of robot_description_semantic on the topic "
+        "of that name, each unless somebody else publishes one",
     )
     fault_stuck_joints: str = parameter(
         "",

@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
-from robomech_ros.robots import load_description, urdf_from_description
+from robomech_ros.robots import load_description, load_srdf, urdf_from_description
 
 MESHES = """<robot name="meshed"><link name="base"/>
   <link name="arm"><visual><geometry><mesh filename="package://maker/arm.dae"/></geometry></visual>
@@ -137,6 +137,30 @@ def test_of_two_robots_in_one_namespace_one_is_described(graph, listener):
         )
     )
     listener.until(lambda: first.count_publishers("/robot_description") == 1)
+
+
+SRDF = """<?xml version="1.0" encoding="utf-8"?>
+<robot name="scara">
+  <group name="arm"><chain base_link="base_link" tip_link="tool0"/></group>
+</robot>"""
+
+
+def groups(graph):
+    topic = "robot_description_semantic"
+    text = graph.receive(String, topic, LATCHED, lambda message: message.data).data
+    return list(load_srdf(text, load_description("scara")).groups)
+
+
+def test_groups_are_published_beside_the_description(graph, robot, listener, tmp_path):
+    path = tmp_path / "scara.srdf"
+    path.write_text(SRDF, encoding="utf-8")
+    robot(robot_description="scara", robot_description_semantic=str(path))
+    assert groups(graph) == ["arm"]
+    listener.until_said("comes from here: groups and named states as an SRDF, for MoveIt's")
+    publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
+    publisher.publish(String(data=SRDF.replace('"arm"', '"manipulator"')))
+    listener.until_said("'/robot_description_semantic' comes from /test_client, not from here")
+    assert groups(graph) == ["manipulator"]
 
 
 def test_in_a_namespace(graph, listener):
