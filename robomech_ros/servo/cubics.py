@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 
 _cubics_inside = direct(cubics_inside)
 
+# By so much a joint that stands at the end of its range may move in rounding (rad or m).
+_ROUNDING = 1e-12
+
 
 class Verdict(NamedTuple):
     """What was found of cubics.
@@ -38,13 +41,14 @@ class CubicCheck:
     Parameters
     ----------
     limits : ServoLimits
-        Of the joints.
+        Of the joints.  One that begins outside its range may go on inwards.
     """
 
     def __init__(self, limits: ServoLimits) -> None:
         inside = 1.0 - RATE_ROUNDING
         rates = inside * limits.velocity, inside * limits.acceleration, inside * limits.jerk
         self._limits: Array = np.array((*limits.inside, *rates))
+        self._lower, self._upper = limits.inside
         self._out = np.zeros(len(limits.names), dtype=np.int64)
 
     def of(self, widths: Array, q: Array, v: Array) -> Verdict:
@@ -55,5 +59,10 @@ class CubicCheck:
         widths : ndarray, shape (k - 1,)
             Time between each two (s).
         """
+        self._limits[0], self._limits[1] = self._lower, self._upper
+        low, high = q[0] < self._lower, q[0] > self._upper
+        if low.any() or high.any():
+            self._limits[0, low] = q[0, low] - _ROUNDING
+            self._limits[1, high] = q[0, high] + _ROUNDING
         status = _cubics_inside(widths, q, v, self._limits, self._out)
         return Verdict(not status, self._out.nonzero()[0].tolist() if status > 1 else ())

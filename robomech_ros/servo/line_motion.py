@@ -41,25 +41,28 @@ class Deviation:
 
     Parameters
     ----------
-    velocity, acceleration : ndarray, shape (n,)
-        What they have more than the motion along the way (rad or m, per s and s^2).
+    off : tuple of ndarray, shape (n,)
+        What they have more than the motion along the way: positions, velocities and accelerations
+        (rad or m, and per s and s^2).
     period : float
         Time between knots (s).
     count : int
         Of periods after which they are on the way.
     """
 
-    def __init__(self, velocity: Array, acceleration: Array, period: float, count: int) -> None:
+    def __init__(self, off: tuple[Array, Array, Array], period: float, count: int) -> None:
         length = count * period
         x = np.linspace(0.0, 1.0, count + 1)[:, None]
-        first, second = length * velocity, 0.5 * length**2 * acceleration
+        begun, first, second = off[0], length * off[1], 0.5 * length**2 * off[2]
         # The quintic with nothing left at the end.
         cubic, quartic, quintic = (
-            -6.0 * first - 3.0 * second,
-            8.0 * first + 3.0 * second,
-            -3.0 * first - second,
+            -10.0 * begun - 6.0 * first - 3.0 * second,
+            15.0 * begun + 8.0 * first + 3.0 * second,
+            -6.0 * begun - 3.0 * first - second,
         )
-        self.q: Array = x * (first + x * (second + x * (cubic + x * (quartic + x * quintic))))
+        self.q: Array = begun + x * (
+            first + x * (second + x * (cubic + x * (quartic + x * quintic)))
+        )
         self.v: Array = (
             first + x * (2.0 * second + x * (3.0 * cubic + x * (4.0 * quartic + x * 5.0 * quintic)))
         ) / length
@@ -98,13 +101,13 @@ class LineMotion:
     Parameters
     ----------
     path : LinePath
-        Begins where the joints are.
+        The way.
     limits : ServoLimits
         Of the n joints.
     period : float
         Time between knots (s).
-    rate : float
-        How fast it begins on the way (1/s).
+    place, rate : float
+        Where on the way it begins, and how fast that changes (1/s).
     deviation : Deviation, optional
         By which the joints are not yet on the way.
     """
@@ -114,6 +117,7 @@ class LineMotion:
         path: LinePath,
         limits: ServoLimits,
         period: float,
+        place: float = 0.0,
         rate: float = 0.0,
         deviation: Deviation | None = None,
     ) -> None:
@@ -123,13 +127,13 @@ class LineMotion:
         self._window = limits.smoothing(period)
         # Places and rates of the last knots before the mean, the latest last.
         behind = np.arange(-self._window, 1.0) + 0.5 * self._window
-        self._places: Array = period * rate * behind
+        self._places: Array = place + period * rate * behind
         self._rates: Array = np.full(self._window + 1, rate)
         self._deviation = deviation
         self._level, self._since = 0, 0
-        q, v = path.at(np.zeros(1), np.array([rate]))
+        q, v = path.at(np.array([place]), np.array([rate]))
         if deviation is not None:
-            v += deviation.v[:1]
+            q, v = q + deviation.q[:1], v + deviation.v[:1]
         self._plan = _Plan(np.zeros(0), q, v)
 
     @property
@@ -150,7 +154,17 @@ class LineMotion:
     @property
     def wanted(self) -> float:
         """The rate (1/s) of the whole twist."""
-        return self.path.rate(float(self._places[-1]))
+        return self.path.rate(self.place)
+
+    @property
+    def leaves(self) -> bool:
+        """Whether it is beyond the hard stop, from where the way leads out."""
+        return self.path.leaves(self.place)
+
+    @property
+    def place(self) -> float:
+        """Where on the way it is before the mean."""
+        return float(self._places[-1])
 
     def ahead(self) -> tuple[Array, Array]:
         """Give posture and joint rates before the mean."""
@@ -173,13 +187,16 @@ class LineMotion:
                 self._take(plan)
                 return Advance(min(1.0, rate / wanted) if wanted else 1.0, 1.0, ())
             bound = bound or out
+            if self.path.unfinished:
+                # Lower levels need more of the way.
+                break
         self._since = 0
         allowed = self._take_part(wanted)
         return Advance(1.0, allowed, tuple(self._names[i] for i in bound))
 
     def stuck(self, advance: Advance) -> bool:
         """Whether it stands for no reason that the posture gives."""
-        ends = self.path.singular or advance.bound
+        ends = self.path.singular or self.path.unfinished or advance.bound
         return self.at_rest and advance.allowed == 0.0 and not ends
 
     def brake(self) -> None:
@@ -200,7 +217,7 @@ class LineMotion:
 
     def _step(self, level: int) -> float:
         """Give by how much the rate can change in a period, at a level of acceleration."""
-        slope = self.path.slope(float(self._places[-1]))
+        slope = self.path.slope(self.place)
         most = 1.0 / float((np.abs(slope) / self._acceleration).max())
         return _LEVELS[level] * most * self._period
 

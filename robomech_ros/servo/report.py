@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 # Changes of velocity that take longer than this many periods are worth a word.
 _NEARLY_ONE = 1.0 - 1e-6
+# The part of a twist that turns the tip, or shifts it, is named if it is this part of the other.
+_NOTICED = 0.05
 
 
 class ServoCondition(Enum):
@@ -30,6 +32,13 @@ class ServoCondition(Enum):
     IMPOSSIBLE = "impossible"
     STALE_COMMAND = "stale command"
     PAUSED = "paused"
+
+
+# By whether the motion leaves it.
+_NEAR_SINGULARITY = {
+    False: ServoCondition.APPROACHING_SINGULARITY,
+    True: ServoCondition.LEAVING_SINGULARITY,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +94,17 @@ def motion_report(
         text = "the arm cannot move in the direction of the twist, whatever its posture"
         return ServoReport(ServoCondition.IMPOSSIBLE, 0.0, number, (), text)
     if min(speed, found.scale) == 0.0:
-        text = f"the motion leads into a singularity (condition number {number:.4g})"
+        text = f"the motion leads into a singularity (condition number {number:.4g}), "
+        text += f"where the tip cannot move {_in_words(found.lost)}"
         return ServoReport(ServoCondition.SINGULARITY, carried, number, (), text)
     if advance.bound and advance.allowed < _NEARLY_ONE:
         text = f"{', '.join(advance.bound)} near the end of the range"
         return ServoReport(ServoCondition.JOINT_BOUND, carried, number, advance.bound, text)
     if found.scale < min(speed, _NEARLY_ONE):
-        text = f"slowed down to {found.scale:.3g} before a singularity"
+        where = "on the way out of" if found.leaving else "before"
+        text = f"slowed down to {found.scale:.3g} {where} a singularity"
         text += f" (condition number {number:.4g})"
-        return ServoReport(ServoCondition.APPROACHING_SINGULARITY, carried, number, (), text)
+        return ServoReport(_NEAR_SINGULARITY[found.leaving], carried, number, (), text)
     if speed < _NEARLY_ONE:
         name, limit = limits.names[fastest], float(limits.velocity[fastest])
         text = f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
@@ -104,6 +115,17 @@ def motion_report(
         text = "the acceleration limits are used up"
         return ServoReport(ServoCondition.RATE_BOUND, carried, number, (), text)
     return ServoReport(ServoCondition.NO_WARNING, carried, number)
+
+
+def _in_words(twist: Array) -> str:
+    """Name the axes of a twist."""
+    sizes = [float(np.abs(part).max()) for part in (twist[:3], twist[3:])]
+    words = [
+        f"{word} ({', '.join(f'{x / size + 0.0:.2f}' for x in part.round(12))})"
+        for word, part, size in zip(("about", "along"), (twist[:3], twist[3:]), sizes, strict=True)
+        if size > _NOTICED * max(sizes)
+    ]
+    return " and ".join(words)
 
 
 def _carried(rates: Array, velocity: Array) -> float:

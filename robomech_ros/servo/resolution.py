@@ -27,13 +27,15 @@ from robomech_ros.kinematics.joint_values import raise_not_finite
 from robomech_ros.kinetostatics.singularities.generic_rank import generic_rank, scaling_length
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["Heading", "Resolution", "TwistResolver"]
+__all__ = ["SINGULAR", "Heading", "Resolution", "TwistResolver"]
 
 Array = NDArray[np.float64]
 
 _jacobian_one = direct(jacobian_one)
 _rate_one = direct(jacobian_rate_one)
 
+# From this condition number on a posture counts as singular.
+SINGULAR = 1e5
 # A rate of s (1/s) that counts as none: along a path on which s is constant rounding decides.
 _LEVEL = 1e-4
 # A scale below this is a halt: what is left of the motion only creeps.
@@ -64,6 +66,9 @@ class Resolution(NamedTuple):
         Of the Jacobian over the characteristic length.
     possible : bool
         Whether the arm can carry out any part of the twist.
+    lost : ndarray, shape (6,)
+        The twist that the posture allows least, angular first (rad/s and m/s), or the part of the
+        given one that it does not allow.
     """
 
     rates: Array
@@ -71,6 +76,7 @@ class Resolution(NamedTuple):
     leaving: bool
     condition_number: float
     possible: bool
+    lost: Array
 
 
 class Heading(NamedTuple):
@@ -126,8 +132,12 @@ class TwistResolver:
 
     Attributes
     ----------
+    chain : SerialChain
+        As given.
     slow_from, stop_at : float
         As given.
+    rank : int
+        Of the Jacobian in a regular posture.
 
     Raises
     ------
@@ -143,16 +153,21 @@ class TwistResolver:
         approach: float,
         length: float | None = None,
     ) -> None:
-        self._chain, self._approach = chain, approach
+        self.chain, self._approach = chain, approach
         self.slow_from, self.stop_at = slow_from, stop_at
         self._per_length = 1.0 / scaling_length(chain, length)
         self._scale = np.repeat((1.0, self._per_length), 3)
         self._pose = np.empty((4, 4))
-        self._rank = min(generic_rank(chain), chain.n, 6)
+        self.rank = min(generic_rank(chain), chain.n, 6)
+
+    def scaled(self, twist: Array) -> Array:
+        """Give a twist, angular first (rad/s and m/s), its linear part over the length."""
+        scaled: Array = self._scale * twist
+        return scaled
 
     def condition_number(self, q: Array) -> float:
         """Give that of a posture (rad or m)."""
-        return _condition(np.linalg.svd(self._jacobian(q), compute_uv=False), self._rank)
+        return _condition(np.linalg.svd(self.jacobian(q), compute_uv=False), self.rank)
 
     def resolve(self, q: Array, twist: Array, velocity: Array) -> Resolution:
         """Find the rates for a twist.
@@ -164,8 +179,8 @@ class TwistResolver:
         twist : ndarray, shape (6,)
             Of the tip in base axes, angular first (rad/s and m/s).
         """
-        rank = self._rank
-        left, values, right = np.linalg.svd(self._jacobian(q))
+        rank = self.rank
+        left, values, right = np.linalg.svd(self.jacobian(q))
         condition = _condition(values, rank)
         lower, least = values[0] / self.slow_from, values[0] / self.stop_at
         posture = _Posture(q, left[:, :rank], values[:rank], right, lower, least)
@@ -175,15 +190,24 @@ class TwistResolver:
         possible = size == 0.0 or _norm(parts) > _SOMETHING * size
         needed = parts / np.maximum(posture.values, least) if possible else np.zeros(rank)
         weak = posture.values < lower
+        missed = self._missed(posture, parts)
         if not weak.any() or size == 0.0 or not possible:
             rates = _without_rounding(right[:rank].T @ needed)
-            return Resolution(rates, 1.0, False, condition, possible)
+            return Resolution(rates, 1.0, False, condition, possible, missed)
         sound, lost = self._split(posture, parts, needed, velocity)
         rates = _without_rounding(sound + lost)
         scale, falling = self._slowed(posture, parts, needed, lost, rates)
-        return Resolution(rates, scale, not falling, condition, possible)
+        return Resolution(rates, scale, not falling, condition, possible, missed)
 
-    def heading(self, q: Array, twist: Array) -> Heading:
+    def _missed(self, posture: _Posture, parts: Array) -> Array:
+        """Give the part of a twist that the posture does not allow, or what it allows least."""
+        none = np.where(posture.values < posture.least, parts, 0.0)
+        if _norm(none) <= _SOMETHING * _norm(parts):
+            none[np.argmin(posture.values)] = 1.0
+        missed: Array = posture.left @ none / self._scale
+        return missed
+
+    def heading(self, q: Array, twist: Array, wholly: bool = False) -> Heading:
         """Find where a twist leads that is carried out wholly, but for what is lost.
 
         Unlike the rates of :meth:`resolve`, these are smooth where singular values change their
@@ -195,47 +219,70 @@ class TwistResolver:
             Where the joints are (rad or m).
         twist : ndarray, shape (6,)
             Of the tip in base axes, angular first (rad/s and m/s).
+        wholly : bool
+            Whether nothing counts as lost beyond the hard stop, but in a singular posture.
         """
-        rank = self._rank
-        left, values, right = np.linalg.svd(self._jacobian(q))
+        rank = self.rank
+        left, values, right = np.linalg.svd(self.jacobian(q))
         condition = _condition(values, rank)
         left, values = left[:, :rank], values[:rank]
-        strength = values / np.maximum(values, values[0] / self.stop_at) ** 2
+        least = values[0] / (SINGULAR if wholly else self.stop_at)
+        strength = values / np.maximum(values, least) ** 2
         gain = (right[:rank].T * strength) @ left.T * self._scale
         scaled = self._scale * twist
         missing = _norm(scaled - left @ (left.T @ scaled))
         possible = missing <= _SOMETHING * _norm(scaled)
         return Heading(gain @ twist, gain, condition, possible, self._pose.copy())
 
-    def braked(self, q: Array, twist: Array, acceleration: Array) -> float:
-        """Give the part of a twist, towards a singularity, with which joints can still turn round.
+    def unheld(self, q: Array, twist: Array, found: Resolution, acceleration: Array) -> Resolution:
+        """Give rates and scale of a twist that is followed along no line.
 
-        With more of it their rates would grow faster than accelerations (n,) allow (rad/s^2 or
-        m/s^2), and the tip would leave the direction of the twist.
+        Towards a singularity the scale is one with which joints can still turn round: with more of
+        it their rates would grow faster than they accelerate, and the tip would leave the direction
+        of the twist.  Beyond the hard stop it is 0, but on the way out.
+
+        Parameters
+        ----------
+        q : ndarray, shape (n,)
+            Where the joints are (rad or m).
+        twist : ndarray, shape (6,)
+            Of the tip in base axes, angular first (rad/s and m/s).
+        found : Resolution
+            The rates there.
+        acceleration : ndarray, shape (n,)
+            Limits of the joints (rad/s^2 or m/s^2).
         """
-        here = self.heading(q, twist)
+        beyond = found.condition_number >= self.stop_at
+        here = self.heading(q, twist, wholly=beyond)
         largest = float(np.abs(here.rates).max())
-        if largest == 0.0 or here.condition >= self.stop_at:
-            return 1.0
-        time = _AHEAD / largest
-        ahead = self.heading(q + time * here.rates, twist)
-        if ahead.condition <= here.condition or not (here.possible and ahead.possible):
-            return 1.0
+        if not here.possible or (largest == 0.0 and not beyond):
+            return found
+        time = _AHEAD / max(largest, 1e-300)
+        ahead = self.heading(q + time * here.rates, twist, wholly=beyond)
         growth = np.abs(ahead.rates - here.rates) / time / acceleration
-        return min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
+        scale = min(1.0, math.sqrt(_OF_ACCELERATION / max(float(growth.max()), 1e-300)))
+        if beyond:
+            nearer = ahead.condition >= here.condition or here.condition > SINGULAR
+            if nearer or not ahead.possible:
+                return found._replace(scale=0.0)
+            return found._replace(rates=here.rates, scale=scale, leaving=True)
+        if ahead.condition <= here.condition or not ahead.possible:
+            return found
+        return found._replace(scale=min(found.scale, scale))
 
-    def _jacobian(self, q: Array) -> Array:
-        scaled: Array = np.empty((6, self._chain.n))
-        if _jacobian_one(self._chain.packed, q, scaled, self._pose):
-            raise_not_finite(self._chain, q)
+    def jacobian(self, q: Array) -> Array:
+        """Give that of a posture (rad or m), its linear rows over the length (6, n)."""
+        scaled: Array = np.empty((6, self.chain.n))
+        if _jacobian_one(self.chain.packed, q, scaled, self._pose):
+            raise_not_finite(self.chain, q)
         scaled[3:] *= self._per_length
         return scaled
 
-    def _change(self, posture: _Posture, rates: Array) -> Array:
+    def change(self, q: Array, rates: Array) -> Array:
         """Give the rate of the scaled Jacobian at joint rates."""
-        scaled: Array = np.empty((6, self._chain.n))
-        if _rate_one(self._chain.packed, posture.q, rates, scaled):
-            raise_not_finite(self._chain, rates, "rates")
+        scaled: Array = np.empty((6, self.chain.n))
+        if _rate_one(self.chain.packed, q, rates, scaled):
+            raise_not_finite(self.chain, rates, "rates")
         scaled[3:] *= self._per_length
         return scaled
 
@@ -264,19 +311,19 @@ class TwistResolver:
         Its direction is that in which other rates lead out, or in which the joints move already,
         or in which they have more room.
         """
-        changes = [u @ self._change(posture, v) for v in null]
+        changes = [u @ self.change(posture.q, v) for v in null]
         bends = np.array([[a @ v for v in null] for a in changes])
         way: Array = np.linalg.eigh(0.5 * (bends + bends.T))[1][:, -1] @ null
-        along = float(u @ self._change(posture, rates) @ way)
+        along = float(u @ self.change(posture.q, rates) @ way)
         if abs(along) < _LEVEL:
             along = float(velocity @ way)
         if abs(along) < _LEVEL:
-            along = self._room(posture.q, way) - self._room(posture.q, -way)
+            along = self.room(posture.q, way) - self.room(posture.q, -way)
         return way if along >= 0.0 else -way
 
-    def _room(self, q: Array, way: Array) -> float:
+    def room(self, q: Array, way: Array) -> float:
         """Give how far the joints can go in a direction (rad or m)."""
-        bound = np.where(way > 0.0, self._chain.upper, self._chain.lower)
+        bound = np.where(way > 0.0, self.chain.upper, self.chain.lower)
         moved = np.abs(way) > _NO_RATE
         room = np.abs(bound - q)[moved] / np.abs(way)[moved]
         return float(min(np.min(room, initial=math.inf), 1e9))
@@ -287,7 +334,7 @@ class TwistResolver:
         """Give the scale, and whether the posture comes nearer to a singularity."""
         weak = posture.values < posture.lower
         last = int(np.argmin(posture.values))
-        change = self._change(posture, rates)
+        change = self.change(posture.q, rates)
         fall = -float(posture.left[:, last] @ change @ posture.right[last])
         if posture.values[last] < _UNCERTAIN * posture.least:
             # Every way leads out of a singular posture.
@@ -299,7 +346,7 @@ class TwistResolver:
         amount = float(shares.sum())
         if amount > _NO_RATE * float(parts @ needed):
             u = posture.left @ np.where(weak, parts, 0.0)
-            pull = -float(u @ self._change(posture, lost) @ lost) / amount
+            pull = -float(u @ self.change(posture.q, lost) @ lost) / amount
             # Nothing is a wall that the motion as a whole leads away from.
             pull = min(pull, -float(u @ change @ lost) / amount)
             # No wall is where the joints would have to turn by a radian to get there.

@@ -9,6 +9,9 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import Command, JointCommand, TwistCommand
+from robomech_ros.servo.departures import Start
+from robomech_ros.servo.joining import Joining
+from robomech_ros.servo.leaving import Leaving
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
@@ -23,9 +26,6 @@ Array = NDArray[np.float64]
 
 # Twists whose directions differ by less than this are the same.
 _SAME = 1e-9
-# A twist must have been held for so many periods before joints that move get onto its line.  So
-# many pass from one attempt to the next, each at this part of the speed: slowly enough it succeeds.
-_HELD, _AGAIN, _SLOWER = 5, 3, 0.85
 # A way so short (s^2, by acceleration limits) leads nowhere.
 _BEGINNING = 1e-6
 
@@ -86,9 +86,10 @@ class Servo:
         )
         self._stream: Stream | None = None
         self._command: Command | None = None
-        # The twist of the period before, in its axes, and for how many periods it was the same.
+        # The twist of the period before, in its axes.
         self._last: TwistCommand | None = None
-        self._held, self._slower = 0, 1.0
+        self._joining = Joining()
+        self._leaving = Leaving(self._resolver)
         self.paused = False
 
     @property
@@ -164,7 +165,8 @@ class Servo:
         if isinstance(command, TwistCommand):
             return self._follow(command)
         self._last = None
-        resolution = Resolution(command.rates, 1.0, False, self._condition_number(), True)
+        number = self._condition_number()
+        resolution = Resolution(command.rates, 1.0, False, number, True, np.zeros(6))
         share = self.limits.share_of(resolution.rates)
         advance = stream.advance(share[0] * resolution.rates)
         return motion_report(self.limits, resolution, share, advance, stream.velocity)
@@ -182,54 +184,72 @@ class Servo:
         # The wanted velocity is that at the next knot.
         position = stream.position + self._period * velocity
         twist = _twist_of(command, position)
-        same = self._last is not None and _ratio(_twist_of(self._last, position), twist) > 0.0
-        self._held = self._held + 1 if same else 0
-        if not same or stream.line is not None:
-            self._slower = 1.0
+        if self._last is None:
+            self._leaving.forget()
+        if self._last is None or not _ratio(_twist_of(self._last, position), twist):
+            self._joining.begin()
+            self._leaving.begin()
         self._last = command
         found = self._resolver.resolve(position, twist, velocity)
-        share = self.limits.share_of(found.rates)
-        part = min(share[0], found.scale)
-        advance = self._on_line(command, position, twist, part)
+        beyond = found.condition_number >= self._resolver.stop_at
+        if stream.line is not None:
+            stream.line.path.begin_period()
+        elif stream.at_rest and twist.any() and (found.scale or beyond):
+            self._begin_line(command, twist, beyond)
+        advance = None
+        if stream.line is not None:
+            found, advance = self._on_line(position, twist, found)
+        elif not (stream.at_rest or beyond) and found.scale and twist.any():
+            part = min(self.limits.share_of(found.rates)[0], found.scale)
+            advance = self._joining.attempt(
+                stream, part, lambda: self._path(command, Start(stream.knot()))
+            )
         if advance is None:
-            braked = self._resolver.braked(position, twist, self.limits.acceleration)
-            found = found._replace(scale=min(found.scale, braked))
-            advance = stream.advance(self._slower * min(part, braked) * found.rates)
-        elif stream.line is not None and stream.line.path.singular and not advance.bound:
-            # The end of the way is in sight.
-            found = found._replace(scale=min(part, stream.line.rate / stream.line.wanted))
+            found = self._resolver.unheld(position, twist, found, self.limits.acceleration)
+            part = min(self.limits.share_of(found.rates)[0], found.scale)
+            advance = stream.advance(self._joining.slower * part * found.rates)
+        share = self.limits.share_of(found.rates)
         return motion_report(self.limits, found, share, advance, stream.velocity)
 
+    def _path(self, command: TwistCommand, start: Start) -> LinePath:
+        """Give the way for a twist."""
+        weights = 1.0 / self.limits.acceleration
+        return LinePath(self._resolver, weights, start, lambda q: _twist_of(command, q))
+
+    def _begin_line(self, command: TwistCommand, twist: Array, beyond: bool) -> None:
+        """Go on on the line of a twist from rest, where there is one."""
+        knot = self.motion.knot()
+        if not beyond:
+            path = self._path(command, Start(knot))
+            if path.reach(_BEGINNING) or path.singular or path.unfinished:
+                self.motion.begin(path)
+            return
+        out = self._leaving.way(knot, twist, lambda start: self._path(command, start))
+        if out is not None:
+            self.motion.begin(out)
+
     def _on_line(
-        self, command: TwistCommand, position: Array, twist: Array, part: float
-    ) -> Advance | None:
+        self, position: Array, twist: Array, found: Resolution
+    ) -> tuple[Resolution, Advance | None]:
         """Go on by one period on the line of a twist; None where that cannot be."""
         stream, line = self.motion, self.motion.line
-        if line is not None:
-            ratio = _ratio(line.path.twist(position), twist)
-            if ratio == 0.0:
-                return None
-            return stream.follow(part * ratio * line.wanted)
-        rests = stream.at_rest
-        if part == 0.0 or not twist.any():
-            return None
-        if not rests and (self._held < _HELD or self._held % _AGAIN):
-            return None
-        path = LinePath(
-            self._resolver,
-            1.0 / self.limits.acceleration,
-            stream.knot(),
-            lambda q: _twist_of(command, q),
-        )
-        if not rests:
-            joined = stream.join(path, part)
-            if joined is None and stream.moves_along(path) and not path.hopeless:
-                self._slower *= _SLOWER
-            return joined
-        if not path.reach(_BEGINNING) and not path.singular:
-            return None
-        stream.begin(path)
-        return self._on_line(command, position, twist, part)
+        assert line is not None
+        ratio = _ratio(line.path.twist(position), twist)
+        if ratio == 0.0:
+            return found, None
+        if line.leaves:
+            rates = ratio * line.wanted * line.path.slope(line.place)
+            # The wrist turns no faster, for a small twist, than at the hard stop.
+            scale = min(
+                1.0, float(np.abs(found.rates).max()) / max(float(np.abs(rates).max()), 1e-300)
+            )
+            found = found._replace(rates=rates, scale=scale, leaving=True)
+        part = min(self.limits.share_of(found.rates)[0], found.scale)
+        advance = stream.follow(part * ratio * line.wanted)
+        if advance is not None and line.path.singular and not advance.bound:
+            # The end of the way is in sight.
+            found = found._replace(scale=min(part, line.rate / max(line.wanted, 1e-300)))
+        return found, advance
 
     def samples(self) -> Samples:
         """Give the stream from the first knot shown on, at rest at the end."""

@@ -11,13 +11,15 @@ from robomech_ros.servo.line_motion import Deviation, LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Motion, Samples
 
-__all__ = ["Stream"]
+__all__ = ["JOINING_TIMES", "Stream"]
 
 Array = NDArray[np.float64]
 
 # In what time joints that move get onto the way for a twist (s), and no less than this part of the
 # time of the mean.
-_JOINING, _JOINING_OF_MEAN = (0.2, 0.5, 1.0), 1.5
+JOINING_TIMES, _JOINING_OF_MEAN = (0.2, 0.5, 1.0), 1.5
+# In what time they get from rest onto one that begins next to them (s, and s/rad or s/m).
+_BESIDE, _BESIDE_MORE = 0.2, 10.0
 # The cosine between velocities that are nearly along the way.
 _ALONG = 0.9
 # A place so far along the way serves to see how it bends.
@@ -123,11 +125,18 @@ class Stream:
         return advance
 
     def begin(self, path: LinePath) -> None:
-        """Go on along a way that begins where the joints rest."""
-        self.line = LineMotion(path, self._limits, self._period)
+        """Go on along a way that begins where the joints rest, or next to that."""
+        (begun,), (still,) = path.at(np.zeros(1), np.zeros(1))
+        off = self.knot() - begun
+        deviation = None
+        if off.any():
+            time = _BESIDE + _BESIDE_MORE * float(np.abs(off).max())
+            count = round(time / self._period)
+            deviation = Deviation((off, still, still), self._period, count)
+        self.line = LineMotion(path, self._limits, self._period, deviation=deviation)
 
-    def join(self, path: LinePath, share: float) -> Advance | None:
-        """Go on by a period onto a way that begins at the latest knot, in motion.
+    def join(self, path: LinePath, share: float, time: float) -> Advance | None:
+        """Go on by a period onto a way that begins near the latest knot, in motion.
 
         Parameters
         ----------
@@ -135,31 +144,32 @@ class Stream:
             The way.
         share : float
             Of the twist that is wanted.
+        time : float
+            In which the joints get onto the way (s), if the mean needs no more.
 
         Returns
         -------
         Advance or None
             None where the limits do not allow to get there; nothing has changed then.
         """
-        if not path.reach(_BEND):
+        q, v = self._knots[-1]
+        if not path.reach(max(path.nearest(q), 0.0) + _BEND):
             return None
-        _, v = self._knots[-1]
-        slope = path.slope(0.0)
+        place = max(path.nearest(q), 0.0)
+        (here,), (slope,) = path.at(np.array([place]), np.ones(1))
         rate = max(self._along(slope, v), 0.0)
-        bend = (path.slope(_BEND) - slope) / _BEND
-        off = v - rate * slope, self._acceleration() - rate**2 * bend
+        bend = (path.slope(place + _BEND) - slope) / _BEND
+        off = q - here, v - rate * slope, self._acceleration() - rate**2 * bend
         shortest = _JOINING_OF_MEAN * self._limits.smoothing(self._period) * self._period
-        for time in _JOINING:
-            count = round(max(time, shortest) / self._period)
-            line = LineMotion(
-                path, self._limits, self._period, rate, Deviation(*off, self._period, count)
-            )
-            advance = line.advance(share * line.wanted)
-            if not line.at_rest:
-                self.line = line
-                self._knots.append(line.knot)
-                return advance
-        return None
+        count = round(max(time, shortest) / self._period)
+        deviation = Deviation(off, self._period, count)
+        line = LineMotion(path, self._limits, self._period, place, rate, deviation)
+        advance = line.advance(share * line.wanted)
+        if line.at_rest:
+            return None
+        self.line = line
+        self._knots.append(line.knot)
+        return advance
 
     def moves_along(self, path: LinePath) -> bool:
         """Whether the joints move nearly in the direction in which a way begins."""

@@ -12,6 +12,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.servo.motion import Motion
 from robomech_ros.servo.report import ServoCondition
+from robomech_ros.servo.resolution import TwistResolver
 
 LIBRARY = sorted(
     {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").iterdir()}
@@ -80,6 +81,28 @@ def test_more_random_approaches(robot):
 @pytest.mark.parametrize("robot", LIBRARY)
 def test_a_thousand_random_approaches(robot):
     run_approaches(robot, 1000, 0, 0.02)
+
+
+@pytest.mark.parametrize("robot", ["irb120", "rv4fr", "ur5e", "gen3"])
+def test_no_period_examines_more_than_some_postures(robot, monkeypatch):
+    """To join a line took up to 219 nodes, and 20 ms, in one period."""
+    examined, heading = [], TwistResolver.heading
+
+    def counting(*given, **named):
+        examined[-1] += 1
+        return heading(*given, **named)
+
+    monkeypatch.setattr(TwistResolver, "heading", counting)
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        drive = Drive(robot, random_start(robot, rng)[0])
+        for _ in range(10):
+            twist = rng.normal(size=6) * np.repeat((0.5, 0.3), 3) * rng.uniform(0.1, 2.0)
+            for _ in range(30):
+                examined.append(0)
+                drive.twist(twist, 0.01)
+    # Ten of the way, two of the motion beside it, and those where ways begin.
+    assert 10 <= max(examined) <= 15
 
 
 def test_another_twist_in_motion_has_a_line_of_its_own():

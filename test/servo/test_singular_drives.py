@@ -147,7 +147,7 @@ def test_random_twists_for_minutes(robot, minutes):
 
 
 def run_random_twists(robot, seconds):
-    drive = Drive(robot)
+    drive = Drive(robot, robot_of(robot).home())
     rng = np.random.default_rng(3)
     stood = 0
     while drive.time < seconds:

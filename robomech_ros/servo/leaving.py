@@ -1,0 +1,76 @@
+"""Getting joints at rest out of a singularity, a part of the work in each period."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.servo.departures import Start, departures
+from robomech_ros.servo.line_path import LinePath
+from robomech_ros.servo.resolution import TwistResolver
+
+__all__ = ["Leaving"]
+
+Array = NDArray[np.float64]
+
+# A way leads out if a joint moves by this much on it (rad or m).
+_AWAY = 0.015
+# Twists with at least this cosine between them leave a singularity alike.
+_ALIKE = 0.9
+
+
+class Leaving:
+    """Looks for the way of a twist out of a posture beyond the hard stop.
+
+    Parameters
+    ----------
+    resolver : TwistResolver
+        Of the chain.
+    """
+
+    def __init__(self, resolver: TwistResolver) -> None:
+        self._resolver = resolver
+        self._posture, self._sought = np.zeros(0), np.zeros(0)
+        self._starts: list[Start] = []
+        self._path: LinePath | None = None
+
+    def begin(self) -> None:
+        """Begin again, for another twist; where it may begin remains known if that is alike."""
+        self._path = None
+
+    def forget(self) -> None:
+        """Forget where a way may begin."""
+        self._posture, self._path = np.zeros(0), None
+
+    def way(self, q: Array, twist: Array, lay: Callable[[Start], LinePath]) -> LinePath | None:
+        """Give the way out; None if there is none, or it was not yet found.
+
+        Parameters
+        ----------
+        q : ndarray, shape (n,)
+            Where the joints rest (rad or m).
+        twist : ndarray, shape (6,)
+            Of the tip in base axes, angular first (rad/s and m/s), not zero.
+        lay : callable
+            Gives the way for it from a start.
+        """
+        sought = self._resolver.scaled(twist)
+        sought /= np.linalg.norm(sought)
+        if not np.array_equal(q, self._posture) or sought @ self._sought < _ALIKE:
+            self._posture, self._sought, self._path = q, sought, None
+            # That takes a period.
+            self._starts = departures(self._resolver, q, twist)
+            return None
+        if not self._starts:
+            return None
+        if self._path is None:
+            self._path = lay(self._starts[0])
+        path = self._path
+        path.begin_period()
+        if path.reach(_AWAY / max(float(np.abs(path.slope(0.0)).max()), 1e-300)):
+            self.forget()
+            return path
+        if not path.unfinished:
+            self._path = None
+            self._starts.pop(0)
+        return None
