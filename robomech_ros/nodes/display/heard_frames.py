@@ -17,9 +17,11 @@ __all__ = ["FixedFrames", "MovingFrames"]
 # Others that are silent for so long publish no more, s.  Up to the second number is added by
 # chance, so that of two nodes that yield to each other one is back first.
 SILENCE, BY_CHANCE = 3.0, 1.0
-# As many messages of /tf are read in a look, the latest, and as many latched ones are asked for.
-_DEPTH = 100
-_FIXED = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# As many messages of /tf are read in a look, the latest: to unpack one takes 0.1 ms, in which the
+# robot may have to move.
+_DEPTH = 40
+# As tf2_ros has it.
+_FIXED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _NANO = 1_000_000_000
 
 

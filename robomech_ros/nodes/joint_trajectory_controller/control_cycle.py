@@ -65,7 +65,7 @@ class ControlCycle:
             node,
             model,
             frames=settings.publish_frames,
-            rate=settings.frame_rate,
+            rate=min(settings.frame_rate, settings.publish_rate),
             # What came from the topic is there already.
             description=settings.publish_description and bool(settings.robot_description),
             semantic=settings.publish_description and bool(settings.robot_description_semantic),
