@@ -18,7 +18,7 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.robots.bodies import Body, bodies_carried, pack_bodies
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
+from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE
 from robomech_ros.robots.dh_recovery import recover_dh
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.robots.drives import Drive
@@ -114,6 +114,8 @@ class SerialChain:
         check_names("joint_names", self.joint_names)
         check_names("names of links", [frame.name for frame in self.frames])
         n = len(self.joint_names)
+        if n > MOST_JOINTS:
+            raise BadValueError("number of joints", n, f"at most {MOST_JOINTS} in a chain")
         for field in KEYS:
             self._freeze(field, np.float64, (n,))
         check_limits(self.joint_names, {field: getattr(self, field) for field in KEYS})

@@ -5,12 +5,23 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PRISMATIC", "REVOLUTE", "joint_transform", "pack_chain", "turn_about_z", "unpack_chain"]
+__all__ = [
+    "MOST_JOINTS",
+    "PRISMATIC",
+    "REVOLUTE",
+    "joint_transform",
+    "pack_chain",
+    "turn_about_z",
+    "unpack_chain",
+]
 
 Array = NDArray[np.float64]
 
 REVOLUTE = 0
 PRISMATIC = 1
+# What is found once for a robot, such as its characteristic length, takes seconds for a chain of so
+# many joints, and four times that for twice as many.
+MOST_JOINTS = 64
 
 
 def turn_about_z(angle: float) -> Array:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
+from robomech_ros.robots.chain_layout import MOST_JOINTS
 from robomech_ros.robots.guarded_yaml import check_keys
 from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
@@ -22,7 +23,6 @@ _ROW_KEYS = ("name", "type", "a", "b", "alpha")
 _ROW_OPTIONAL = ("theta", "body", "drive")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 _TYPES = ("revolute", "continuous", "prismatic")
-_MOST_JOINTS = 64
 _LONGEST_NAME = 256
 
 
@@ -31,8 +31,8 @@ def read_rows(rows: object, where: str) -> list[dict[str, Any]]:
     where = f"{where}: joints"
     if not isinstance(rows, list) or not rows:
         raise RobotDescriptionError(where, "expected a list of joints")
-    if len(rows) > _MOST_JOINTS:
-        raise RobotDescriptionError(where, f"{len(rows)}, at most {_MOST_JOINTS} are allowed")
+    if len(rows) > MOST_JOINTS:
+        raise RobotDescriptionError(where, f"{len(rows)}, at most {MOST_JOINTS} are allowed")
     checked = [_row(row, f"{where}: joint {i + 1}") for i, row in enumerate(rows)]
     names = [row["name"] for row in checked]
     for name in names:

@@ -256,3 +256,18 @@ def test_bad_dh_parameters_are_refused(arguments, error, text):
     *positional, keywords = arguments if isinstance(arguments[-1], dict) else (*arguments, {})
     with pytest.raises(error, match=text):
         chain_from_dh(*positional, **keywords)
+
+
+def test_a_chain_of_more_joints_than_anything_could_be_found_for_is_refused():
+    zeros = np.zeros(65)
+    assert chain_from_dh(zeros[1:], zeros[1:], zeros[1:]).n == 64
+    text = "number of joints is 65, expected at most 64 in a chain"
+    with pytest.raises(BadValueError, match=text):
+        chain_from_dh(zeros, zeros, zeros)
+    joints = "".join(
+        f'<link name="l{k}"/><joint name="j{k}" type="continuous">'
+        f'<parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+        for k in range(65)
+    )
+    with pytest.raises(BadValueError, match=text):
+        load_robot(f'<robot name="snake">{joints}<link name="l65"/></robot>')

@@ -234,13 +234,17 @@ def test_other_encodings(tmp_path):
         assert load_robot(text).joint_names == ("Gelenkö",)
 
 
-def test_a_long_chain_is_no_trouble():
+def test_a_long_tree_is_no_trouble_and_parts_of_it_are_chains():
     count = 2000
     links = " ".join(f"l{i}" for i in range(count + 1))
     joints = [joint(f"j{i}", f"l{i}", f"l{i + 1}") for i in range(count)]
-    chain = load_robot(robot(links, *joints))
-    assert chain.n == count
-    assert np.isfinite(forward_kinematics(chain, np.zeros(count))).all()
+    description = load_description(robot(links, *joints))
+    assert len(description.joints) == count
+    chain = description.chain("l1900", "l1964")
+    assert chain.n == 64
+    assert np.isfinite(forward_kinematics(chain, np.zeros(64))).all()
+    with pytest.raises(BadValueError, match="number of joints is 2000, expected at most 64"):
+        load_robot(robot(links, *joints))
 
 
 # --- Broken documents ---
