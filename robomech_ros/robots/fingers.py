@@ -15,6 +15,10 @@ __all__ = ["FingerOpening", "finger_ends", "finger_joints"]
 
 # Halvings of the range of a joint, after which its position is exact.
 _HALVINGS = 60
+# Of a wider range, rad or m, only a part is used: to where the fingers part again after they met,
+# found in steps of so much.
+_MOST = 2.0 * np.pi
+_STEP = 0.01
 # What a width may be beyond the greatest by rounding, m.
 _ROUNDING = 1e-9
 
@@ -83,7 +87,8 @@ class FingerOpening:
     """How wide a gripper of two fingers is open.
 
     The width is the distance between the origins of two links less that in the closed gripper,
-    which is the end of the joints' range where they are nearer to each other.  For two slides, of
+    which is the end of the joints' range where they are nearer to each other, or, where that range
+    is more than a turn, where they meet.  For two slides, of
     which one mimics the other, it is twice the joint's way from there.
 
     Parameters
@@ -120,9 +125,25 @@ class FingerOpening:
             expected = "two that part from each other as the gripper opens"
             raise BadValueError("links of the fingers", list(self.links), expected)
 
-    @property
+    @cached_property
     def _range(self) -> tuple[float, float]:
-        return max(j.lower for j in self.joints), min(j.upper for j in self.joints)
+        """The ends of the joints' way (rad or m): limits, or where the fingers part again.
+
+        Kinova's Robotiq 2F-85 has limits of 0 and 100 rad.
+        """
+        lower, upper = max(j.lower for j in self.joints), min(j.upper for j in self.joints)
+        if not np.isfinite([lower, upper]).all() or upper - lower <= _MOST:
+            return lower, upper
+        rest = float(np.clip(0.0, lower, upper))
+        return self._turning(rest, lower), self._turning(rest, upper)
+
+    def _turning(self, begin: float, end: float) -> float:
+        """Find where, on the way from one position to another, the links turn back (rad or m)."""
+        steps = round(min(abs(end - begin), _MOST) / _STEP)
+        way = begin + np.sign(end - begin) * _STEP * np.arange(steps + 1)
+        change = np.diff([self._distance(position) for position in way])
+        turned = np.flatnonzero(change[1:] * change[:-1] < 0.0)
+        return float(way[turned[0] + 1]) if len(turned) else float(way[-1])
 
     @cached_property
     def _distances(self) -> tuple[float, float]:

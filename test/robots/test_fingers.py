@@ -89,6 +89,60 @@ def test_hinges_close_as_their_angle_grows():
         assert of.position(width) == pytest.approx(angle, abs=1e-9)
 
 
+def robotiq_2f_85(upper):
+    """Frames as in Kinova's robotiq_arg2f_85_model_macro.xacro (ros2_kortex, licence BSD)."""
+
+    def finger(side, knuckle, y, turn, mimic):
+        return f"""
+  <joint name="{knuckle}" type="revolute"><parent link="palm"/><child link="{side}_knuckle"/>
+  <origin xyz="0 {y} 0.054904" rpy="0 0 {turn}"/><axis xyz="1 0 0"/>
+  <limit lower="0" upper="{upper}" velocity="2.0" effort="1000"/>{mimic}</joint>
+  <joint name="{side}_outer" type="fixed"><parent link="{side}_knuckle"/>
+  <child link="{side}_finger"/><origin xyz="0 0.0315 -0.0041"/></joint>
+  <joint name="{side}_inner" type="revolute"><parent link="{side}_finger"/>
+  <child link="{side}_inner_finger"/><origin xyz="0 0.0061 0.0471"/><axis xyz="1 0 0"/>
+  <limit lower="-100" upper="100" velocity="2.0" effort="1000"/>
+  <mimic joint="finger_joint" multiplier="-1"/></joint>
+  <joint name="{side}_pad_joint" type="fixed"><parent link="{side}_inner_finger"/>
+  <child link="{side}_pad"/><origin xyz="0 -0.0220203446692936 0.03242"/></joint>
+  <joint name="{side}_bar_joint" type="revolute"><parent link="palm"/><child link="{side}_bar"/>
+  <origin xyz="0 {0.415 * y} 0.06142" rpy="0 0 {turn}"/><axis xyz="1 0 0"/>
+  <limit lower="0" upper="{upper}" velocity="2.0" effort="1000"/>
+  <mimic joint="finger_joint"/></joint>
+  """ + "".join(
+            f'<link name="{side}_{part}"/>'
+            for part in ("knuckle", "finger", "inner_finger", "pad", "bar")
+        )
+
+    left = finger("left", "finger_joint", -0.0306011, np.pi, "")
+    right = finger("right", "right_joint", 0.0306011, 0.0, '<mimic joint="finger_joint"/>')
+    return gripper(left + right).replace('<link name="a"/><link name="b"/>', "")
+
+
+PADS = ("left_pad", "right_pad")
+
+
+def test_the_stroke_of_robotiqs_2f_85_is_that_of_its_data_sheet():
+    of = opening(robotiq_2f_85(0.8), PADS)
+    assert [joint.name for joint in of.joints] == ["finger_joint"]
+    assert of.greatest == pytest.approx(0.085, abs=1e-3)
+    assert of.closing == 1.0
+    widths = [of.width(angle) for angle in np.linspace(0.0, 0.8, 50)]
+    assert np.all(np.diff(widths) < 0.0)
+    with pytest.raises(BadValueError, match="left_bar.*two, one of each finger"):
+        opening(robotiq_2f_85(0.8))
+
+
+def test_limits_of_many_turns_end_where_the_fingers_meet():
+    of = opening(robotiq_2f_85(100), PADS)
+    # The origins of the pads, 6.35 mm thick, meet behind where the pads do, at 0.813 rad.
+    assert of.width(0.0) == pytest.approx(0.085 + 0.00635, abs=2e-3)
+    assert of.width(0.813) == pytest.approx(0.00635, abs=1e-3)
+    for width in (0.01, 0.05, 0.09):
+        assert 0.0 < of.position(width) < 0.88
+        assert of.width(of.position(width)) == pytest.approx(width, abs=1e-9)
+
+
 def test_what_has_no_width():
     with pytest.raises(BadValueError, match="from 0 to 0.08 m"):
         opening(SLIDES).position(0.09)

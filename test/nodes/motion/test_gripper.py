@@ -4,16 +4,18 @@ import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from control_msgs.action import FollowJointTrajectory, GripperCommand, ParallelGripperCommand
-from drivers import Driver, ended, seconds
+from drivers import NAME, Driver, ended, seconds
 from gripper_cases import panda_with_hand, poses_by_frames, poses_by_pinocchio
 from rcl_interfaces.srv import SetParameters
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import load_description
 
 TIMEOUT = 30.0
@@ -275,10 +277,31 @@ def test_reset_and_names(hand):
     panda.until_fingers_at(0.0)
 
 
+@pytest.mark.parametrize(
+    ("parameters", "text"),
+    [
+        ({"gripper_controller": ""}, "'gripper_controller' is ''; allowed is words"),
+        ({"gripper_controller": "a b"}, "allowed is words"),
+        ({"parallel_gripper_controller": "gripper_controller"}, "an action has one type"),
+        ({"gripper_joints": FINGERS[1]}, "'panda_finger_joint2'"),
+        ({"gripper_joint": "thumb"}, "one of panda_finger_joint1, or empty"),
+        ({"gripper_object_width": 0.1}, "from 0 to 0.08 m"),
+        ({"gripper_object_width": 0.01, "gripper_finger_links": "panda_hand"}, "two, one of each"),
+    ],
+)
+def test_parameters_that_do_not_fit_are_named(graph, parameters, text):
+    given = {"robot_description": panda_with_hand(), "tip_link": "panda_hand_tcp", **parameters}
+    with pytest.raises(ParameterError, match=text):
+        graph.start(JointTrajectoryControllerNode, **given)
+
+
 def test_a_robot_without_fingers_has_no_gripper(graph, drive):
     arm = drive()
-    names = {name for name, _ in graph.client.get_topic_names_and_types()}
-    assert not any("gripper" in name for name in names)
+    served = get_action_server_names_and_types_by_node(graph.client, NAME, "/")
+    assert {name for name, _ in served} == {
+        f"/{NAME}/execute_trajectory",
+        f"/{NAME}/follow_joint_trajectory",
+    }
     change = Parameter("gripper_object_width", value=0.02).to_parameter_msg()
     request = SetParameters.Request(parameters=[change])
     service = "joint_trajectory_controller/set_parameters"

@@ -1,5 +1,6 @@
 """The gripper of the simulated robot, as actions and trajectories command it."""
 
+import re
 import threading
 from collections.abc import Callable, Sequence
 
@@ -35,6 +36,9 @@ from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Gripper", "gripper_of"]
 
+_PARALLEL = "parallel_gripper_controller"
+_NAME = re.compile(r"~?/?([A-Za-z_]\w*/)*[A-Za-z_]\w*", re.ASCII)
+
 
 def gripper_of(
     model: RobotModel, settings: ControllerSettings, clock: MotionClock, lock: "threading.RLock"
@@ -46,6 +50,7 @@ def gripper_of(
     ParameterError
         Parameters do not fit the robot.
     """
+    _check_places(settings)
     names = listed_names(settings.gripper_joints)
     try:
         joints = finger_joints(model.description, model.chain, names)
@@ -198,6 +203,18 @@ class Gripper(CommandedJoints):
         stopped = np.isin(self.joint_names, self.commanded)
         closing = np.full(len(stopped), opening.closing)
         return Contact(np.where(stopped, position, np.nan), closing)
+
+
+def _check_places(settings: ControllerSettings) -> None:
+    """Refuse names below which the gripper cannot have two actions of the same name."""
+    single, parallel = settings.gripper_controller, settings.parallel_gripper_controller
+    for parameter, name in (("gripper_controller", single), (_PARALLEL, parallel)):
+        if not _NAME.fullmatch(name):
+            allowed = "words of letters, digits and underscores, with / between"
+            raise ParameterError(parameter, name, allowed)
+    if single == parallel:
+        allowed = "another name than that of gripper_controller: an action has one type"
+        raise ParameterError(_PARALLEL, parallel, allowed)
 
 
 def _limits(joints: Sequence[Joint]) -> Limits:

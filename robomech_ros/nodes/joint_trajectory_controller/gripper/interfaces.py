@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.commands import TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper
@@ -34,16 +33,8 @@ def serve_gripper(
     -------
     list of ServedAction
         The servers of the actions.
-
-    Raises
-    ------
-    ParameterError
-        The names are the same.
     """
     parallel = settings.parallel_gripper_controller
-    if parallel == gripper.place:
-        allowed = "another name than that of gripper_controller: an action has one type"
-        raise ParameterError("parallel_gripper_controller", parallel, allowed)
     TrajectoryTopic(node, gripper, on_refused)
     try:
         from control_msgs import action
