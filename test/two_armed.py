@@ -69,5 +69,6 @@ SRDF = (
     + _state("home", "right_arm", _home("right", -1.0))
     + _state("far", "left_arm", _home("left", 1.0) | {"left_joint_1": 3.5})
     + _state("open", "hand", {"finger_joint": 0.03, "thumb_joint": -0.03})
+    + _state("home", "hand", {"finger_joint": 0.02, "thumb_joint": -0.01})
     + "</robot>"
 )

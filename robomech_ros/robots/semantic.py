@@ -167,6 +167,31 @@ class SemanticDescription:
         found = [name for group in self._groups_of(chain) for name in self.states[group]]
         return tuple(dict.fromkeys([HOME, *found]))
 
+    def home(self) -> dict[str, float]:
+        """Give where joints stand to begin with: the states ``home`` of all groups together.
+
+        Of two that name a joint the one of the smaller group counts; states that the robot cannot
+        go to do not count.
+
+        Returns
+        -------
+        dict of str to float
+            rad or m, by joint.
+        """
+        found: dict[str, float] = {}
+        groups = [name for name in self.states if HOME in self.states[name]]
+        for name in sorted(groups, key=lambda name: -len(self.groups[name].joints)):
+            if (name, HOME) not in self.unusable:
+                found |= self.states[name][HOME]
+        return found
+
+    def tool_joints(self, chain: SerialChain) -> tuple[str, ...]:
+        """Name the joints of the end effectors that are mounted at the end of a chain."""
+        last = {frame.name for frame in chain.frames if frame.joints == chain.n}
+        tools = [one for one in self.end_effectors.values() if one.parent_link in last]
+        joints = [joint for one in tools for joint in self.groups[one.group].joints]
+        return tuple(dict.fromkeys(name for name in joints if name not in chain.joint_names))
+
     def at_home(self, chain: SerialChain) -> SerialChain:
         """Give the chain with the named posture ``home`` as its own, if that can be used."""
         if not any(HOME in self.states[group] for group in self._groups_of(chain)):

@@ -124,6 +124,24 @@ def test_home_is_the_state_of_the_chains_own_group_else_of_a_larger_one():
         SEMANTIC.posture(left, "apard")
 
 
+def test_all_joints_have_a_home_that_of_their_smallest_group():
+    assert SEMANTIC.home() == {"left_1": 0.5, "left_2": 0.6, "right_1": -0.5, "right_2": -0.6}
+    far = SRDF.replace('<joint name="left_1" value="0.5"/>', '<joint name="left_1" value="2.5"/>')
+    assert load_srdf(far, ROBOT).home()["left_1"] == 1.5
+    assert SemanticDescription("none").home() == {}
+
+
+def test_a_tool_is_what_is_mounted_at_the_end_of_a_chain():
+    tools = [("left", "", ("left_grip",)), ("left", "left_upper", ()), ("right", "", ())]
+    for group, link, joints in tools:
+        chain = group_chain(ROBOT, SEMANTIC.group(group), link)
+        assert SEMANTIC.tool_joints(chain) == joints
+    # Also where its link is fixed to the last one, and none of its joints is on the chain.
+    lower = ROBOT.chain("left_base", "left_lower")
+    assert SEMANTIC.tool_joints(lower) == ("left_grip",)
+    assert SEMANTIC.tool_joints(ROBOT.chain("left_base", "left_finger")) == ()
+
+
 def test_the_main_chain_is_that_of_the_group_and_begins_at_its_home():
     chain = main_chain(ROBOT, SEMANTIC, group="right")
     assert (chain.base, chain.tip) == ("right_base", "right_tool")

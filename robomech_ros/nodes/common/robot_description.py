@@ -1,7 +1,7 @@
 """The robot of a node: from a parameter, or from the latched topic ``robot_description``."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,9 +133,10 @@ class RobotModel:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"
             raise ParameterError("frame_prefix", frame_prefix, expected)
-        self.description = description
+        known = semantic or SemanticDescription(description.name)
+        self.description = description = _at_home(description, known)
         self.frame_prefix = frame_prefix
-        self.semantic = semantic or SemanticDescription(description.name)
+        self.semantic = known
         self.chain: SerialChain = main_chain(description, self.semantic, base_link, tip_link, group)
         self._group_chains: dict[tuple[str, str], SerialChain] = {}
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
@@ -239,6 +240,13 @@ class RobotModel:
         """Take other groups and named postures than so far; the configured chain stays."""
         self.semantic = semantic
         self._group_chains = {}
+
+
+def _at_home(description: RobotDescription, semantic: SemanticDescription) -> RobotDescription:
+    """Give a robot that begins where the states home of its groups say."""
+    followers = description.followers
+    home = {name: at for name, at in semantic.home().items() if name not in followers}
+    return replace(description, home={**description.home, **home}) if home else description
 
 
 def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:

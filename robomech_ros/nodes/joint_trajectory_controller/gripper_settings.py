@@ -24,8 +24,9 @@ class GripperSettings(RobotSettings):
     )
     gripper_joints: str = parameter(
         "",
-        "Joints of the gripper, names with commas between. Empty = all that move behind the last "
-        "joint of the chain and mimic no other",
+        "Joints of the gripper, names with commas between. Empty = those of the end effector that "
+        "the SRDF of the parameters has at the end of the chain, else all that move behind the "
+        "last joint of the chain and mimic no other",
     )
     gripper_joint: str = parameter(
         "",

@@ -19,8 +19,8 @@ _DEPTH = 10
 class StatePublisher:
     """Publishes the positions and velocities of all joints of a robot, those of its chain first.
 
-    Joints that mimic others follow them; those that nothing commands stand still at 0, or at the
-    limit nearest to it.  Efforts that are not known are NaN.
+    Joints that mimic others follow them; those that nothing commands stand still at home, else at
+    0 or at the limit nearest to it.  Efforts that are not known are NaN.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class StatePublisher:
     def __init__(self, node: Node, model: RobotModel, commanded: Sequence[CommandedJoints]) -> None:
         description, chain = model.description, model.chain
         names = list(dict.fromkeys((*chain.joint_names, *model.joint_names)))
-        at_rest = description.joint_positions()
+        at_rest = description.joint_positions(description.home)
         self._commanded = [
             (joints, np.array([names.index(name) for name in joints.joint_names]))
             for joints in commanded

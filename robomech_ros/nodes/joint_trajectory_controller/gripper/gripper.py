@@ -51,7 +51,9 @@ def gripper_of(
         Parameters do not fit the robot.
     """
     _check_places(settings)
-    names = listed_names(settings.gripper_joints)
+    names: Sequence[str] = listed_names(settings.gripper_joints)
+    if not names and settings.robot_description_semantic:
+        names = model.semantic.tool_joints(model.chain)
     try:
         joints = finger_joints(model.description, model.chain, names)
     except RobomechError as error:
