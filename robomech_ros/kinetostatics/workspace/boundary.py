@@ -9,9 +9,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, cut_curves
+from robomech_ros.kinetostatics.workspace.curve_pieces import CurvePiece, cut_curves, values_in
 from robomech_ros.kinetostatics.workspace.limited_boundary import LimitedBoundary
 from robomech_ros.kinetostatics.workspace.nearest import NearestOnCurves
+from robomech_ros.kinetostatics.workspace.planar_tip import PlanarTip, planar_tip
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import (
     WorkspaceSection,
@@ -21,13 +22,16 @@ from robomech_ros.kinetostatics.workspace.section import (
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
 
-__all__ = ["BoundaryCurve", "Workspace", "workspace_boundary"]
+__all__ = ["BoundaryCurve", "Workspace", "positioning_boundary", "workspace_boundary"]
 
 Array = NDArray[np.float64]
 Role = Literal["outer", "inner", "interior"]
 
 # Ends of curves nearer to each other than this, over the arm's size, are joined.
 _JOINED = 1e-5
+# The same of the tip of a planar arm of three joints, whose curves overlap where they touch.
+_JOINED_CUTS = 2e-2
+_PLANAR_JOINTS = 3
 # Points nearer to the plane of a planar arm than this, over the arm's size, are in it.
 _IN_PLANE = 1e-6
 
@@ -44,10 +48,12 @@ class BoundaryCurve:
         ``"singular"``, or the joint and its limit, such as ``"joint_2 lower"``.
     points : ndarray, shape (k, 2)
         rho and z, or x and y (m); the side with more postures is on the left.
-    q : ndarray, shape (k, 2)
-        Values of joints 2 and 3 there, of a planar arm of joints 1 and 2 (rad or m).
+    q : ndarray, shape (k, 2) or (k, 3)
+        Values of joints 2 and 3 there, of a planar arm of joints 1 and 2 or of all three (rad or
+        m).
     more, fewer : int
-        Postures on either side, the first of three joints being free.
+        Postures on either side, the first of three joints being free; 1 and 0 where a planar arm
+        of three joints reaches a point in a continuum of postures, and where not at all.
     """
 
     role: Role
@@ -75,12 +81,15 @@ class Workspace:
     curves : tuple of BoundaryCurve
         They divide the section into regions with different numbers of postures.
     cusps, nodes : ndarray, shape (k, 2)
-        Where curves of singular postures have cusps, and where curves cross (m).
+        Where curves of singular postures have cusps, and where curves cross (m); none are listed
+        of a planar arm of three joints.
     least_reach, greatest_reach : float
         Least and greatest distance of the point from the origin of joint 1, whose limits left
         aside (m); along a slide they are measured across it.
     section : WorkspaceSection
         The geometry.
+    tip : PlanarTip, optional
+        What a planar arm of three joints reaches with its tip.
     """
 
     name: str
@@ -91,9 +100,13 @@ class Workspace:
     least_reach: float
     greatest_reach: float
     section: WorkspaceSection
+    tip: PlanarTip | None = None
 
     def solution_count(self, points: ArrayLike) -> NDArray[np.int64]:
-        """Count the postures of these joints, inside all limits, at points (..., 3) (m)."""
+        """Count the postures of these joints, inside all limits, at points (..., 3) (m).
+
+        The continuum of postures of a planar arm of three joints counts as one.
+        """
         rows = as_finite("points", points, (3,))
         flat = rows.reshape(-1, 3)
         counts: NDArray[np.int64] = self._postures.count(flat)
@@ -137,7 +150,9 @@ class Workspace:
         flat = rows.reshape(-1, 3)
         local = self.section.in_frame(flat)
         inside = self._postures.count(flat) > 0
-        if self.section.round[0]:
+        if self.tip is not None:
+            found = self.tip.distance(flat)
+        elif self.section.round[0]:
             found, *_ = self.nearest.find(self.section.coordinates(local))
         else:
             found = self._limited.distance(local, inside)
@@ -197,16 +212,17 @@ class Workspace:
         ]
 
     @cached_property
-    def _postures(self) -> PointPostures:
-        return PointPostures(self.section, first_free=False)
+    def _postures(self) -> PointPostures | PlanarTip:
+        return self.tip or PointPostures(self.section, first_free=False)
 
     @cached_property
-    def _free_postures(self) -> PointPostures:
-        return PointPostures(self.section, first_free=True)
+    def _free_postures(self) -> PointPostures | PlanarTip:
+        return self.tip or PointPostures(self.section, first_free=True)
 
     @cached_property
     def _limited(self) -> LimitedBoundary:
-        return LimitedBoundary(self.section, self._pieces, self._postures)
+        postures = PointPostures(self.section, first_free=False)
+        return LimitedBoundary(self.section, self._pieces, postures)
 
 
 def _joint_of(curve: BoundaryCurve) -> int:
@@ -221,14 +237,15 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     The part is the first three joints, and the point is what they place: the centre of a
     spherical wrist, or the tip of an arm of three joints.  Its singular postures, and those with
     a joint at a limit, are curves in the plane section that the first joint sweeps.  Of a planar
-    arm two joints place its tip, or the axis of a third, and the section is its plane.
+    arm two or three joints place its tip, and the section is its plane.
 
     Parameters
     ----------
     chain : SerialChain
         An arm with a spherical wrist after any three joints, or one of three joints; also arms of
         four and five joints whose later axes pass through one point; planar arms of two joints, or
-        of three of which the last turns.
+        of three of which the last turns, where the curves are those between what is reached and
+        what is not.
     respect_limits : bool, optional
         Whether the limits of turning joints count; those of slides always do, except for the one
         that moves a section.
@@ -265,6 +282,52 @@ def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Wo
     array([ True, False])
     """
     section = section_of(chain, respect_limits=respect_limits)
+    if section.flat and chain.n == _PLANAR_JOINTS:
+        return _of_planar_tip(chain, section, planar_tip(chain, respect_limits=respect_limits))
+    return _of_section(chain, section)
+
+
+def positioning_boundary(chain: SerialChain) -> Workspace:
+    """Find the boundary of what :func:`positioning_part` reaches with its point.
+
+    It is :func:`workspace_boundary` but for a planar arm of three joints: the axis of the last.
+
+    Raises
+    ------
+    BadValueError, MissingLimitsError
+        As for :func:`workspace_boundary`.
+    """
+    return _of_section(chain, section_of(chain))
+
+
+def _of_planar_tip(chain: SerialChain, section: WorkspaceSection, tip: PlanarTip) -> Workspace:
+    """Give the workspace of the tip of a planar arm in the frame of a section of two joints."""
+    section = replace(section, size=max(pair.section.size for pair in tip.pairs))
+    pieces, causes, values = [], [], []
+    for pair, own in zip(tip.pairs, tip.pieces, strict=True):
+        for piece in own:
+            points = section.coordinates(section.in_frame(pair.section.on_section(piece.points)))
+            q = pair.arm_values(piece.q)
+            if pair.section.base[:3, 2] @ section.base[:3, 2] < 0.0:
+                points, q = points[::-1], q[::-1]  # seen from the other side
+            found = [one for one in (pair.cause, _cause(pair.section, piece)) if one]
+            causes.append(", ".join(one for one in found if one != "singular") or "singular")
+            pieces.append(replace(piece, points=points))
+            values.append(q)
+    roles = _roles(pieces, section.size, _JOINED_CUTS)
+    curves = tuple(
+        BoundaryCurve(role, cause, piece.points, q, 1, 0)
+        for role, cause, piece, q in zip(roles, causes, pieces, values, strict=True)
+    )
+    origin = section.in_base(np.zeros((1, 3)))
+    least = 0.0 if tip.count(origin)[0] else float(tip.distance(origin)[0])
+    greatest = max(float(np.linalg.norm(piece.points, axis=1).max()) for piece in pieces)
+    nowhere = np.zeros((0, 2))
+    names = ("x", "y")
+    return Workspace(chain.name, names, curves, nowhere, nowhere, least, greatest, section, tip)
+
+
+def _of_section(chain: SerialChain, section: WorkspaceSection) -> Workspace:
     pieces, cusps, nodes = _divided(section)
     if not pieces:
         raise_on_surface(chain)
@@ -282,16 +345,9 @@ def _divided(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Array]
     """Divide a section in units of the arm's size: steps and tolerances suit one of some metres."""
     unit = section.size
     pieces, cusps, nodes = cut_curves(section.over(unit))
-    units = np.where(section.slides[1:], unit, 1.0)
-    bounds = section.lower[1:], section.upper[1:]
     placed = []
     for piece in pieces:
-        q = piece.q * units
-        # Slides are at their ends to the last digit, and not beyond.
-        q = np.where(section.round[1:], q, np.clip(q, *bounds))
-        if piece.limit:
-            bound = bounds[piece.limit == "upper"]
-            q[:, piece.joint - 1] = bound[piece.joint - 1]
+        q = values_in(section, piece.q, piece.joint, piece.limit)
         placed.append(replace(piece, q=q, points=section.image(q[:, 0], q[:, 1])))
     return placed, cusps * unit, nodes * unit
 
@@ -308,7 +364,7 @@ def _reach(section: WorkspaceSection, pieces: list[CurvePiece]) -> tuple[float, 
     return (0.0 if inside else float(found[0])), float(np.linalg.norm(points, axis=1).max())
 
 
-def _roles(pieces: list[CurvePiece], size: float) -> list[Role]:
+def _roles(pieces: list[CurvePiece], size: float, joined: float = _JOINED) -> list[Role]:
     """Tell outer boundaries from those of voids, by the way loops of boundaries go round."""
     roles: list[Role] = ["interior"] * len(pieces)
     unused = [k for k, piece in enumerate(pieces) if piece.fewer == 0]
@@ -317,7 +373,7 @@ def _roles(pieces: list[CurvePiece], size: float) -> list[Role]:
         while True:
             end = pieces[loop[-1]].points[-1]
             gaps = [np.abs(pieces[k].points[0] - end).max() for k in unused]
-            if not gaps or min(gaps) > _JOINED * size:
+            if not gaps or min(gaps) > joined * size:
                 break
             loop.append(unused.pop(int(np.argmin(gaps))))
         path = np.concatenate([pieces[k].points for k in loop])

@@ -10,7 +10,7 @@ from robomech_ros.kinetostatics.workspace.cusps_and_nodes import Branch, cusps_o
 from robomech_ros.kinetostatics.workspace.point_postures import PointPostures
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 
-__all__ = ["CurvePiece", "cut_curves"]
+__all__ = ["CurvePiece", "branches_of", "cut_curves", "values_in"]
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Arra
     cusps, nodes : ndarray, shape (k, 2)
         In the section (m).
     """
-    branches, cuts, cusps = _branches(section)
+    branches, cuts, cusps = branches_of(section)
     if not branches:
         return [], np.zeros((0, 2)), np.zeros((0, 2))
     nodes = []
@@ -78,7 +78,20 @@ def cut_curves(section: WorkspaceSection) -> tuple[list[CurvePiece], Array, Arra
     return kept, _distinct(cusps, size), _distinct(nodes, size)
 
 
-def _branches(
+def values_in(section: WorkspaceSection, q: Array, joint: int, limit: str) -> Array:
+    """Give joint values (k, 2) found in units of the arm's size in its own (rad or m).
+
+    Those at a limit, and slides at their ends, are there to the last digit, and not beyond.
+    """
+    lower, upper = section.lower[1:], section.upper[1:]
+    q = q * np.where(section.slides[1:], section.size, 1.0)
+    q = np.where(section.round[1:], q, np.clip(q, lower, upper))
+    if limit:
+        q[:, joint - 1] = (upper if limit == "upper" else lower)[joint - 1]
+    return q
+
+
+def branches_of(
     section: WorkspaceSection,
 ) -> tuple[list[Branch], list[list[tuple[float, Array]]], list[Array]]:
     """Give the curves, where each is to be cut besides at nodes, and the cusps."""

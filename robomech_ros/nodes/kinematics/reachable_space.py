@@ -13,8 +13,8 @@ from robomech_ros.kinetostatics import (
     Workspace,
     characteristic_length,
     extreme_reach,
-    workspace_boundary,
 )
+from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.nodes.common.pauses import beside
 from robomech_ros.robots import SerialChain
@@ -55,7 +55,7 @@ def reachable_space(chain: SerialChain) -> ReachableSpace:
         length = math.nan
     boundary, centre = None, np.zeros(3)
     try:
-        boundary, centre = workspace_boundary(chain), positioning_part(chain).in_tip
+        boundary, centre = positioning_boundary(chain), positioning_part(chain).in_tip
         boundary.distance(np.zeros(3))  # what is the same for all points is found now
     except RobomechError:
         boundary = None

@@ -11,7 +11,8 @@ import pytest
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
-from robomech_ros.kinetostatics import workspace_boundary
+from robomech_ros.kinetostatics import extreme_reach, workspace_boundary
+from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.robots.chain_layout import PRISMATIC, pack_chain, unpack_chain
@@ -297,7 +298,7 @@ def test_a_planar_arm_against_all_of_its_postures(kind):
     from scipy.spatial import cKDTree
 
     chain = PLANAR[kind]
-    space, part = workspace_boundary(chain), positioning_part(chain)
+    space, part = positioning_boundary(chain), positioning_part(chain)
     size, section = space.section.size, space.section
     axes = [
         np.linspace(a, b, 500) for a, b in zip(section.lower[1:], section.upper[1:], strict=True)
@@ -318,6 +319,65 @@ def test_a_planar_arm_against_all_of_its_postures(kind):
     aside = points + 0.1 * size * section.base[:3, 2]
     assert not space.contains(aside).any()
     assert space.distance(aside) == pytest.approx(-np.hypot(0.1 * size, beyond), abs=1e-9)
+
+
+TIPS = {
+    "RRR": chain_from_dh(
+        [0.5, 0.35, 0.2], [0] * 3, [0] * 3, limits=ranges([-2.0, -1.0, -2.2], [1.5, 2.4, 0.9])
+    ),
+    "PRR": chain_from_dh(
+        [0.1, 0.3, 0.25], [0] * 3, [H, 0, 0], types="PRR", limits=ranges([0.1, -1, -2], [0.6, 2, 1])
+    ),
+    "RPR": chain_from_dh(
+        [0.1, 0, 0.3], [0] * 3, [H, -H, 0], types="RPR", limits=ranges([-2, 0.1, -1], [1, 0.6, 2])
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", TIPS)
+def test_issue_12_the_tip_of_a_planar_arm_of_three_joints_against_all_of_its_postures(kind):
+    from scipy.spatial import cKDTree
+
+    chain = TIPS[kind]
+    space = workspace_boundary(chain)
+    extremes = pytest.approx(extreme_reach(chain), abs=1e-6)
+    assert (space.least_reach, space.greatest_reach) == extremes
+    axes = [np.linspace(a, b, 90) for a, b in zip(chain.lower, chain.upper, strict=True)]
+    q = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    reached = forward_kinematics(chain, q)[:, :3, 3]
+    assert (space.solution_count(reached[::977]) == 1).all()
+    assert space.distance(reached[::977]).min() > -1e-6
+    size, section = space.section.size, space.section
+    points = section.on_section(np.random.default_rng(1).uniform(-1, 1, (300, 2)) * size)
+    distance = space.distance(points)
+    assert ((distance > 0.0) == space.contains(points)).all()
+    nearest, _ = cKDTree(reached).query(points)
+    beyond = np.where(distance < 0.0, -distance, 0.0)
+    assert np.abs(nearest - beyond).max() < 0.015 * size
+    assert not space.contains(points + 0.1 * size * section.base[:3, 2]).any()
+    for curve in space.curves:
+        tips = forward_kinematics(chain, curve.q)[:, :3, 3]
+        np.testing.assert_allclose(tips, space.swept(0.0, curve=curve), atol=1e-9)
+        within = (curve.q >= chain.lower - 1e-9) & (curve.q <= chain.upper + 1e-9)
+        assert within.all() and (curve.more, curve.fewer) == (1, 0)
+
+
+def test_issue_12_the_tip_of_the_planar_arm_reaches_as_far_as_its_links():
+    """``greatest_reach`` was 1.8 m, of the axis of the third joint."""
+    space = workspace_boundary(load_robot("planar3r"))
+    assert space.least_reach == 0.0
+    assert space.greatest_reach == pytest.approx(2.3, abs=1e-9)
+    points = [[2.29, 0.0, 0.0], [2.31, 0.0, 0.0], [0.0, 0.0, 0.0], [-2.295, 0.0, 0.0]]
+    assert space.contains(points).tolist() == [True, False, True, False]
+    assert space.distance(points)[:2] == pytest.approx([0.01, -0.01], abs=1e-6)
+    free = workspace_boundary(load_robot("planar3r"), respect_limits=False)
+    assert [curve.role for curve in free.curves] == ["outer"]
+    ring = workspace_boundary(chain_from_dh([1.0, 0.3, 0.2], [0] * 3, [0] * 3))
+    assert {(curve.role, curve.cause) for curve in ring.curves} == {
+        ("outer", "singular"),
+        ("inner", "singular"),
+    }
+    assert (ring.least_reach, ring.greatest_reach) == pytest.approx((0.5, 1.5), abs=1e-9)
 
 
 def test_a_planar_arm_in_closed_form():

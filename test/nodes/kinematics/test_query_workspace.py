@@ -12,6 +12,7 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import extreme_reach, jacobian, workspace_boundary
+from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
@@ -125,7 +126,7 @@ def test_the_boundary_is_shown_to_who_listens(graph):
     strips = shown.markers[1:]
     assert {strip.ns for strip in strips} == {"workspace"}
     points = np.array([[p.x, p.y, p.z] for strip in strips for p in strip.points])
-    space = workspace_boundary(load_robot("planar3r"))
+    space = positioning_boundary(load_robot("planar3r"))
     assert np.abs(points[:, 2]).max() < 1e-12
     assert np.abs(space.distance(points)).max() < 1e-4
 
