@@ -160,7 +160,8 @@ class Servo:
         stream, command = self.motion, self._command
         if command is None or now > command.until or self.paused:
             self._last = None
-            self._stop()
+            # On the plan that is known already: who has it needs no more messages.
+            stream.brake()
             return self._standing(now)
         if isinstance(command, TwistCommand):
             return self._follow(command)
@@ -170,12 +171,6 @@ class Servo:
         share = self.limits.share_of(resolution.rates)
         advance = stream.advance(share[0] * resolution.rates)
         return motion_report(self.limits, resolution, share, advance, stream.velocity)
-
-    def _stop(self) -> None:
-        if self.motion.line is None:
-            self.motion.advance(np.zeros(self._chain.n))
-        else:
-            self.motion.brake()
 
     def _follow(self, command: TwistCommand) -> ServoReport:
         """Go on by one period with a twist."""

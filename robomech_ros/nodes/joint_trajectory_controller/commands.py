@@ -1,5 +1,6 @@
 """How others command the robot: the topic joint_trajectory, the services hold and reset."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -8,7 +9,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
@@ -18,9 +19,14 @@ from robomech_ros.outcomes import Code, name_of
 __all__ = ["Commands", "TrajectoryTopic"]
 
 _TOPIC = "joint_trajectory"
-_DEPTH = 10
+# A stream goes on after a process was held up for a second.
+_DEPTH = 100
 # A stream replaces its trajectory a hundred times a second: that is said this often at the most, s.
 _SELDOM = 5.0
+# Messages of a stream follow one another within this time (s).
+_STREAM = 0.2
+# Positions (rad or m) that differ by less are the same.
+_SAME = 1e-6
 
 
 class TrajectoryTopic:
@@ -40,17 +46,41 @@ class TrajectoryTopic:
         self._logger = node.get_logger()
         self._joints = joints
         self._on_refused = on_refused
+        # What the topic has had followed last, where that ended, and when its last message
+        # came (s).
+        self._goal: TrajectoryGoal | None = None
+        self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
+        self._heard_at = -math.inf
         topic = f"{joints.place}/{_TOPIC}"
         subscribe_reliably(node, JointTrajectory, topic, self._execute, _DEPTH)
 
     def _execute(self, trajectory: JointTrajectory) -> None:
         try:
+            if self._adds_nothing(trajectory):
+                return
             by = "a trajectory on the topic joint_trajectory"
-            self._joints.execute(trajectory, by, self._log_end)
+            self._goal = self._joints.execute(trajectory, by, self._log_end)
         except RobomechError as error:
             code = code_of(error)
             self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")
             self._on_refused()
+
+    def _adds_nothing(self, trajectory: JointTrajectory) -> bool:
+        """Whether it is the rest of a stream that a goal of an action has replaced already.
+
+        That comes soon after the message before it, and ends where that one ended.
+        """
+        points, known = trajectory.points, self._end
+        end = (tuple(trajectory.joint_names), tuple(points[-1].positions)) if points else None
+        with self._joints.lock:
+            self._joints.advance()
+            now, goal = self._joints.follower.now, self._joints.follower.active
+        soon = now < self._heard_at + _STREAM
+        self._heard_at, self._end = now, end
+        if not soon or goal is None or goal is self._goal or end is None or known is None:
+            return False
+        same = end[0] == known[0] and len(end[1]) == len(known[1])
+        return same and all(abs(x - y) <= _SAME for x, y in zip(end[1], known[1], strict=True))
 
     def _log_end(self, result: GoalResult) -> None:
         if result.code:

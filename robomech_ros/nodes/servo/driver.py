@@ -55,7 +55,7 @@ class Driver:
     ) -> None:
         self._servo, self._clock, self._settings = servo, clock, settings
         self._logger = node.get_logger()
-        self._halts = 0
+        self._repeats = 0
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
@@ -67,6 +67,7 @@ class Driver:
         self._joints = JointWatch(model.chain, monitor, settings)
         self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
+        self._idle_timer = node.create_timer(REPEATED, self._tell_at_rest)
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(lambda by: self._timer.is_canceled() or self._timer.reset())
 
@@ -102,23 +103,28 @@ class Driver:
         report = self._stream.go_on(now)
         if report is None:
             return
-        self._joints.tell(*self._stream.publish(now))
         self._status.publish(now, report)
+        if self._has_said_all(now):
+            # The robot brakes by the plan of the last message, unless others move it already.
+            if self._servo.motion.at_rest:
+                self._servo.end()
+            return
+        self._joints.tell(*self._stream.publish(now))
         if fault := self._joints.fault(now):
             self._let_go(now, fault)
-        elif self._has_halted(now):
-            self._servo.end()
 
     def _sleep(self, now: float) -> None:
         if now > self._awake_until and not self._servo.active:
             self._timer.cancel()
             self._intake.attend(True)
 
-    def _has_halted(self, now: float) -> bool:
-        """Whether enough trajectories were published of a robot that stands."""
-        idle = self._servo.motion.at_rest and not self._servo.wants_to_move(now)
-        self._halts = self._halts + 1 if idle else 0
-        return self._halts >= self._settings().halt_messages
+    def _has_said_all(self, now: float) -> bool:
+        """Whether nobody commands, and enough messages have shown the plan to stop."""
+        if self._servo.wants_to_move(now) or self._stream.has_news():
+            self._repeats = 0
+            return False
+        self._repeats += 1
+        return self._repeats > self._settings().halt_messages
 
     def _begin(self, now: float) -> bool:
         """Begin a stream if there is a reason to; says whether it has begun."""
@@ -139,7 +145,7 @@ class Driver:
             self._fault = None
         self._stream.begin(now, *state)
         self._joints.begin(now)
-        self._halts = 0
+        self._repeats = 0
         return True
 
     def _let_go(self, now: float, fault: Fault) -> None:
@@ -158,8 +164,16 @@ class Driver:
     def _tell_idle(self, now: float) -> None:
         """Publish the status of a robot that is left alone, where it is new."""
         if self._status.is_new((self._servo.paused, self._servo.command is None), now):
-            position = self._joints.position()
-            if position is None:
-                self._status.publish(now, why=self._joints.why_no_state())
-            else:
-                self._status.publish(now, self._servo.idle(now, position))
+            self._publish_idle(now)
+
+    def _tell_at_rest(self) -> None:
+        """Publish the status from time to time also where nothing has happened for long."""
+        if self._timer.is_canceled():
+            self._publish_idle(self._clock.now())
+
+    def _publish_idle(self, now: float) -> None:
+        position = self._joints.position()
+        if position is None:
+            self._status.publish(now, why=self._joints.why_no_state())
+        else:
+            self._status.publish(now, self._servo.idle(now, position))

@@ -93,7 +93,12 @@ class ServoNodeSettings(FrameSettings):
         "s",
     )
     halt_messages: int = parameter(
-        4, "How many messages are still published after the robot stands", 1, 1000, "messages"
+        4,
+        "How many messages repeat the plan to stop when there is no command any more; then others "
+        "can move the robot",
+        1,
+        1000,
+        "messages",
     )
 
 

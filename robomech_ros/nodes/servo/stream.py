@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 # A knot that is nearer than this part of a period is too near for the controller to get it in time.
 _IN_TIME = 0.2
+# Ends of two messages that differ by less are the same (rad or m).
+_SAME = 1e-6
 
 
 class StreamPublisher:
@@ -49,6 +51,8 @@ class StreamPublisher:
         self._lead, self._period = settings.lead, 1.0 / settings.publish_rate
         # The time of the latest knot (s).
         self._knot = 0.0
+        # Where the last message ends (rad or m).
+        self._end: Array | None = None
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
 
     @property
@@ -65,7 +69,7 @@ class StreamPublisher:
         """Begin where the joints will be at the first knot (rad or m, and per s)."""
         ahead = self._lead * self._period
         self._servo.start(position + ahead * velocity, velocity)
-        self._knot = now + ahead
+        self._knot, self._end = now + ahead, None
 
     def catch_up(self, now: float) -> None:
         """After a delay of the node, brake as the controller already does."""
@@ -89,6 +93,11 @@ class StreamPublisher:
             self._knot += self._period
         return report
 
+    def has_news(self) -> bool:
+        """Whether the stream ends elsewhere than the last message."""
+        end = self._servo.samples().positions[-1]
+        return self._end is None or bool(np.abs(end - self._end).max() > _SAME)
+
     def publish(self, now: float) -> tuple[float, Array]:
         """Publish the stream; its stamp is no later than now, so that it counts at once.
 
@@ -100,6 +109,7 @@ class StreamPublisher:
             Of the joints there (rad or m).
         """
         samples = self._servo.samples()
+        self._end = samples.positions[-1]
         first = self._knot - self._lead * self._period
         told = min(now, first - self._period)
         stamp = Time(nanoseconds=max(self._clock.stamp(told), 0)).to_msg()

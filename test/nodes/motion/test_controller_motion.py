@@ -3,6 +3,7 @@
 import itertools
 import math
 import re
+import time
 
 import numpy as np
 import pytest
@@ -304,3 +305,22 @@ def test_simulated_time_drives_the_motion(graph, drive):
     took = end.sec - begin.sec + 1e-9 * (end.nanosec - begin.nanosec)
     assert 0.29 < took < 30.0
     assert end.sec < 1000
+
+
+def test_the_rest_of_a_stream_does_not_end_a_goal_that_came_after_it(arm):
+    """Messages on the topic that end where the last one did, and come at once, add nothing."""
+    for pause in (0.0, 0.5):
+        here = arm.trajectory((1.0, 0.0))
+        del here.points[0]
+        for _ in range(5):
+            arm.publish(here)
+        handle = arm.send(arm.trajectory((1.0, 0.1)))
+        time.sleep(pause)
+        arm.publish(here)
+        status, result = arm.result(handle)
+        if pause:
+            # Long after the stream somebody wants the robot there.
+            assert "preempted by a trajectory on the topic" in result.error_msg
+        else:
+            assert (status, result.error_msg) == (GoalStatus.STATUS_SUCCEEDED, "")
+            arm.until_at(np.array(here.points[-1].positions) + 0.1)

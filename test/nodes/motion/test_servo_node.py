@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -166,7 +167,7 @@ def test_a_refused_command_leaves_the_last_valid_one_until_it_is_stale(operator)
     moving = len(hand.streamed)
     hand.repeat(both, lambda: len(hand.streamed) > moving + 10)
     assert any(hand.streamed[-1][1].points[0].velocities)
-    hand.repeat(bad, lambda: not any(hand.streamed[-1][1].points[0].velocities))
+    hand.repeat(bad, lambda: not hand.arm.velocity.any())
     hand.until_still()
 
 
@@ -273,3 +274,37 @@ def test_joint_jog_is_understood_where_control_msgs_is_installed(operator):
     hand.repeat(send, lambda: hand.arm.position[0] > start + 0.05)
     fastest = max(abs(point.velocities[0]) for _, m in hand.streamed for point in m.points)
     assert fastest <= 0.2 + 1e-9
+
+
+def test_the_status_comes_also_when_nothing_happens(operator):
+    hand = operator()
+    hand.wait_for(lambda: hand.has_code(ServoStatus.NO_WARNING))
+    # Longer than the node looks for commands after its start.
+    time.sleep(2.0)
+    said = len(hand.statuses)
+    hand.wait_for(lambda: len(hand.statuses) >= said + 2)
+    first, second = (at for at, _ in hand.statuses[said : said + 2])
+    assert 0.4 < second - first < 1.6
+    assert not hand.streamed
+
+
+def test_a_goal_that_is_sent_as_the_stream_ends_is_reached(operator):
+    hand = operator()
+    send = hand.speeds(["waist", "elbow"], [0.5, -0.3])
+    for _ in range(3):
+        moved = hand.arm.position[0] + 0.1
+        hand.repeat(send, lambda moved=moved: hand.arm.position[0] > moved)
+        hand.wait_for(lambda: not hand.arm.velocity.any())
+        status, result = hand.arm.execute(hand.arm.trajectory((0.5, [-0.1, 0, 0.05, 0, 0, 0])))
+        assert (status, result.error_msg) == (GoalStatus.STATUS_SUCCEEDED, "")
+
+
+def test_nothing_is_repeated_while_the_robot_brakes(operator):
+    hand = operator(halt_messages=2)
+    send = hand.speeds(["waist"], [1.5])
+    hand.repeat(send, lambda: hand.arm.velocity[0] > 1.0)
+    hand.until_still()
+    ends = [message.points[-1].positions[0] for _, message in hand.streamed]
+    last = [end for end in ends if abs(end - ends[-1]) < 1e-6]
+    assert len(last) <= 4
+    np.testing.assert_allclose(hand.arm.position[0], ends[-1], atol=1e-6)
