@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wrong_values import WRONG_VALUES, with_options
 
 from robomech_ros import dynamics, spatial, trajectory
 from robomech_ros.errors import RobomechError
@@ -81,56 +82,17 @@ LIMITS = Limits(list("abcdef"), velocity=1.0, acceleration=2.0, jerk=3.0)
 TABLE = {"a": [0.1] * 6, "b": [0.2] * 6, "alpha": [0.3] * 6}
 MOTION = point_to_point([0] * 6, [0.5] * 6, limits=LIMITS)
 VALUES = (
-    None,
-    True,
-    "",
-    "x",
-    b"x",
-    -1,
-    0,
-    1.5,
-    np.nan,
-    np.inf,
-    1e300,
-    1e-300,
-    10**400,
-    2 + 3j,
-    object(),
-    int,
-    {},
-    {"a": 1},
-    {1, 2},
-    [],
-    [None],
-    ["a"],
+    *WRONG_VALUES,
     ["0"] * 6,
     ["same"] * 6,
     [np.nan] * 6,
     [np.inf] * 6,
     [1e300] * 6,
-    [[1, 2], [3]],
     [[1, -1]] * 6,
-    np.array(3.0),
     np.empty((0, 6)),
     np.empty((3, 0)),
-    np.zeros((2, 2, 2)),
     np.zeros(6, complex),
-    np.full((4, 4), np.nan),
-    np.full((4, 4), 1e300),
-    np.zeros((4, 4)),
 )
-
-
-def with_options(function, *given, **good):
-    """Calls of a function with each of its arguments by name replaced."""
-    return {
-        f"{function.__name__}.{name}": lambda value, name=name: function(
-            *given, **(good | {name: value})
-        )
-        for name, parameter in inspect.signature(function).parameters.items()
-        if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
-        and list(inspect.signature(function).parameters).index(name) >= len(given)
-    }
 
 
 def calls():

@@ -1,10 +1,10 @@
 """Whatever is given to a function of Cartesian motions, it answers or raises an error of ours."""
 
-import inspect
 import warnings
 
 import numpy as np
 import pytest
+from wrong_values import WRONG_VALUES, with_options
 
 from robomech_ros import cartesian
 from robomech_ros.cartesian import (
@@ -25,49 +25,19 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
 
 VALUES = (
-    None,
-    True,
-    "",
-    "x",
-    b"x",
-    -1,
-    0,
-    1.5,
-    np.nan,
-    np.inf,
-    1e300,
-    1e-300,
-    10**400,
-    2 + 3j,
-    object(),
-    int,
-    {},
+    *WRONG_VALUES,
     {"waist": "x"},
-    [],
-    [None],
-    ["a"],
     [np.nan] * 6,
     [1e300] * 6,
-    [[1, 2], [3]],
-    np.array(3.0),
     np.zeros(6, complex),
     np.full((1, 4, 4), np.nan),
     np.full((1, 4, 4), 1e300),
-    np.zeros((4, 4)),
     np.zeros((2, 4, 4)),
     np.zeros((2, 2, 4, 4)),
 )
 PUMA = load_robot("puma560")
 START = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
 HERE = forward_kinematics(PUMA, START)
-
-
-def with_options(function, **good):
-    """Calls of a function with each of its arguments by name replaced."""
-    return {
-        f"{function.__name__}.{name}": lambda value, name=name: function(**(good | {name: value}))
-        for name in inspect.signature(function).parameters
-    }
 
 
 def calls():

@@ -270,11 +270,11 @@ class _Branch:
     def dividing(self, pairs: tuple[HeldPair, ...], step: float) -> list[CurvePiece]:
         """Cut out what has one side reached only, with that side on the left."""
         count = len(self.branch.q) - 1
-        side = self.sides(pairs, np.arange(count) + 0.5, step)
+        side = self.sides(pairs, np.arange(count, dtype=np.float64) + 0.5, step)
         change = np.flatnonzero(np.diff(side)) + 1
-        low, high = change - 0.5, change + 0.5
+        low, high = (np.asarray(change + half, dtype=np.float64) for half in (-0.5, 0.5))
         for _ in range(_BISECTIONS if len(change) else 0):
-            middle: Array = 0.5 * (low + high)
+            middle = np.asarray(0.5 * (low + high), dtype=np.float64)
             before = self.sides(pairs, middle, step) == side[change - 1]
             low, high = np.where(before, middle, low), np.where(before, high, middle)
         ends = [0.0, *(0.5 * (low + high)).tolist(), float(count)]

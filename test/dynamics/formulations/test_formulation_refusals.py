@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from wrong_values import WRONG_VALUES
 
 from robomech_ros import dynamics
 from robomech_ros.dynamics.symbolic.closed_forms import symbolic_model
@@ -15,20 +16,10 @@ ARM = load_robot("planar3r")
 Q, QD, QDD, TAU = np.random.default_rng(0).uniform(-1, 1, (4, 30, 3))
 BODIES = dynamics.body_parameters(ARM)
 VALUES = (
-    None,
-    True,
-    "x",
-    -1,
-    1.5,
-    10**400,
-    2 + 3j,
-    object(),
-    {"a": 1},
-    [],
+    *WRONG_VALUES,
     [None] * 3,
     [np.nan] * 3,
     [1e300] * 3,
-    [[1, 2], [3]],
     np.empty((0, 3)),
     np.zeros((30, 3)),
     np.full((30, 3), 1e300),

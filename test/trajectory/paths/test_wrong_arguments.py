@@ -1,11 +1,11 @@
 """Whatever is given to a function of paths, it answers or raises an error of ours."""
 
-import inspect
 import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from wrong_values import WRONG_VALUES, with_options
 
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.spatial import matrix_from_rotation_vector, pose_from_matrix
@@ -41,56 +41,22 @@ from robomech_ros.trajectory import (
 )
 
 VALUES = (
-    None,
-    True,
-    "",
-    "x",
-    b"x",
-    -1,
-    0,
-    1.5,
-    np.nan,
-    np.inf,
-    1e300,
-    1e-300,
-    10**400,
-    2 + 3j,
-    object(),
-    int,
-    {},
-    {"a": 1},
-    {1, 2},
-    [],
-    [None],
-    ["a"],
+    *WRONG_VALUES,
     [np.nan] * 3,
     [1e300] * 3,
     [1e300, 0.0, 0.0],
     [1e-300] * 3,
-    [[1, 2], [3]],
     [[0, 0, 0], [1e-300, 0, 0], [1, 0, 0]],
     [[1e5, 0, 0], [1e5, 1e-9, 0], [1e5, 1, 0]],
     [[1, 2, 3]] * 4,
-    np.array(3.0),
     np.empty((0, 3)),
     np.empty((3, 0)),
-    np.zeros((2, 2, 2)),
     np.zeros((3, 3)),
     np.zeros(3, complex),
-    np.full((4, 4), np.nan),
     np.full((3, 3), 1e300),
-    np.zeros((4, 4)),
     np.zeros((2, 4, 4)),
     np.zeros((2, 2, 4, 4)),
 )
-
-
-def with_options(function, /, **good):
-    """Calls of a function with each of its arguments by name replaced."""
-    return {
-        f"{function.__name__}.{name}": lambda value, name=name: function(**(good | {name: value}))
-        for name in inspect.signature(function).parameters
-    }
 
 
 def angles(q):

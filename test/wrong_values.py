@@ -1,0 +1,54 @@
+"""What tests give to every argument of a function, to see it answered or refused."""
+
+import inspect
+
+import numpy as np
+
+__all__ = ["WRONG_VALUES", "with_options"]
+
+# Wrong for nearly all arguments; tests add arrays of the shapes that they ask for.
+WRONG_VALUES = (
+    None,
+    True,
+    "",
+    "x",
+    b"x",
+    -1,
+    0,
+    1.5,
+    np.nan,
+    np.inf,
+    1e300,
+    1e-300,
+    10**400,
+    2 + 3j,
+    object(),
+    int,
+    {},
+    {"a": 1},
+    {1, 2},
+    [],
+    [None],
+    ["a"],
+    [[1, 2], [3]],
+    np.array(3.0),
+    np.zeros((2, 2, 2)),
+    np.zeros((4, 4)),
+    np.full((4, 4), np.nan),
+    np.full((4, 4), 1e300),
+)
+
+
+def with_options(function, /, *given, **good):
+    """Calls of a function with each of its arguments by name replaced.
+
+    Those that are ``given`` by their place stay as they are.
+    """
+    parameters = list(inspect.signature(function).parameters.values())[len(given) :]
+    return {
+        f"{function.__name__}.{one.name}": lambda value, name=one.name: function(
+            *given, **(good | {name: value})
+        )
+        for one in parameters
+        if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
+    }
