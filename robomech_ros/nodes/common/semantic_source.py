@@ -18,6 +18,7 @@ __all__ = ["SEMANTIC_TOPIC", "SemanticSource"]
 SEMANTIC_TOPIC = "robot_description_semantic"
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_NOTES = 5
+_LONGEST_NOTE = 500
 
 
 class Learner(Protocol):
@@ -87,7 +88,7 @@ class SemanticSource:
         known = self._read(model.description)
         model.learn(known)
         for note in known.notes[:_MOST_NOTES]:
-            self._log.warning(note)
+            self._log.warning(note[:_LONGEST_NOTE])
         if len(known.notes) > _MOST_NOTES:
             more = len(known.notes) - _MOST_NOTES
             self._log.warning(f"{more} more such lines: `robomech groups` shows all")

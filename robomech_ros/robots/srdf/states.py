@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import islice
 
 from robomech_ros.robots.guarded_xml import XmlElement
 from robomech_ros.robots.joint import Joint
@@ -11,6 +12,7 @@ from robomech_ros.robots.srdf.names import SrdfNames
 
 __all__ = ["States", "read_states"]
 
+_MOST_NAMES = 20
 # Files give few digits: a position this little outside its limits (rad or m) means the limit.
 _ROUNDING = 1e-4
 
@@ -69,9 +71,9 @@ def read_states(
             states.unusable[group, name] = why
             state.notes.append(f"{why}; it cannot be used")
         of_group.setdefault(name, positions)
-        lacking = [joint for joint in groups[group].joints if joint not in positions]
-        if lacking:
-            state.notes.append(f"it gives no position of {_listed(lacking)}")
+        lacking = (joint for joint in groups[group].joints if joint not in positions)
+        if first := list(islice(lacking, _MOST_NAMES + 1)):
+            state.notes.append(f"it gives no position of {_listed(first)}")
         notes += [f"{names.place(element)} of group '{group}': {note}" for note in state.notes]
     return states
 
@@ -139,6 +141,6 @@ class _State:
 
 
 def _listed(joints: list[str]) -> str:
-    quoted = ", ".join(f"'{name}'" for name in joints[:20])
-    more = f" and {len(joints) - 20} more" if len(joints) > 20 else ""
+    quoted = ", ".join(f"'{name}'" for name in joints[:_MOST_NAMES])
+    more = " and more" if len(joints) > _MOST_NAMES else ""
     return f"joint{'s' if len(joints) > 1 else ''} {quoted}{more}"

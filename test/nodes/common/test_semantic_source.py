@@ -1,0 +1,64 @@
+"""Groups and named states of a node: what it says of an SRDF, and which one counts."""
+
+import pytest
+from rcl_interfaces.msg import Log
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from two_armed import SRDF, URDF
+
+from robomech_interfaces.msg import ErrorCode
+from robomech_interfaces.srv import SolveFK
+from robomech_ros.errors import BadValueError, RobotDescriptionError
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+ROSOUT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+OPTIONS = {"robot_description": URDF, "base_link": "left_base", "tip_link": "left_tool"}
+
+
+def said(graph, part):
+    """Wait until a node logs something."""
+    return graph.receive(Log, "/rosout", ROSOUT, lambda log: part in log.msg).msg
+
+
+def posture(graph, name):
+    """Ask where the tip is at a named posture."""
+    request = SolveFK.Request(states=[JointState(name=[name])])
+    return graph.call(SolveFK, "kinematics/solve_fk", request)
+
+
+def test_what_is_wrong_with_a_state_is_said_at_once_and_refused_when_used(graph):
+    graph.start(KinematicsNode, robot_description_semantic=SRDF, **OPTIONS)
+    said(graph, "group_state 'far' of group 'left_arm': joint 'left_joint_1' is at 3.5")
+    assert posture(graph, "home").error_code == 0
+    response = posture(graph, "far")
+    assert response.error_code == ErrorCode.BAD_VALUE
+    assert "state 'far' of group 'left_arm': joint 'left_joint_1' is at 3.5" in response.error_msg
+
+
+def test_an_srdf_of_another_robot_is_said_and_the_one_before_stays(graph):
+    graph.start(KinematicsNode, **OPTIONS)
+    publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
+    known = SRDF.replace('name="far"', 'name="there"').replace('"3.5"', '"0.5"')
+    publisher.publish(String(data=known))
+    for _ in range(1000):
+        if not posture(graph, "there").error_code:
+            break
+    publisher.publish(String(data=SRDF.replace("left_joint_1", "joint_1")))
+    said(graph, "unusable SRDF on 'robot_description_semantic', ignored: SRDF string: line")
+    assert posture(graph, "there").error_code == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "text"),
+    [
+        ({"robot_description_semantic": "no.srdf"}, RobotDescriptionError, "No such file"),
+        ({"robot_description_semantic": SRDF, "group": "legs"}, BadValueError, "one of left_arm"),
+        ({"groups": ["arm:left_tool", "arm:right_tool"]}, BadValueError, "each name once"),
+        ({"groups": ["arm"]}, BadValueError, "entry of groups is 'arm', expected name:tip_link"),
+    ],
+)
+def test_parameters_that_do_not_fit_end_the_start(graph, given, error, text):
+    with pytest.raises(error, match=text):
+        graph.start(KinematicsNode, **OPTIONS, **given)
