@@ -119,17 +119,18 @@ UR_JOINTS = [
 UR5E = load_description("ur5e")
 
 
-def test_an_rounded_quarter_turn_and_joints_in_alphabetical_order():
-    # UniversalRobots/Universal_Robots_ROS2_Driver: ur_moveit_config/srdf/ur_macro.srdf.xacro
+def ur_srdf():
     home = dict.fromkeys(sorted(UR_JOINTS), 0) | {"shoulder_lift_joint": -1.5707}
-    semantic = load_srdf(
-        f"""<robot name="ur">
-          <group name="ur_manipulator"><chain base_link="base_link" tip_link="tool0" /></group>
-          {state("home", "ur_manipulator", home)}
-          <disable_collisions link1="base_link" link2="base_link_inertia" reason="Adjacent" />
-        </robot>""",
-        UR5E,
-    )
+    return f"""<robot name="ur">
+      <group name="ur_manipulator"><chain base_link="base_link" tip_link="tool0" /></group>
+      {state("home", "ur_manipulator", home)}
+      <disable_collisions link1="base_link" link2="base_link_inertia" reason="Adjacent" />
+    </robot>"""
+
+
+def test_a_rounded_quarter_turn_and_joints_in_alphabetical_order():
+    # UniversalRobots/Universal_Robots_ROS2_Driver: ur_moveit_config/srdf/ur_macro.srdf.xacro
+    semantic = load_srdf(ur_srdf(), UR5E)
     assert semantic.notes == ()
     chain = main_chain(UR5E, semantic)
     assert chain.home().tolist() == [0, -1.5707, 0, 0, 0, 0]
@@ -161,32 +162,35 @@ KINOVA = urdf(
 )
 
 
+KINOVA_HOME = [0, 0.26, 3.14, -2.27, 0, 0.96, 1.57]
+
+
+def kinova_srdf():
+    home = {f"joint_{i}": place for i, place in enumerate(KINOVA_HOME, 1)}
+    return f"""<robot name="gen3">
+      <group name="manipulator"><chain base_link="link_0" tip_link="end_effector_link"/></group>
+      <group name="gripper">
+        <joint name="robotiq_base_joint"/><joint name="left_knuckle_joint"/>
+        <joint name="right_knuckle_joint"/>
+      </group>
+      {state("Close", "gripper", {"left_knuckle_joint": 0.8})}
+      {state("home", "manipulator", home)}
+      {state("retract", "manipulator", home | {"joint_4": -2.54})}
+      <end_effector name="gripper" parent_link="end_effector_link" group="gripper"/>
+      <passive_joint name="right_knuckle_joint"/>
+    </robot>"""
+
+
 def test_a_gripper_group_of_fixed_and_following_joints_whose_states_name_the_leader_only():
     # Kinovarobotics/ros2_kortex: kortex_moveit_config/kinova_gen3_7dof_robotiq_2f_85_moveit_config
     # /config/gen3.srdf
-    places = [0, 0.26, 3.14, -2.27, 0, 0.96, 1.57]
-    home = {f"joint_{i}": place for i, place in enumerate(places, 1)}
-    semantic = load_srdf(
-        f"""<robot name="gen3">
-          <group name="manipulator"><chain base_link="link_0" tip_link="end_effector_link"/></group>
-          <group name="gripper">
-            <joint name="robotiq_base_joint"/><joint name="left_knuckle_joint"/>
-            <joint name="right_knuckle_joint"/>
-          </group>
-          {state("Close", "gripper", {"left_knuckle_joint": 0.8})}
-          {state("home", "manipulator", home)}
-          {state("retract", "manipulator", home | {"joint_4": -2.54})}
-          <end_effector name="gripper" parent_link="end_effector_link" group="gripper"/>
-          <passive_joint name="right_knuckle_joint"/>
-        </robot>""",
-        KINOVA,
-    )
+    semantic = load_srdf(kinova_srdf(), KINOVA)
     assert semantic.groups["gripper"].joints == ("left_knuckle_joint",)
     assert semantic.groups["gripper"].links == ("robotiq_base", "left_knuckle", "right_knuckle")
     assert semantic.end_effectors["gripper"].parent_group == ""
     chain = main_chain(KINOVA, semantic)
     assert chain.tip == "end_effector_link"
-    np.testing.assert_array_equal(chain.home(), list(home.values()))
+    np.testing.assert_array_equal(chain.home(), KINOVA_HOME)
     close = KINOVA.joint_positions(semantic.state("gripper", "Close"))
     assert close["right_knuckle_joint"] == -0.8
     assert semantic.posture(chain, "retract")[3] == -2.54
@@ -211,25 +215,29 @@ XARM = urdf(
 )
 
 
+XARM_JOINTS = [f"joint{i}" for i in range(1, 7)]
+
+
+def xarm_srdf():
+    listed = ["world_joint", *XARM_JOINTS, "joint_eef", "vacuum_gripper_fix", "joint_tcp"]
+    joints = "".join(f'<joint name="{name}" />' for name in listed)
+    home = dict.fromkeys(XARM_JOINTS, 0)
+    hold = home | {"joint5": -1.5708, "joint6": 3.1416}
+    return f"""<robot name="xarm6">
+      <group name="xarm6">{joints}</group>
+      {state("home", "xarm6", home)}{state("hold-up", "xarm6", hold)}
+      <end_effector name="vacuum_gripper" parent_link="link_tcp" group="vacuum_gripper" />
+      <passive_joint name="vacuum_gripper_fix" />
+    </robot>"""
+
+
 def test_an_arm_listed_by_joints_and_an_end_effector_without_its_group():
     # xArm-Developer/xarm_ros2: xarm_moveit_config/srdf/_xarm6_macro.srdf.xacro: the group of the
     # vacuum gripper is commented out, the end effector names it all the same.
-    names = [f"joint{i}" for i in range(1, 7)]
-    listed = ["world_joint", *names, "joint_eef", "vacuum_gripper_fix", "joint_tcp"]
-    joints = "".join(f'<joint name="{name}" />' for name in listed)
-    hold = dict.fromkeys(names, 0) | {"joint5": -1.5708, "joint6": 3.1416}
-    semantic = load_srdf(
-        f"""<robot name="xarm6">
-          <group name="xarm6">{joints}</group>
-          {state("home", "xarm6", dict.fromkeys(names, 0))}{state("hold-up", "xarm6", hold)}
-          <end_effector name="vacuum_gripper" parent_link="link_tcp" group="vacuum_gripper" />
-          <passive_joint name="vacuum_gripper_fix" />
-        </robot>""",
-        XARM,
-    )
+    semantic = load_srdf(xarm_srdf(), XARM)
     assert semantic.groups["xarm6"].ends == ("world", "link_tcp")
     chain = group_chain(XARM, semantic.group("xarm6"))
-    assert chain.joint_names == tuple(names)
+    assert chain.joint_names == tuple(XARM_JOINTS)
     assert semantic.posture(chain, "hold-up").tolist() == [0, 0, 0, 0, -1.5708, 3.14159]
     (note,) = semantic.notes
     assert "group is 'vacuum_gripper', expected a group: xarm6" in note
@@ -261,3 +269,30 @@ def test_groups_of_joints_alone_two_arms_and_a_torso():
     assert left.joint_names == ("left_1", "left_2")
     whole = group_chain(robot, semantic.group("all"), "right_l")
     assert whole.joint_names == ("torso_1", "right_1", "right_2")
+
+
+@pytest.mark.parametrize(
+    ("robot", "document"),
+    [(PANDA, panda_srdf()), (UR5E, ur_srdf()), (KINOVA, kinova_srdf()), (XARM, xarm_srdf())],
+    ids=["panda", "ur", "kinova", "xarm"],
+)
+def test_states_are_those_that_pinocchio_reads(robot, document):
+    import pinocchio
+
+    semantic = load_srdf(document, robot)
+    model = pinocchio.buildModelFromXML(robot.document)
+    pinocchio.loadReferenceConfigurationsFromXML(model, document, False)
+    read = {entry.key(): entry.data() for entry in model.referenceConfigurations}
+    places = [
+        (read[name], model.joints[model.getJointId(joint)], value)
+        for states in semantic.states.values()
+        for name, positions in states.items()
+        for joint, value in positions.items()
+    ]
+    assert len(places) >= 6
+    for q, joint, value in places:
+        found = q[joint.idx_q]
+        if joint.nq == 2:  # a turn without limits is a point on a circle there
+            found = np.arctan2(q[joint.idx_q + 1], found)
+        # 3.1416 means the limit, 3.14159.
+        assert found == pytest.approx(value, abs=2e-5)
