@@ -70,6 +70,33 @@ class Drive:
         """Command nothing."""
         return [self.step() for _ in range(round(seconds / self.period))]
 
+    def called_late(self, command, seconds, rng, latest=0.1):
+        """Command what a function gives until when it counts, with periods of up to a time (s).
+
+        Keeps the stream some knots ahead of time, as the node does: what it missed it brakes.
+        """
+        lead, h = self.servo._lead, self.period
+        end, knot = self.time + seconds, self.time + lead * h
+        while self.time < end:
+            self.time += rng.choice([rng.uniform(0.2, 1.8) * h, rng.uniform(0.0, latest)])
+            self.servo.take(command(self.time + TIMEOUT))
+            while knot < self.time and not self.servo.motion.at_rest:
+                self.servo.motion.brake()
+                knot += self._keep()
+            knot = max(knot, self.time)
+            for _ in range(lead):
+                if knot < self.time + (lead + 0.5) * h:
+                    self.reports.append(self.servo.step(self.time))
+                    knot += self._keep()
+
+    def _keep(self):
+        """Keep the latest knot, of a stream of irregular steps; gives the time it takes (s)."""
+        plan, lead = self.servo.samples(), self.servo._lead
+        self.positions.append(plan.positions[lead])
+        self.velocities.append(plan.velocities[lead])
+        self.plans.append(plan)
+        return self.period
+
     @property
     def q(self):
         return self.positions[-1]

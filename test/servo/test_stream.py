@@ -1,10 +1,12 @@
 """Streams of the servo: whatever is commanded, no limit is exceeded, and nothing chatters."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from servo_drives import TIMEOUT, Drive
+from servo_drives import TIMEOUT, Drive, robot_of
 
 from robomech_ros.errors import MissingLimitsError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
@@ -236,6 +238,22 @@ def test_who_gets_a_message_late_has_been_told_the_same_before(robot):
                 far.positions[:lead], before.positions[1 : lead + 1], atol=1e-12
             )
         before = far
+
+
+@pytest.mark.parametrize("lead", [1, 2, 5])
+@pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda"])
+def test_steps_that_come_late_exceed_nothing(robot, lead):
+    """The period jitters, by up to 100 ms, and the commands come when they come."""
+    q = robot_of(robot).home()
+    for seed in range(2):
+        drive = Drive(robot, q, lead=lead)
+        rng = np.random.default_rng(seed)
+        twist = rng.normal(size=6) * np.repeat((0.5, 0.3), 3)
+        for size in (1.0, 0.3, -1.0):
+            drive.called_late(partial(TwistCommand, size * twist, lambda q: None), 1.0, rng)
+        drive.called_late(partial(JointCommand, rng.normal(size=drive.chain.n)), 0.5, rng)
+        assert np.abs(drive.path() - q).max() > 0.02
+        drive.assert_limits()
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
