@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # Twists whose directions differ by less than this are the same.
 _SAME = 1e-9
+# The least part of a twist with which its way passes a singularity.
+_PASSING = 0.2
 # A way so short (s^2, by acceleration limits) leads nowhere.
 _BEGINNING = 1e-6
 
@@ -239,6 +241,9 @@ class Servo:
                 1.0, float(np.abs(found.rates).max()) / max(float(np.abs(rates).max()), 1e-300)
             )
             found = found._replace(rates=rates, scale=scale, leaving=True)
+        else:
+            # Whether it ends, and where, is known of the way.
+            found = found._replace(scale=max(found.scale, _PASSING))
         part = min(self.limits.share_of(found.rates)[0], found.scale)
         advance = stream.follow(part * ratio * line.wanted)
         if advance is not None and line.path.singular and not advance.bound:

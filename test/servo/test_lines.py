@@ -189,6 +189,16 @@ def test_a_wrist_passes_its_singularity(robot):
     drive.assert_limits()
 
 
+def test_a_pass_does_not_end_halfway_beyond_the_hard_stop():
+    """It once stood at a condition number of 111."""
+    rng = np.random.default_rng(0)
+    random_start("fanuc_arcmate", rng)
+    done = approach("fanuc_arcmate", *random_start("fanuc_arcmate", rng), 0.4)
+    assert_on_its_line(done)
+    assert max(report.condition_number for report in done.drive.reports) > 1e3
+    assert done.drive.reports[-1].joints == ("joint_5",)
+
+
 @pytest.mark.parametrize("robot", ["puma560", "panda"])
 def test_a_free_motion_goes_on_from_any_knot_that_leaves_a_plan(robot):
     drive = Drive(robot)
