@@ -1,0 +1,154 @@
+"""Attack the installed suite with random requests, goals, messages and bytes; `make fuzz`.
+
+Every request must be answered within a minute, never with 900, and what succeeds must have finite
+numbers where the interface allows no others. The robot must obey its velocity limits all the time,
+and execute a plan when it is over.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool, Trigger
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "nodes")]
+
+from attack import Attack, Outcome  # noqa: E402
+from messages import MessageMaker  # noqa: E402
+
+from robomech_interfaces.srv import Execute, PlanJoint, SetSpeed  # noqa: E402
+from robomech_ros.nodes.process.free_domain import free_domain  # noqa: E402
+from robomech_ros.nodes.process.reach import stay_on_this_machine  # noqa: E402
+from robomech_ros.nodes.process.start import NODE_MODULES  # noqa: E402
+from robomech_ros.robots import SerialChain, load_robot  # noqa: E402
+
+START = 60.0
+# Rounding of positions and times in messages.
+ROUNDING = 1e-6
+
+
+class Watch:
+    """Looks whether the robot obeys its velocity limits."""
+
+    def __init__(self, node: Node, chain: SerialChain) -> None:
+        self.fault, self.seen, self._chain = "", 0, chain
+        node.create_subscription(JointState, "joint_states", self._look, 100)
+
+    def _look(self, message: JointState) -> None:
+        n = self._chain.n
+        if tuple(message.name[:n]) != self._chain.joint_names:
+            return
+        if len(message.velocity) < n or len(message.position) < n:
+            return
+        self.seen += 1
+        velocity = np.abs(message.velocity[:n]) / self._chain.velocity
+        if not np.isfinite(message.position[:n]).all() or velocity.max() > 1.0 + ROUNDING:
+            self.fault = (
+                self.fault or f"joint_states: velocity is {velocity.max():.6g} of its limit"
+            )
+
+
+def why_it_does_not_move(attack: Attack, chain: SerialChain) -> str:
+    """Plan a motion home and execute it; empty where that works."""
+    why = ""
+    for _ in range(5):
+        for name in ("trajectory_publisher/cancel", "trajectory_publisher/resume"):
+            attack.call(name, Trigger, Trigger.Request())
+        attack.call("servo/pause_servo", SetBool, SetBool.Request(data=False))
+        attack.call("trajectory_publisher/set_speed", SetSpeed, SetSpeed.Request(speed=1.0))
+        attack.call("joint_trajectory_controller/hold", Trigger, Trigger.Request())
+        time.sleep(1.0)
+        goal = JointState(name=list(chain.joint_names), position=chain.home().tolist())
+        plan = attack.call("trajectory_planner/plan_joint", PlanJoint, PlanJoint.Request(goal=goal))
+        if plan is None or plan.error_code:
+            why = "no plan" if plan is None else plan.error_msg
+            continue
+        request = Execute.Request(trajectory=plan.trajectory)
+        done = attack.call("trajectory_publisher/execute", Execute, request)
+        if done is not None and done.error_code == 0:
+            return ""
+        why = "not executed" if done is None else done.error_msg
+    return why
+
+
+def report(outcome: Outcome, seconds: float) -> None:
+    """Print what came of it."""
+    for service, codes in sorted(outcome.codes.items()):
+        counts = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
+        print(f"{service}: {codes.total()} ({counts})")
+    print(
+        f"{outcome.answered} requests answered, {outcome.unanswered.total()} not, "
+        f"{outcome.messages} messages, {outcome.raw} byte strings, in {seconds:.0f} s"
+    )
+    for service, count in outcome.unanswered.items():
+        print(f"UNANSWERED {service}: {count}")
+    for fault in outcome.faults[:20]:
+        print(f"FAULT {fault[:500]}")
+
+
+def main() -> int:
+    """Attack, report, and return 0 where nothing is wrong."""
+    parser = argparse.ArgumentParser(prog="make fuzz", description=__doc__)
+    parser.add_argument("--count", type=int, default=100_000, help="things sent (100000)")
+    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0)")
+    parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
+    arguments = parser.parse_args()
+    stay_on_this_machine()
+    with free_domain() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        return attacked(arguments.robot, arguments.count, arguments.seed)
+
+
+def attacked(robot: str, count: int, seed: int) -> int:
+    """Bring the suite up, attack it, and take it down."""
+    command = [str(Path(sys.executable).parent / "robomech"), "bringup", "--robot", robot]
+    with open(os.environ.get("FUZZ_LOG", os.devnull), "w", encoding="utf-8") as log:
+        suite = subprocess.Popen(command, stdout=log, stderr=log)
+        try:
+            faults = attack_suite(suite, load_robot(robot), count, seed)
+        finally:
+            suite.send_signal(signal.SIGINT)
+            code = suite.wait(START)
+    if code:
+        print(f"FAULT bringup ended with exit code {code}")
+    return 1 if faults or code else 0
+
+
+def attack_suite(suite: subprocess.Popen[bytes], chain: SerialChain, count: int, seed: int) -> bool:
+    """Attack a running suite; says whether something was wrong."""
+    rng = np.random.default_rng(seed)
+    rclpy.init(args=[])
+    node = Node("attacker")
+    deadline = time.monotonic() + START
+    while not set(NODE_MODULES) <= set(node.get_node_names()):
+        assert time.monotonic() < deadline, "the suite does not come up"
+        time.sleep(0.1)
+    time.sleep(3.0)
+    watch = Watch(node, chain)
+    maker = MessageMaker(rng, chain)
+    attack = Attack(node, list(NODE_MODULES), maker, rng, lambda: suite.poll() is None)
+    began = time.monotonic()
+    attack.run(count)
+    if watch.fault:
+        attack.outcome.faults.append(watch.fault)
+    if suite.poll() is None and (why := why_it_does_not_move(attack, chain)):
+        attack.outcome.faults.append(f"no motion is possible afterwards: {why}")
+    report(attack.outcome, time.monotonic() - began)
+    node.destroy_node()
+    rclpy.try_shutdown()
+    return bool(attack.outcome.faults or attack.outcome.unanswered)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

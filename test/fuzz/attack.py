@@ -1,0 +1,237 @@
+"""Random requests, goals, messages and bytes to all nodes of a running suite."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from findings import code_of, fault_of
+from messages import MessageMaker
+from raw_writer import RawWriter
+from rclpy.action import get_action_server_names_and_types_by_node
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+from rclpy.task import Future
+
+from robomech_ros.nodes.commands.message_yaml import interface_class
+from robomech_ros.nodes.common.deep_queues import ask, ask_action
+
+__all__ = ["Attack", "Outcome"]
+
+WINDOW = 100
+# A request that is not answered after so long counts as unanswered, s.
+PATIENCE = 60.0
+# Services that every node has from rclpy, and topics that all nodes share.
+_PLUMBING = ("parameter", "type_description", "/_action/")
+_SHARED = ("/parameter_events", "/rosout", "/clock", "/joint_states")
+# Those who want latched messages hear no others; all others hear these, too.
+_LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
+
+
+@dataclass
+class Outcome:
+    """What came of an attack.
+
+    Attributes
+    ----------
+    codes : mapping of str to Counter
+        Of each service and action how often each code was answered.
+    faults : list of str
+        What no answer may be.
+    unanswered : Counter
+        Requests without an answer, by service.
+    messages : int
+        Sent to topics.
+    raw : int
+        Byte strings sent that are no message.
+    """
+
+    codes: dict[str, Counter[int]] = field(default_factory=lambda: defaultdict(Counter))
+    faults: list[str] = field(default_factory=list)
+    unanswered: Counter[str] = field(default_factory=Counter)
+    messages: int = 0
+    raw: int = 0
+
+    @property
+    def answered(self) -> int:
+        """How many requests and goals were answered."""
+        return sum(counts.total() for counts in self.codes.values())
+
+
+class Attack:
+    """Sends random things to some nodes, a window of requests at a time.
+
+    Parameters
+    ----------
+    node : Node
+        The attacker.
+    names : sequence of str
+        The nodes that are attacked.
+    maker : MessageMaker
+    rng : numpy.random.Generator
+    alive : callable
+        Says whether the nodes still run.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        names: list[str],
+        maker: MessageMaker,
+        rng: np.random.Generator,
+        alive: Callable[[], bool],
+    ) -> None:
+        self.outcome = Outcome()
+        self._node, self._maker, self._rng, self._alive = node, maker, rng, alive
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor.add_node(node)
+        self._waiting: dict[Future, tuple[str, str, float]] = {}
+        self._find(names)
+
+    def _find(self, names: list[str]) -> None:
+        node, own = self._node, self._node.get_namespace()
+        self._services, self._raw, self._topics, self._actions = [], [], [], []
+        for name in names:
+            for service, kinds in node.get_service_names_and_types_by_node(name, own):
+                if not any(part in service for part in _PLUMBING):
+                    kind = interface_class(kinds[0])
+                    self._services.append((service, kinds[0], kind, ask(node, kind, service)))
+                    self._raw.append(RawWriter(node, kind, service))
+            for action, kinds in get_action_server_names_and_types_by_node(node, name, own):
+                kind = interface_class(kinds[0])
+                self._actions.append((action, kinds[0], kind, ask_action(node, kind, action)))
+            for topic, kinds in node.get_subscriber_names_and_types_by_node(name, own):
+                if topic not in _SHARED and "/_action/" not in topic:
+                    kind = interface_class(kinds[0])
+                    publisher = node.create_publisher(kind, topic, _LATCHED)
+                    self._topics.append((kind, publisher))
+        states = interface_class("sensor_msgs/msg/JointState")
+        self._states = states, node.create_publisher(states, "joint_states", 10)
+
+    def run(self, count: int) -> None:
+        """Send so many things, and wait for all answers."""
+        ways = dict(zip(_ODDS, self._ways(), strict=True))
+        for way in self._rng.choice(list(_ODDS), count, p=list(_ODDS.values())):
+            ways[str(way)]()
+            self._spin(WINDOW)
+            if not self._alive():
+                self.outcome.faults.append("a node has ended")
+                return
+        self.settle()
+
+    def _ways(self) -> Iterator[Callable[[], None]]:
+        yield from (self._request, self._message, self._bytes, self._goal)
+
+    def settle(self) -> None:
+        """End all motions, and wait until nothing is unanswered."""
+        deadline = time.monotonic() + PATIENCE
+        while self._waiting and time.monotonic() < deadline:
+            for service, name, kind, client in self._services:
+                if service.endswith(("/cancel", "/hold", "/resume")):
+                    self._await(client.call_async(kind.Request()), service, name)
+            until = time.monotonic() + 1.0
+            while self._waiting and time.monotonic() < until:
+                self._spin(0)
+        for service, _, _ in self._waiting.values():
+            self.outcome.unanswered[service] += 1
+        self._waiting.clear()
+
+    def call(self, service: str, kind: Any, request: Any) -> Any:
+        """Call one service and give its answer; None where none comes."""
+        future = ask(self._node, kind, service).call_async(request)
+        self._executor.spin_until_future_complete(future, PATIENCE)
+        return future.result()
+
+    def _spin(self, most: int) -> None:
+        self._executor.spin_once(0.0)
+        while len(self._waiting) > most:
+            self._executor.spin_once(0.01)
+            self._drop_late()
+            if most == 0:
+                return
+
+    def _drop_late(self) -> None:
+        now = time.monotonic()
+        for future, (service, _, sent) in list(self._waiting.items()):
+            if now - sent > PATIENCE:
+                self.outcome.unanswered[service] += 1
+                del self._waiting[future]
+
+    def _await(self, future: Future, name: str, kind: str) -> None:
+        self._waiting[future] = name, kind, time.monotonic()
+        future.add_done_callback(self._take)
+
+    def _take(self, future: Future) -> None:
+        if future not in self._waiting:
+            return
+        name, kind, _ = self._waiting.pop(future)
+        answer = future.result()
+        answer = getattr(answer, "result", answer)
+        self.outcome.codes[name][code_of(answer)] += 1
+        fault = fault_of(answer, kind)
+        if fault:
+            self.outcome.faults.append(f"{name}: {fault}")
+
+    def _pick(self, entries: list[Any]) -> Any:
+        return entries[int(self._rng.integers(len(entries)))]
+
+    def _request(self) -> None:
+        service, name, kind, client = self._pick(self._services)
+        self._await(client.call_async(self._maker.make(kind.Request)), service, name)
+
+    def _goal(self) -> None:
+        action, name, kind, client = self._pick(self._actions)
+        cancelled = self._rng.random() < 0.5
+
+        def accepted(future: Future) -> None:
+            handle = future.result()
+            if not handle.accepted:
+                self.outcome.codes[action][-1] += 1
+                return
+            self._await(handle.get_result_async(), action, name)
+            if cancelled:
+                handle.cancel_goal_async()
+
+        client.send_goal_async(self._maker.make(kind.Goal)).add_done_callback(accepted)
+
+    def _message(self) -> None:
+        kind, publisher = self._pick(self._topics)
+        publisher.publish(self._maker.make(kind))
+        self.outcome.messages += 1
+
+    def _bytes(self) -> None:
+        """Send a message cut, with flipped bits, or random bytes."""
+        if self._rng.random() < 0.5:
+            k = int(self._rng.integers(len(self._services)))
+            write, kind = self._raw[k].write, self._services[k][2].Request
+        else:
+            kind, publisher = self._pick([*self._topics, self._states])
+            write = partial(_published, publisher)
+        data = bytearray(serialize_message(self._maker.make(kind)))
+        way = self._rng.integers(3)
+        if way == 0:
+            del data[int(self._rng.integers(len(data) + 1)) :]
+        elif way == 1:
+            for place in self._rng.integers(4, max(5, len(data)), 8):
+                data[min(place, len(data) - 1)] ^= int(self._rng.integers(1, 256))
+        else:
+            data[4:] = self._rng.bytes(int(self._rng.integers(200)))
+        self.outcome.raw += write(bytes(data))
+
+
+def _published(publisher: Any, data: bytes) -> bool:
+    """Publish bytes; says whether the middleware sends such bytes."""
+    try:
+        publisher.publish(data)
+    except rclpy_implementation.RCLError:
+        return False
+    return True
