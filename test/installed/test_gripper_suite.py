@@ -20,9 +20,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "nodes" / "motion")
 
 from gripper_cases import panda_with_hand, poses_by_frames, poses_by_pinocchio
 
+from robomech_interfaces.srv import SolveFK
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+
 PATIENCE = 60.0
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ARM = [f"panda_joint{k}" for k in range(1, 8)]
+HAND = ["panda_leftfinger", "panda_rightfinger"]
 FINGERS = ["panda_finger_joint1", "panda_finger_joint2"]
 TURN = 0.4
 
@@ -110,6 +114,12 @@ def test_a_gripper_is_closed_and_opened_while_the_arm_moves(bringup, outsider, t
         assert len(both) > 10
         positions = dict(zip(last.name, last.position, strict=True))
         expected = poses_by_pinocchio(panda_with_hand(), positions)
+        request = SolveFK.Request(states=[last], links=["panda_hand_tcp", *HAND])
+        answer = outsider.call(SolveFK, "kinematics/solve_fk", request)
+        assert answer.error_code == 0, answer.error_msg
+        for link, stamped in zip(request.links, answer.poses, strict=True):
+            found = matrix_from_pose(stamped.pose, link)
+            np.testing.assert_allclose(found, expected[link], atol=1e-9, err_msg=link)
         arrives = threading.Event()
         outsider.node.create_subscription(TFMessage, "/tf", lambda _: arrives.set(), 100)
         assert arrives.wait(PATIENCE)

@@ -19,7 +19,6 @@ from robomech_ros.execution.gripper.finger_plant import FingerPlant
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Fingers", "GripSettings"]
 
@@ -108,18 +107,18 @@ class Fingers:
         self._plant.effort = command.effort
         return motion
 
-    def follow(
-        self,
-        waypoints: Waypoints,
-        tolerances: Tolerances,
-        now: float,
-        delay: float,
-        on_end: Callable[[GoalResult], None],
-        by: str,
-    ) -> TrajectoryGoal:
-        """Follow a trajectory, instead of whatever they are doing; see `Follower.start`."""
+    def follow(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
+        """Have the follower follow a trajectory, instead of whatever they are doing.
+
+        Parameters
+        ----------
+        start : callable
+            Starts it; may raise RobomechError, then nothing has changed.
+        by : str
+            Who sends it, for the text of the command that it replaces.
+        """
         with self._from_where_they_are():
-            goal = self._follower.start(waypoints, tolerances, now, delay, on_end, by)
+            goal = start()
         if goal is not self._follower.waiting:
             self._replace(None, f"preempted by {by}")
             self._plant.effort = self._strongest

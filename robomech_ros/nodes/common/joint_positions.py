@@ -13,6 +13,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
+from robomech_ros.robots.following_chain import FollowingChain
 
 __all__ = ["JointPositions", "StateSettings", "is_empty"]
 
@@ -54,7 +55,7 @@ class JointPositions:
         self._model = model
         self._monitor = monitor
 
-    def read(self, chain: SerialChain, state: JointState, what: str) -> Array:
+    def read(self, chain: SerialChain | FollowingChain, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
         whole, size = self._model.chain, len(state.position)
         if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
@@ -72,7 +73,11 @@ class JointPositions:
         return positions_by_name(state, chain.joint_names, what, self._model.joint_names)
 
     async def read_or_present(
-        self, chain: SerialChain, state: JointState, what: str, patience: float
+        self,
+        chain: SerialChain | FollowingChain,
+        state: JointState,
+        what: str,
+        patience: float,
     ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
 
@@ -111,7 +116,10 @@ class JointPositions:
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
     async def rows(
-        self, chains: Sequence[SerialChain], states: Sequence[JointState], patience: float
+        self,
+        chains: Sequence[SerialChain | FollowingChain],
+        states: Sequence[JointState],
+        patience: float,
     ) -> list[Array]:
         """Read the positions of many states for many chains; of no states, the present ones.
 

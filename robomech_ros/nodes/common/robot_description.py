@@ -9,7 +9,12 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
-from robomech_ros.errors import BadValueError, RobomechError, UnknownLinkError
+from robomech_ros.errors import (
+    BadValueError,
+    RobomechError,
+    RobotDescriptionError,
+    UnknownLinkError,
+)
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
@@ -22,6 +27,7 @@ from robomech_ros.robots import (
     load_description,
     main_chain,
 )
+from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
 from robomech_ros.robots.library import is_document
 
@@ -140,6 +146,7 @@ class RobotModel:
         self.chain: SerialChain = main_chain(description, self.semantic, base_link, tip_link, group)
         self._group_chains: dict[tuple[str, str], SerialChain] = {}
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
+        self._ways: dict[str, FollowingChain] = {}
         self._chains = {self.chain.tip: self.chain, "": self.chain}
         self.fixed_frames = _fixed_frames(description, self.chain.base)
 
@@ -197,6 +204,22 @@ class RobotModel:
         except UnknownLinkError:
             return self.description.chain(self.chain.base, link)
 
+    def way_to(self, link: str) -> SerialChain | FollowingChain:
+        """Give what moves any link below the base, joints that mimic others included.
+
+        Raises
+        ------
+        UnknownLinkError, RobotDescriptionError
+            As :meth:`chain_to`, other than for joints that mimic.
+        """
+        try:
+            return self.chain_to(link)
+        except RobotDescriptionError:
+            name = self.link_of(link)
+            if name not in self._ways:
+                self._ways[name] = following_chain(self.description, self.chain.base, name)
+            return self._ways[name]
+
     @property
     def groups(self) -> Mapping[str, Group]:
         """The groups that requests may name: those given, else the configured chain alone."""
@@ -232,9 +255,18 @@ class RobotModel:
         """Name the joints of a group, "" being the configured chain."""
         return self.groups[group].joints if group else self.chain.joint_names
 
-    def posture(self, chain: SerialChain, name: str) -> Array:
-        """Find a named posture of a chain, shape (n,) (rad or m)."""
-        return self.semantic.posture(chain, name)
+    def posture(self, way: SerialChain | FollowingChain, name: str) -> Array:
+        """Find a named posture of the joints that move a link, shape (n,) (rad or m).
+
+        Where some of those mimic others, it is one of the configured chain, and the joints outside
+        it rest.
+        """
+        if isinstance(way, SerialChain):
+            return self.semantic.posture(way, name)
+        own = self.semantic.posture(self.chain, name)
+        given = dict(zip(self.chain.joint_names, own.tolist(), strict=True))
+        positions = self.description.joint_positions(given)
+        return np.array([positions[joint] for joint in way.joint_names])
 
     def learn(self, semantic: SemanticDescription) -> None:
         """Take other groups and named postures than so far; the configured chain stays."""

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from trajectory_msgs.msg import JointTrajectory
 
@@ -140,7 +141,8 @@ class CommandedJoints:
             with self.lock:
                 now = self._clock.now()
                 delay = self._clock.until(trajectory.header.stamp, now)
-                goal = self._start(waypoints, held_to, now, delay, end, by)
+                start = partial(self.follower.start, waypoints, held_to, now, delay, end, by)
+                goal = self._begin(start, by)
                 self.counts.accept()
                 return goal
         except RobomechError as error:
@@ -148,17 +150,9 @@ class CommandedJoints:
                 self.counts.refuse(code_of(error), str(error), trajectory_label(trajectory))
             raise
 
-    def _start(
-        self,
-        waypoints: Waypoints,
-        tolerances: Tolerances,
-        now: float,
-        delay: float,
-        on_end: Callable[[GoalResult], None],
-        by: str,
-    ) -> TrajectoryGoal:
-        """Have a trajectory followed that has been read; see `Follower.start`."""
-        return self.follower.start(waypoints, tolerances, now, delay, on_end, by)
+    def _begin(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
+        """Have the follower start a trajectory of a sender; the lock is held."""
+        return start()
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:
         """Check a trajectory; cycles go on while a long one is read, so without the lock."""

@@ -81,6 +81,8 @@ class JointTrajectoryControllerNode(Node):
         kind = f" by {settings.dynamic_control}" if robot.dynamic else ""
         rate = f"{chain.n} joints at {settings.publish_rate:g} Hz"
         self.get_logger().info(f"ready: {chain.name} simulated{kind}, {rate}")
+        if self._gripper is not None:
+            self.get_logger().info(f"gripper: {self._gripper.says()}")
         if unlimited := robot.unlimited_joints():
             text = (
                 f"no effort limit is known of {', '.join(unlimited)}: nothing limits their drives"

@@ -1,5 +1,7 @@
 """Fingers: commands, what stops them, and their limits, without ROS."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -51,7 +53,8 @@ class Rig:
         rows = np.array([np.broadcast_to(start, 2), np.broadcast_to(goal, 2)], dtype=float)
         points = Waypoints(np.array([0.0, duration]), rows, still, still)
         results = []
-        self.fingers.follow(points, ANY, self.now, 0.0, results.append, "a trajectory")
+        start = partial(self.follower.start, points, ANY, self.now, 0.0, results.append)
+        self.fingers.follow(start, "a trajectory")
         return results
 
     def run(self, seconds):

@@ -6,6 +6,10 @@ from gripper_cases import PALLETISER, poses_by_frames, poses_by_pinocchio
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 
+from robomech_interfaces.srv import SolveFK
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -33,3 +37,27 @@ def test_joints_that_mimic_those_of_the_chain_follow(drive):
         leading = {name: positions[name] for name in ("shoulder", "elbow")}
         np.testing.assert_allclose(ours.link_poses(leading)[link], pose, atol=1e-12)
     assert set(by_frames) == set(ours.links) - {"base_link"}
+
+
+def test_forward_kinematics_of_links_behind_joints_that_mimic_others(drive):
+    arm = drive(robot_description=PALLETISER, initial_positions=[0.2, 0.4])
+    arm.graph.start(KinematicsNode, robot_description=PALLETISER)
+    links = ["level", "bar", "tool0", "base_link"]
+    leading = joint_state(["elbow", "shoulder"], np.array([0.4, 0.2]))
+    expected = poses_by_pinocchio(
+        PALLETISER, {"shoulder": 0.2, "elbow": 0.4, "bar_joint": 0.3, "level_joint": 0.15}
+    )
+    # From the joints that lead, from all of them, and from where the robot is.
+    for states in ([leading], [arm.states[-1]], []):
+        request = SolveFK.Request(states=states, links=links)
+        answer = arm.graph.call(SolveFK, "kinematics/solve_fk", request)
+        assert answer.error_code == 0, answer.error_msg
+        for link, stamped in zip(links, answer.poses, strict=True):
+            pose = matrix_from_pose(stamped.pose, link)
+            np.testing.assert_allclose(pose, expected[link], atol=1e-12, err_msg=link)
+    unnamed = SolveFK.Request(states=[joint_state((), np.array([0.2]))], links=["bar"])
+    answer = arm.graph.call(SolveFK, "kinematics/solve_fk", unnamed)
+    assert answer.error_code == 0, answer.error_msg
+    np.testing.assert_allclose(
+        matrix_from_pose(answer.poses[0].pose, "bar"), expected["bar"], atol=1e-12
+    )

@@ -61,6 +61,11 @@ GRIPPER = """
 """
 
 
+def with_gripper():
+    text = Path(load_description("ur5e").where).read_text(encoding="utf-8")
+    return text.replace("</robot>", GRIPPER + "</robot>")
+
+
 @pytest.fixture
 def puma(graph):
     graph.start(KinematicsNode, robot_description="puma560", state_timeout=0.0)
@@ -70,9 +75,7 @@ def puma(graph):
 @pytest.fixture
 def gripped(graph):
     """A UR5e with two fingers, of which one follows the other."""
-    text = Path(load_description("ur5e").where).read_text(encoding="utf-8")
-    text = text.replace("</robot>", GRIPPER + "</robot>")
-    options = {"robot_description": text, "tip_link": "tool0", "state_timeout": 0.0}
+    options = {"robot_description": with_gripper(), "tip_link": "tool0", "state_timeout": 0.0}
     graph.start(KinematicsNode, **options)
     return graph
 
@@ -591,16 +594,19 @@ def test_fk_refuses_by_name(graph, fields, code, words):
     assert not response.pose_stamped
 
 
-def test_a_finger_that_follows_another_has_no_pose_here(gripped):
+def test_a_finger_that_follows_another_is_where_the_other_has_it(gripped):
     whole = state([*UR_Q, 0.01], [*UR5E.joint_names, "grip"])
     response = compute_fk(gripped, fk_link_names=["finger", "thumb"], robot_state=whole)
-    assert response.error_code.val == MoveItErrorCodes.INVALID_LINK_NAME
-    assert "mimics" in response.error_code.message
-    assert response.fk_link_names == ["finger"]
+    assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code
+    assert response.fk_link_names == ["finger", "thumb"]
+    links = load_description(with_gripper()).link_poses(
+        dict(zip(whole.joint_state.name, whole.joint_state.position, strict=True))
+    )
     tool = forward_kinematics(UR5E, UR_Q)
-    expected = tool @ [0.0, 0.02, 0.1, 1.0]
-    reached = response.pose_stamped[0].pose.position
-    np.testing.assert_allclose([reached.x, reached.y, reached.z], expected[:3], atol=1e-12)
+    np.testing.assert_allclose(links["finger"][:3, 3], (tool @ [0.0, 0.02, 0.1, 1.0])[:3])
+    for name, stamped in zip(response.fk_link_names, response.pose_stamped, strict=True):
+        found = matrix_from_pose(stamped.pose, name)
+        np.testing.assert_allclose(found, links[name], atol=1e-12)
 
 
 def test_without_moveit_msgs_the_node_serves_the_rest(graph, monkeypatch):

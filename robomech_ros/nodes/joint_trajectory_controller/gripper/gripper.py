@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
-from robomech_ros.execution.controller.trajectory_goal import GoalResult, TrajectoryGoal
+from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.gripper.finger_motion import (
     FingerCommand,
     FingerEnd,
@@ -20,7 +20,6 @@ from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
 from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
 from robomech_ros.execution.gripper.received_command import CommandReader
 from robomech_ros.execution.joints import Joints
-from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
@@ -32,7 +31,6 @@ from robomech_ros.robots import Joint
 from robomech_ros.robots.fingers import FingerOpening, finger_ends, finger_joints
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
-from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["Gripper", "gripper_of"]
 
@@ -124,6 +122,13 @@ class Gripper(CommandedJoints):
         self.reader = CommandReader(limits, self.commanded, fastest, strongest)
         self.change(settings)
 
+    def says(self) -> str:
+        """Say in one line which joints there are, and what commands them."""
+        names = ", ".join(self.joint_names)
+        if not self.commanded:
+            return f"{names}; gripper_cmd needs the parameter gripper_joint, or names"
+        return f"{names}; {self.place}/gripper_cmd moves {', '.join(self.commanded)}"
+
     def check(self, settings: ControllerSettings) -> None:
         """Refuse an object that these fingers cannot hold."""
         self._contact(settings)
@@ -178,16 +183,8 @@ class Gripper(CommandedJoints):
         message.header.stamp.sec, message.header.stamp.nanosec = self.stamp()
         return message
 
-    def _start(
-        self,
-        waypoints: Waypoints,
-        tolerances: Tolerances,
-        now: float,
-        delay: float,
-        on_end: Callable[[GoalResult], None],
-        by: str,
-    ) -> TrajectoryGoal:
-        return self._fingers.follow(waypoints, tolerances, now, delay, on_end, by)
+    def _begin(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
+        return self._fingers.follow(start, by)
 
     def _contact(self, settings: ControllerSettings) -> Contact | None:
         """Find where the simulated object stops the fingers; None for nothing."""
