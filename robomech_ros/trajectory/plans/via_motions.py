@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, LimitExceededError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.trajectory.curves.time_scaling import checked_duration
+from robomech_ros.trajectory.curves.bounded_spline import bounded_spline
+from robomech_ros.trajectory.curves.knots import knots_at, spaced_knots
+from robomech_ros.trajectory.curves.time_scaling import checked_duration, fitted
 from robomech_ros.trajectory.joint_points import joint_points
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.plans.jerk_limited_through import jerk_limited_through
@@ -23,7 +26,7 @@ from robomech_ros.trajectory.plans.sampled_plan import (
     check_can_be_sampled,
     sampled_motion,
 )
-from robomech_ros.trajectory.plans.spline_motions import spline_through
+from robomech_ros.trajectory.plans.spline_motions import Spline, spline_through
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS, via_polynomial
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
@@ -56,8 +59,31 @@ def _spline(
     try:
         return spline_through(points, limits=limits, at=at, spacing=spacing, duration=duration)
     except LimitExceededError:
-        # By distances it swings out less between the points.
-        return spline_through(points, limits=limits, at=at, duration=duration)
+        # By distances it swings out less between the points, and with more knots not at all.
+        try:
+            return spline_through(points, limits=limits, at=at, duration=duration)
+        except LimitExceededError:
+            inside = _inside_limits(points, limits, at, duration)
+            if inside is None:
+                raise
+            return inside
+
+
+def _inside_limits(
+    points: FloatArray, limits: Limits, at: FloatArray | None, duration: float | None
+) -> Spline | None:
+    """Plan a spline that the position limits hold back between the points."""
+    if at is None:
+        knots = spaced_knots(points, "centripetal", limits.velocity)
+    else:
+        knots = knots_at(at, len(points))
+    # A start outside, within the slack, may stay there.
+    lower, upper = np.minimum(limits.lower, points[0]), np.maximum(limits.upper, points[0])
+    shape = bounded_spline(knots, points, lower, upper)
+    if shape is None:
+        return None
+    pieces = fitted(shape, limits, duration)
+    return Spline(points, knots * (pieces.duration / shape.duration), "rest", pieces)
 
 
 def _finding_instants(
@@ -106,7 +132,8 @@ def through_points(
     profile : str
         With via points ``"cubic_spline"``, ``"ruckig"``, ``"time_optimal"`` (along the natural
         cubic spline through all points), or ``"poly345"`` and ``"poly4567"`` for at most two of
-        them; without any of `PROFILES`.
+        them; without any of `PROFILES`.  Splines that would leave the position limits between
+        the points have more knots there.
     at : array_like, shape (m - 2,), optional
         Which part of the duration is over at each via point, strictly between 0 and 1 and
         increasing; default the best that is known.  Not with ``"ruckig"`` and ``"time_optimal"``.

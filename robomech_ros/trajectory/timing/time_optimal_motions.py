@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from robomech_ros.errors import LimitExceededError
+from robomech_ros.trajectory.curves.bounded_spline import bounded_spline
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.fewer_pieces import with_fewer_pieces
 from robomech_ros.trajectory.curves.knots import spaced_knots
@@ -111,7 +112,8 @@ def time_optimal_through(
 ) -> TimeOptimalThrough:
     """Plan from rest to rest along the natural cubic spline through all points.
 
-    Its knots are centripetal, in distances over the velocity limits.  Accelerations take 20 ms at
+    Its knots are centripetal, in distances over the velocity limits; there are more of them where
+    it would leave the position limits between the points.  Accelerations take 20 ms at
     least to rise to their limits, longer where jerk limits say so.
 
     Parameters
@@ -174,18 +176,22 @@ def _distinct(points: FloatArray) -> tuple[list[int], list[int]]:
 
 
 def _path_through(places: FloatArray, limits: Limits) -> tuple[FloatArray, PiecewisePolynomial]:
-    """Lay the natural spline; give its parameters (m,) at the places (m, n), too."""
+    """Lay the natural spline; give its parameters (m,) at the places (m, n), too.
+
+    A kink takes time, but swings out less; with more knots nothing swings out.
+    """
     centripetal = spaced_knots(places, "centripetal", limits.velocity)
-    parameters = _without_kinks(centripetal)
-    path = cubic_spline(parameters, places, "natural")
-    if parameters is centripetal:
-        return centripetal, path
-    try:
-        check_positions(path, places[0], limits)
-    except LimitExceededError:
-        # A kink takes time, but swings out less.
-        return centripetal, cubic_spline(centripetal, places, "natural")
-    return parameters, path
+    for parameters in (_without_kinks(centripetal), centripetal):
+        path = cubic_spline(parameters, places, "natural")
+        try:
+            check_positions(path, places[0], limits)
+        except LimitExceededError:
+            continue
+        return parameters, path
+    # A start outside, within the slack, may stay there.
+    lower, upper = np.minimum(limits.lower, places[0]), np.maximum(limits.upper, places[0])
+    inside = bounded_spline(centripetal, places, lower, upper, "natural")
+    return centripetal, path if inside is None else inside
 
 
 def _without_kinks(knots: FloatArray) -> FloatArray:

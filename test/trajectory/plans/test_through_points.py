@@ -162,3 +162,32 @@ def test_bad_requests_are_refused(count, changes, error, text):
     points, limits = random_case(4, count)
     with pytest.raises(error, match=text):
         through_points(points, limits=limits, **changes)
+
+
+ON_THE_LIMIT = {
+    "stays, then leaves": [[0, 0], [1, 0], [2, 1]],
+    "leaves slowly": [[0, 0], [1, 0.01], [2, 1]],
+    "comes back": [[0, 0], [1, 1], [2, 0], [2.5, 1]],
+    "stays twice": [[0, 0], [0.3, 0], [0.6, 0], [1, 0.5], [2, 1]],
+    "arrives early": [[0, 1], [1, 0], [2, 0]],
+}
+
+
+@pytest.mark.parametrize("profile", ["cubic_spline", "time_optimal"])
+@pytest.mark.parametrize("name", ON_THE_LIMIT)
+def test_issue_12_a_joint_may_start_or_stop_on_its_position_limit(name, profile):
+    """Splines swung out of the limit, by 0.0766 rad in the first case, and were refused."""
+    limits = Limits(
+        ("a", "b"), velocity=1.0, acceleration=2.0, jerk=20.0, lower=[-3, 0], upper=[3, 3]
+    )
+    points = np.array(ON_THE_LIMIT[name], dtype=float)
+    motion = through_points(points, limits=limits, profile=profile)
+    assert verify(motion, limits, start=points[0]).ok
+    np.testing.assert_allclose(motion.sample(motion.knots).position, points, atol=1e-6)
+    unbounded = Limits(("a", "b"), velocity=1.0, acceleration=2.0, jerk=20.0)
+    free = through_points(points, limits=unbounded, profile=profile)
+    assert motion.duration < 1.25 * free.duration
+    plan = sampled_through_points(
+        points, limits=limits, profile=profile, period=0.01, max_points=99_999
+    )
+    assert plan.verification.ok

@@ -118,10 +118,14 @@ def test_wanted_durations_and_scales():
         through(limits=NO_JERK, jerk_scale=0.5)
 
 
-def test_a_path_that_swings_out_of_the_limits_is_refused():
+def test_a_path_that_swings_out_of_the_limits_is_held_back():
     held = Limits(["slide"], velocity=1.0, acceleration=2.0, jerk=30.0, lower=0.0, upper=0.5)
+    points = np.array([[0.0], [0.499], [0.5], [0.1]])
+    motion = through(points, held)
+    assert verify(motion, held, start=points[0]).ok
+    np.testing.assert_allclose(motion.sample(motion.knots).position, points, atol=1e-7)
     with pytest.raises(LimitExceededError, match="position on the way of joint 'slide'"):
-        through(np.array([[0.0], [0.499], [0.5], [0.1]]), held)
+        through(np.array([[0.0], [0.499], [0.6], [0.1]]), held)
 
 
 def test_a_straight_line_out_of_the_limits_is_refused():
