@@ -44,6 +44,7 @@ NODES = {
     "/trajectory_planner",
     "/trajectory_publisher",
 }
+UR_HOME = [0.5, -1.2, 1.1, -0.6, 0.9, 0.2]
 PUMA_Q = [0.3, -0.4, 0.2, 0.5, 0.6, -0.7]
 
 
@@ -418,13 +419,21 @@ def test_every_node_explains_its_parameters(suite):
 
 
 def test_demo_of_a_robot_from_a_path(suite, tmp_path, repository):
-    """A URDF without acceleration limits is taken, too, with a word about what is assumed."""
+    """A URDF without acceleration limits, with a word about what is assumed, and an SRDF."""
     bare = tmp_path / "bare.urdf"
     bare.write_bytes((repository / "config" / "robots" / "ur5e.urdf").read_bytes())
-    done = suite.run(
-        "robomech", "demo", "--robot", str(bare), "--output", str(tmp_path / "out"), timeout=120
+    home = dict(zip(load_robot("ur5e").joint_names, UR_HOME, strict=True))
+    joints = "".join(f'<joint name="{name}" value="{at}"/>' for name, at in home.items())
+    srdf = tmp_path / "bare.srdf"
+    srdf.write_text(
+        '<robot name="ur5e"><group name="arm"><chain base_link="base_link" tip_link="tool0"/>'
+        f'</group><group_state name="home" group="arm">{joints}</group_state></robot>'
     )
+    files = ["--robot", str(bare), "--srdf", str(srdf), "--output", str(tmp_path / "out")]
+    done = suite.run("robomech", "demo", *files, timeout=120)
     assert done.returncode == 0, done.stderr
+    assert f"stands at home: {' '.join(f'{at:.3f}' for at in UR_HOME)} rad or m" in done.stdout
+    assert "home, by its name" in done.stdout
     assert "bare.urdf gives no acceleration and no jerk limits" in done.stdout
     assert "everything worked" in done.stdout
     assert [path.suffix for path in (tmp_path / "out").iterdir()] == [".png"]
