@@ -1,46 +1,30 @@
 """compute_ik and compute_fk: what MoveIt's move_group answers, from the solvers of this package."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 from moveit_msgs.srv import GetPositionFK, GetPositionIK
-from numpy.typing import NDArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.nodes.common.deep_queues import serve
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pauses import Turns
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
+from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.moveit.ik_request import IkQuestion, IkTarget, read_ik_request
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
-from robomech_ros.nodes.moveit.serving import (
-    answering,
-    chain_of,
-    refuse_collision_checks,
-)
+from robomech_ros.nodes.moveit.serving import answering
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
-from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 
 __all__ = ["MoveItServices"]
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class _Question:
-    """A request of inverse kinematics, read and checked."""
-
-    chain: SerialChain
-    target: Array
-    positions: Positions
-    conditions: Conditions
-    timeout: float | None
+# Combinations of solutions of several links that are tried, so that nobody waits for all.
+_MOST_COMBINATIONS = 4096
 
 
 class MoveItServices:
@@ -76,62 +60,19 @@ class MoveItServices:
             serve(node, kind, name, answering(node, callback), callback_group=group)
 
     async def _compute_ik(self, request: Any, response: Any) -> tuple[int, str]:
-        question = await self._read(request.ik_request)
-        result = self._solve(question)
-        if not len(result):
-            return code_of_outcome(result.status), result.reason
-        positions, broken = _first_that_holds(question, result)
+        question = await read_ik_request(request.ik_request, self._robot, self._patience())
+        results = [_solved(target, question) for target in question.targets]
+        for target, result in zip(question.targets, results, strict=True):
+            if not len(result):
+                which = f"link '{target.chain.tip}': " if len(results) > 1 else ""
+                return code_of_outcome(result.status), f"{which}{result.reason}"
+        positions, broken = _first_that_holds(question, results)
         if broken:
             return MoveItErrorCodes.NO_IK_SOLUTION, broken
         response.solution.joint_state = self._robot.state(positions)
         frame = self._robot.model.base_frame
         response.solution.multi_dof_joint_state.header.frame_id = frame
-        return MoveItErrorCodes.SUCCESS, result.reason
-
-    async def _read(self, request: Any) -> _Question:
-        link, pose = _one_pose(request)
-        chain = chain_of(self._robot.model, request.group_name, link)
-        refuse_collision_checks(request)
-        frame = pose.header.frame_id
-        with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
-            T = matrix_from_pose(pose.pose, "pose_stamped.pose")
-            named = [frame, *frames_of(request.constraints)]
-            places = await self._robot.places(named, self._patience())
-            conditions = Conditions(request.constraints, self._robot, places)
-        with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
-            given = self._robot.read(request.robot_state)
-            # What a difference leaves out must be known, and what a condition is about; else a
-            # seed is a hint, of which the middle of the range is as good as any.
-            relative = request.robot_state.is_diff and bool(given)
-            to_base = self._robot.joints_to_base_of(chain)
-            needed = self._robot.joint_names if relative else (*conditions.joints, *to_base)
-            needed = [name for name in needed if relative or name not in chain.joint_names]
-            needed += [name for name in places[frame].joint_names if name not in needed]
-            positions = await self._robot.with_needed(given, needed, self._patience())
-        with refused_as(MoveItErrorCodes.FAILURE):
-            timeout = seconds_from_duration(request.timeout, "timeout") or None
-        positions = self._robot.with_defaults(positions)
-        in_base = places[frame].pose(positions)
-        target = T if in_base is None else in_base @ T
-        if chain.base != self._robot.model.chain.base:
-            target = inverse_pose(self._robot.base_of(chain, positions)) @ target
-        return _Question(chain, target, positions, conditions, timeout)
-
-    @staticmethod
-    def _solve(question: _Question) -> InverseKinematicsResult:
-        chain = question.chain
-        seed = np.array([question.positions[name] for name in chain.joint_names])
-        # A robot at its stop reports positions beyond it; the seed says where to be near to.
-        inside = np.clip(seed, chain.lower, chain.upper)
-        judged = bool(question.conditions)
-        return inverse_kinematics(
-            chain,
-            question.target,
-            seed=inside,
-            timeout=question.timeout,
-            include_windings=judged,
-            max_solutions=None if judged else 1,
-        )
+        return MoveItErrorCodes.SUCCESS, "; ".join(filter(None, (r.reason for r in results)))
 
     async def _compute_fk(self, request: Any, response: Any) -> tuple[int, str]:
         names = request.fk_link_names
@@ -172,33 +113,47 @@ class MoveItServices:
         return joints, faults
 
 
-def _first_that_holds(
-    question: _Question, result: InverseKinematicsResult
-) -> tuple[Positions, str]:
-    """Find the nearest solution that breaks no condition, as positions of all joints.
+def _solved(target: IkTarget, question: IkQuestion) -> InverseKinematicsResult:
+    """Find the solution nearest to the seed, or all of them where conditions have to hold."""
+    chain = target.chain
+    seed = np.array([question.positions[name] for name in chain.joint_names])
+    # A robot at its stop reports positions beyond it; the seed says where to be near to.
+    inside = np.clip(seed, chain.lower, chain.upper)
+    judged = bool(question.conditions)
+    return inverse_kinematics(
+        chain,
+        target.pose,
+        seed=inside,
+        timeout=question.timeout,
+        include_windings=judged,
+        max_solutions=None if judged else 1,
+    )
 
-    Where each breaks one, the text says what the nearest of all breaks; else it is empty.
+
+def _first_that_holds(
+    question: IkQuestion, results: Sequence[InverseKinematicsResult]
+) -> tuple[Positions, str]:
+    """Find the nearest solutions that break no condition, as positions of all joints.
+
+    Where all break one, the text says what the nearest of all breaks; else it is empty.
     """
-    first = ""
-    for q in result.q.tolist():
-        solved = zip(question.chain.joint_names, q, strict=True)
-        positions = {**question.positions, **dict(solved)}
+    first, count = "", 0
+    names = [name for target in question.targets for name in target.chain.joint_names]
+    for ranks in _combinations([len(result) for result in results]):
+        q = np.concatenate([result.q[rank] for result, rank in zip(results, ranks, strict=True)])
+        positions = {**question.positions, **dict(zip(names, q.tolist(), strict=True))}
         broken = question.conditions.broken(positions)
         if not broken:
             return positions, ""
-        first = first or broken
-    found = f"all {len(result)}" if result.complete else f"the {len(result)} known"
+        first, count = first or broken, count + 1
+    whole = count == math.prod(map(len, results)) and all(result.complete for result in results)
+    found = f"all {count}" if whole else f"the {count} known"
     return {}, f"{found} solutions break a constraint; the nearest: {first}"
 
 
-def _one_pose(request: Any) -> tuple[str, Any]:
-    """Find the one link of a request and its wanted pose."""
-    poses = list(request.pose_stamped_vector) or [request.pose_stamped]
-    links = list(request.ik_link_names) or [request.ik_link_name]
-    if len(links) != len(poses):
-        reason = f"{len(links)} names in ik_link_names for {len(poses)} poses, expected one of each"
-        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
-    if len(poses) > 1:
-        reason = f"pose_stamped_vector has {len(poses)} poses, expected one: the group has one tip"
-        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
-    return links[0], poses[0]
+def _combinations(counts: Sequence[int]) -> list[tuple[int, ...]]:
+    """List which solution of each link goes with which, the nearest ones first."""
+    if len(counts) > 1:
+        most = int(_MOST_COMBINATIONS ** (1.0 / len(counts)))
+        counts = [min(count, most) for count in counts]
+    return sorted(product(*map(range, counts)), key=lambda ranks: (max(ranks), sum(ranks)))

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
-from moveit_msgs.msg import MoveItErrorCodes, PositionIKRequest, RobotState
+from moveit_msgs.msg import (
+    Constraints,
+    JointConstraint,
+    MoveItErrorCodes,
+    PositionIKRequest,
+    RobotState,
+)
 from moveit_msgs.srv import GetCartesianPath, GetPositionIK
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
@@ -115,6 +121,69 @@ def test_what_a_group_cannot_do_is_refused(kinematics, fields, code, text):
     response = compute_ik(kinematics, everywhere(), PoseStamped(), **fields)
     assert response.error_code.val == code
     assert text in response.error_code.message
+
+
+def both(graph, wanted, **fields):
+    """Ask for both arms at once."""
+    links = ["left_tool", "right_tool"]
+    poses = [stamped_pose(pose_between("left_base", link, wanted), "left_base") for link in links]
+    fields = {"ik_link_names": links, "pose_stamped_vector": poses, "group_name": "both"} | fields
+    return compute_ik(graph, everywhere(), PoseStamped(), **fields)
+
+
+def test_two_arms_are_solved_at_once(kinematics):
+    arms = (*joints_of("left"), *joints_of("right"))
+    wanted = everywhere(**{name: everywhere()[name] + 0.12 for name in arms})
+    response = both(kinematics, wanted)
+    assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code.message
+    assert by_name(response.solution) == pytest.approx(wanted, abs=1e-7)
+
+
+def test_constraints_hold_of_both_arms_together(kinematics):
+    # The nearest solutions of both break the constraints; others, of each, do not.
+    nearest = by_name(both(kinematics, everywhere()).solution)
+    apart = [
+        JointConstraint(
+            joint_name=name, position=-nearest[name], tolerance_above=0.3, tolerance_below=0.3
+        )
+        for name in ("left_joint_5", "right_joint_5")
+    ]
+    response = both(kinematics, everywhere(), constraints=Constraints(joint_constraints=apart))
+    assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code.message
+    found = by_name(response.solution)
+    for one in apart:
+        assert abs(found[one.joint_name] - one.position) <= 0.3
+    for link in ("left_tool", "right_tool"):
+        reached, wanted = (pose_between("left_base", link, at) for at in (found, everywhere()))
+        np.testing.assert_allclose(reached, wanted, atol=1e-7)
+
+
+def test_one_arm_out_of_reach_is_named(kinematics):
+    links = ("left_tool", "right_tool")
+    poses = [stamped_pose(pose_between("left_base", link, everywhere()), "") for link in links]
+    poses[1].pose.position.x = 9.0
+    response = both(kinematics, everywhere(), pose_stamped_vector=poses)
+    assert response.error_code.val == MoveItErrorCodes.NO_IK_SOLUTION
+    assert response.error_code.message.startswith("link 'right_tool': ")
+
+
+@pytest.mark.parametrize(
+    ("links", "text"),
+    [
+        (["left_tool", "left_link_4"], "joint 'left_joint_1' moves both 'left_tool' and 'left_lin"),
+        (["left_tool"], "1 names in ik_link_names for 2 poses"),
+    ],
+)
+def test_links_with_a_joint_in_common_are_refused(kinematics, links, text):
+    response = both(kinematics, everywhere(), ik_link_names=links)
+    assert response.error_code.val == MoveItErrorCodes.INVALID_LINK_NAME
+    assert text in response.error_code.message
+
+
+def test_more_poses_than_joints_are_refused(kinematics):
+    fields = {"ik_link_names": ["left_tool"] * 99, "pose_stamped_vector": [PoseStamped()] * 99}
+    response = both(kinematics, everywhere(), **fields)
+    assert "has 99 poses, expected at most one a joint: 15" in response.error_code.message
 
 
 def test_groups_come_by_the_topic_too_and_by_their_links(graph):

@@ -441,7 +441,7 @@ REFUSALS = {
     "two poses": (
         {"ik_link_names": ["tool0", "tool0"], "pose_stamped_vector": [target(), target()]},
         LINK,
-        ["pose_stamped_vector", "one tip"],
+        ["ik_link_names: joint 'waist' moves both 'tool0' and 'tool0'", "no joint in common"],
     ),
     "frame": (
         {"pose_stamped": target(frame="moon")},

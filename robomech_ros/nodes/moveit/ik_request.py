@@ -1,0 +1,142 @@
+"""Requests of compute_ik, read and checked field by field."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations
+from typing import Any, NamedTuple
+
+import numpy as np
+from moveit_msgs.msg import MoveItErrorCodes
+from numpy.typing import NDArray
+
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.moveit.conditions import Conditions, frames_of
+from robomech_ros.nodes.moveit.refusals import RefusedError, refused_as
+from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks
+from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import inverse_pose
+
+__all__ = ["IkQuestion", "IkTarget", "read_ik_request"]
+
+Array = NDArray[np.float64]
+
+
+class IkTarget(NamedTuple):
+    """The wanted pose of one link.
+
+    Attributes
+    ----------
+    chain : SerialChain
+        To the link.
+    pose : ndarray, shape (4, 4)
+        ``T_base_link`` in the base of the chain (m).
+    """
+
+    chain: SerialChain
+    pose: Array
+
+
+@dataclass(frozen=True)
+class IkQuestion:
+    """What a request asks for.
+
+    Attributes
+    ----------
+    targets : tuple of IkTarget
+        Of chains that have no joint in common.
+    positions : mapping
+        Where all joints are, rad or m.
+    conditions : Conditions
+        What must hold of an answer.
+    timeout : float or None
+        s; None for any time.
+    """
+
+    targets: tuple[IkTarget, ...]
+    positions: Positions
+    conditions: Conditions
+    timeout: float | None
+
+
+async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> IkQuestion:
+    """Read a request.
+
+    Parameters
+    ----------
+    request : PositionIKRequest
+    robot : WholeRobot
+    patience : float
+        How long to wait for the present state and for frames (s).
+
+    Raises
+    ------
+    RefusedError
+        It cannot be served as it is; the code says by which part of it.
+    """
+    links, wanted = _links_and_poses(request, len(robot.joint_names))
+    chains = [chain_of(robot.model, request.group_name, link) for link in links]
+    _check_apart(chains, robot)
+    refuse_collision_checks(request)
+    frames = [pose.header.frame_id for pose in wanted]
+    with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
+        poses = [matrix_from_pose(pose.pose, "pose_stamped.pose") for pose in wanted]
+        named = [*frames, *frames_of(request.constraints)]
+        places = await robot.places(named, patience)
+        conditions = Conditions(request.constraints, robot, places)
+    with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
+        given = robot.read(request.robot_state)
+        # What a difference leaves out must be known, and what a condition is about; else a seed is
+        # a hint, of which the middle of the range is as good as any.
+        relative = request.robot_state.is_diff and bool(given)
+        solved = {name for chain in chains for name in chain.joint_names}
+        to_bases = [name for chain in chains for name in robot.joints_to_base_of(chain)]
+        needed = robot.joint_names if relative else (*conditions.joints, *to_bases)
+        needed = [name for name in needed if relative or name not in solved]
+        moving = [name for frame in frames for name in places[frame].joint_names]
+        needed = list(dict.fromkeys([*needed, *moving]))
+        positions = await robot.with_needed(given, needed, patience)
+    with refused_as(MoveItErrorCodes.FAILURE):
+        timeout = seconds_from_duration(request.timeout, "timeout") or None
+    positions = robot.with_defaults(positions)
+    in_bases = [places[frame].pose(positions) for frame in frames]
+    targets = [
+        IkTarget(chain, _in_base(chain, T if in_base is None else in_base @ T, robot, positions))
+        for chain, T, in_base in zip(chains, poses, in_bases, strict=True)
+    ]
+    return IkQuestion(tuple(targets), positions, conditions, timeout)
+
+
+def _in_base(chain: SerialChain, pose: Array, robot: WholeRobot, positions: Positions) -> Array:
+    """Give a pose in the configured base in the base of a chain."""
+    if chain.base == robot.model.chain.base:
+        return pose
+    below: Array = inverse_pose(robot.base_of(chain, positions)) @ pose
+    return below
+
+
+def _links_and_poses(request: Any, most: int) -> tuple[list[str], list[Any]]:
+    """Find the links of a request and their wanted poses, no more than joints."""
+    poses = list(request.pose_stamped_vector) or [request.pose_stamped]
+    links = list(request.ik_link_names) or [request.ik_link_name]
+    if len(links) != len(poses):
+        reason = f"{len(links)} names in ik_link_names for {len(poses)} poses, expected one of each"
+        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+    if len(poses) > most:
+        reason = f"pose_stamped_vector has {len(poses)} poses, expected at most one a joint: {most}"
+        raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
+    return links, poses
+
+
+def _check_apart(chains: Sequence[SerialChain], robot: WholeRobot) -> None:
+    """Refuse links of which one moves with the joints of another: each has a tip of its own."""
+    for one, other in permutations(chains, 2):
+        moving = (*other.joint_names, *robot.joints_to_base_of(other))
+        shared = next((name for name in moving if name in one.joint_names), None)
+        if shared is not None:
+            reason = (
+                f"ik_link_names: joint '{shared}' moves both '{one.tip}' and '{other.tip}', "
+                "expected links that have no joint in common"
+            )
+            raise RefusedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
