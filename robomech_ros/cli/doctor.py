@@ -83,7 +83,8 @@ def findings() -> Iterator[Finding]:
         ),
         lambda: _optional(
             "moveit_msgs",
-            "compute_ik, compute_fk, compute_cartesian_path and more services of MoveIt",
+            "compute_ik, compute_fk, compute_cartesian_path and more services of MoveIt; "
+            "switch_command_type and MoveIt's status of the servo",
         ),
         lambda: _optional("tf2_msgs", "/tf and /tf_static of the simulated robot"),
     )

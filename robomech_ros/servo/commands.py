@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Command", "JointCommand", "TwistCommand"]
+__all__ = ["Command", "JointCommand", "PoseCommand", "TwistCommand"]
 
 Array = NDArray[np.float64]
 
@@ -47,4 +47,24 @@ class JointCommand:
     until: float
 
 
-Command = TwistCommand | JointCommand
+@dataclass(frozen=True, eq=False)
+class PoseCommand:
+    """Move the tip to a pose, on a straight line, and stand there.
+
+    Attributes
+    ----------
+    target : ndarray, shape (4, 4)
+        ``T_base_tip`` (m).
+    linear_speed, angular_speed : float
+        At most so fast, m/s and rad/s, above 0; both motions end together.
+    until : float
+        When it is stale (s).
+    """
+
+    target: Array
+    linear_speed: float
+    angular_speed: float
+    until: float
+
+
+Command = TwistCommand | JointCommand | PoseCommand

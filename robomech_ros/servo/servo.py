@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.servo.commands import Command, JointCommand, TwistCommand
+from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 from robomech_ros.servo.departures import Start
 from robomech_ros.servo.joining import Joining
 from robomech_ros.servo.leaving import Leaving
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
+from robomech_ros.servo.pose_approach import PoseApproach
 from robomech_ros.servo.report import ServoCondition, ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
@@ -86,6 +87,7 @@ class Servo:
         self._resolver = TwistResolver(
             chain, settings.slow_from, settings.stop_at, approach, settings.length
         )
+        self._approach = PoseApproach(chain)
         self._stream: Stream | None = None
         self._command: Command | None = None
         # The twist of the period before, in its axes.
@@ -124,6 +126,8 @@ class Servo:
         """
         if isinstance(command, JointCommand):
             self._finite("rates", command.rates)
+        elif isinstance(command, PoseCommand):
+            as_finite("target", command.target, (4, 4))
         elif as_finite("twist", command.twist, (6,)).ndim > 1:
             raise WrongSizeError("twist", command.twist.shape, (6,))
         self._command = command
@@ -165,6 +169,8 @@ class Servo:
             # On the plan that is known already: who has it needs no more messages.
             stream.brake()
             return self._standing(now)
+        if isinstance(command, PoseCommand):
+            command = self._towards(command)
         if isinstance(command, TwistCommand):
             return self._follow(command)
         self._last = None
@@ -173,6 +179,12 @@ class Servo:
         share = self.limits.share_of(resolution.rates)
         advance = stream.advance(share[0] * resolution.rates)
         return motion_report(self.limits, resolution, share, advance, stream.velocity)
+
+    def _towards(self, command: PoseCommand) -> TwistCommand:
+        """Give the twist that leads to a pose."""
+        position, velocity = self.motion.position, self.motion.velocity
+        stop = self.motion.samples().positions[-1]
+        return self._approach.twist(command, position, position + velocity, stop)
 
     def _follow(self, command: TwistCommand) -> ServoReport:
         """Go on by one period with a twist."""

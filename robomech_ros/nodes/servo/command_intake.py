@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
@@ -48,9 +48,12 @@ class CommandIntake:
     ) -> None:
         self._servo, self._settings = servo, settings
         self._refusal, self._refused_until = "", -math.inf
+        # The kind of commands that was chosen; None as long as none was.
+        self._chosen: type[Command] | None = None
         kinds: list[tuple[type, str, Callable[[Any], Command]]] = [
             (TwistStamped, "~/delta_twist_cmds", reader.twist),
             (JointState, "~/joint_velocity_cmds", reader.joint_state),
+            (PoseStamped, "~/pose_target_cmds", reader.pose),
         ]
         joint_jog = _joint_jog(node)
         if joint_jog is not None:
@@ -69,6 +72,12 @@ class CommandIntake:
         for inbox, _ in self._readers:
             list(inbox.take())
 
+    def choose(self, kind: type[Command]) -> None:
+        """Take commands of one kind only from now on; a robot that follows others brakes."""
+        self._chosen = kind
+        if not isinstance(self._servo.command, kind):
+            self._servo.forget()
+
     def take(self, now: float) -> bool:
         """Give all commands that wait to the servo; says whether there was a message."""
         some = False
@@ -86,10 +95,13 @@ class CommandIntake:
         return self._refusal if now <= self._refused_until else ""
 
     def _offer(self, command: Command, topic: str, now: float) -> None:
-        """Follow a command, unless one of the other kind is being followed."""
+        """Follow a command, unless one of another kind is being followed, or was chosen."""
         last = self._servo.command
-        if self._servo.wants_to_move(now) and type(last) is not type(command):
-            text = f"command on '{topic}' refused: commands of the other kind are being followed"
+        if self._chosen is not None and not isinstance(command, self._chosen):
+            text = f"command on '{topic}' refused: switch_command_type has chosen another kind"
+            self._refuse(text, now)
+        elif self._servo.wants_to_move(now) and type(last) is not type(command):
+            text = f"command on '{topic}' refused: commands of another kind are being followed"
             self._refuse(f"{text}; one kind at a time", now)
         elif not self._servo.paused:
             self._servo.take(command)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
@@ -16,12 +16,13 @@ from robomech_ros.errors import (
     WrongSizeError,
 )
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.pose_messages import twist_vector
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose, twist_vector
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
-from robomech_ros.servo.commands import JointCommand, TwistCommand
+from robomech_ros.servo.commands import JointCommand, PoseCommand, TwistCommand
 
 __all__ = ["CommandReader"]
 
@@ -45,6 +46,8 @@ class CommandReader:
         The robot.
     frames : RobotFrames
         Find the frames that commands name.
+    monitor : JointStateMonitor
+        Knows where the joints are that move frames.
     clock : MotionClock
         Its time decides what is stale.
     settings : callable
@@ -55,11 +58,12 @@ class CommandReader:
         self,
         model: RobotModel,
         frames: RobotFrames,
+        monitor: JointStateMonitor,
         clock: MotionClock,
         settings: Callable[[], ServoNodeSettings],
     ) -> None:
         self._model, self._chain, self._frames = model, model.chain, frames
-        self._clock, self._settings = clock, settings
+        self._monitor, self._clock, self._settings = monitor, clock, settings
 
     def twist(self, message: TwistStamped) -> TwistCommand:
         """Read a twist of the tip's origin, in the axes of the frame of its header.
@@ -74,6 +78,23 @@ class CommandReader:
         rates = self._speeds(twist, scales, names, _UNITS)
         axes = self._axes_of(message.header.frame_id)
         return TwistCommand(rates, axes, self._until(message.header))
+
+    def pose(self, message: PoseStamped) -> PoseCommand:
+        """Read a pose of the tip in the frame of its header, as that is now.
+
+        Raises
+        ------
+        FrameUnavailableError, NoStateError, NonFiniteError, BadQuaternionError, BadValueError
+        """
+        settings, target = self._settings(), matrix_from_pose(message.pose)
+        place = self._frames.find(message.header.frame_id)
+        names = place.joint_names
+        at = dict(zip(names, self._monitor.require(names), strict=True)) if names else {}
+        frame = place.pose(at)
+        if frame is not None:
+            target = frame @ target
+        speeds = settings.linear_scale, settings.rotational_scale
+        return PoseCommand(target, *speeds, self._until(message.header))
 
     def joint_state(self, message: JointState) -> JointCommand:
         """Read velocities of joints by name; the others stand.

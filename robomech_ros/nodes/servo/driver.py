@@ -1,6 +1,7 @@
 """Drives the robot period by period: takes commands, continues the stream, watches the joints."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rclpy.node import Node
@@ -15,7 +16,11 @@ from robomech_ros.nodes.servo.joint_watch import Fault, JointWatch
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.nodes.servo.status import REPEATED, StatusPublisher
 from robomech_ros.nodes.servo.stream import StreamPublisher
+from robomech_ros.servo.commands import Command
 from robomech_ros.servo.servo import Servo
+
+if TYPE_CHECKING:
+    from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
 
 __all__ = ["Driver"]
 
@@ -60,9 +65,11 @@ class Driver:
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
         frames = RobotFrames(node, model, monitor, settings)
-        reader = CommandReader(model, frames, clock, settings)
+        reader = CommandReader(model, frames, monitor, clock, settings)
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)
+        if (moveit := _moveit_interface(node, self._choose)) is not None:
+            self._status.also = moveit.publish
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         self._joints = JointWatch(model.chain, monitor, settings)
         self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
@@ -90,6 +97,10 @@ class Driver:
         # What was commanded before must not move the robot after a pause.
         self._servo.forget()
         self._intake.clear()
+        self.wake()
+
+    def _choose(self, kind: type[Command]) -> None:
+        self._intake.choose(kind)
         self.wake()
 
     def _tick(self) -> None:
@@ -177,3 +188,15 @@ class Driver:
             self._status.publish(now, why=self._joints.why_no_state())
         else:
             self._status.publish(now, self._servo.idle(now, position))
+
+
+def _moveit_interface(
+    node: Node, choose: Callable[[type[Command]], None]
+) -> "MoveItInterface | None":
+    """Add what has types of moveit_msgs, which need not be installed."""
+    try:
+        from robomech_ros.nodes.servo.moveit_interface import MoveItInterface
+    except ImportError as error:
+        node.get_logger().info(f"no switch_command_type and no servo_node/status: {error}")
+        return None
+    return MoveItInterface(node, choose)

@@ -39,10 +39,20 @@ class ServoNodeSettings(FrameSettings):
         read_only=False,
     )
     linear_scale: float = parameter(
-        0.4, "Largest linear speed of unitless commands", 1e-6, 100.0, "m/s", read_only=False
+        0.4,
+        "Linear speed of unitless commands of 1, and towards pose targets",
+        1e-6,
+        100.0,
+        "m/s",
+        read_only=False,
     )
     rotational_scale: float = parameter(
-        0.8, "Largest angular speed of unitless commands", 1e-6, 100.0, "rad/s", read_only=False
+        0.8,
+        "Angular speed of unitless commands of 1, and towards pose targets",
+        1e-6,
+        100.0,
+        "rad/s",
+        read_only=False,
     )
     joint_scale: float = parameter(
         0.5,

@@ -23,11 +23,17 @@ class StatusPublisher:
         Owner of the publisher.
     refusal : callable
         Gives why a command was refused just before a time (s); empty if none was.
+
+    Attributes
+    ----------
+    also : callable
+        Called with every message that is published.
     """
 
     def __init__(self, node: Node, refusal: Callable[[float], str]) -> None:
         self._clock, self._refusal = node.get_clock(), refusal
         self._publisher = node.create_publisher(ServoStatus, "~/status", 10)
+        self.also: Callable[[ServoStatus], None] = lambda status: None
         self._told: tuple[tuple[object, ...], float] = ((), -REPEATED)
 
     def is_new(self, situation: tuple[object, ...], now: float) -> bool:
@@ -47,4 +53,6 @@ class StatusPublisher:
     ) -> None:
         """Publish a report, or why there is none and the joints at fault."""
         stamp, refusal = self._clock.now().to_msg(), self._refusal(now)
-        self._publisher.publish(status_message(stamp, report, refusal, why, joints))
+        status = status_message(stamp, report, refusal, why, joints)
+        self._publisher.publish(status)
+        self.also(status)

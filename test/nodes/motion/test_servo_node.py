@@ -180,7 +180,7 @@ def test_one_kind_of_command_at_a_time(operator):
         twist()
         speeds()
 
-    text = "joint_velocity_cmds' refused: commands of the other kind are being followed"
+    text = "joint_velocity_cmds' refused: commands of another kind are being followed"
     hand.repeat(both, lambda: hand.has_code(ServoStatus.INVALID, text))
     hand.until_still()
     hand.repeat(speeds, lambda: hand.has_code(ServoStatus.NO_WARNING))

@@ -1,0 +1,100 @@
+"""Twists that bring the tip to a pose on a straight line, and leave it at rest there."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.servo.commands import PoseCommand, TwistCommand
+from robomech_ros.spatial.axis_angle import rotation_vector_from_matrix
+
+__all__ = ["PoseApproach"]
+
+Array = NDArray[np.float64]
+
+# Nearer than this (m or rad) the tip is there.
+_THERE = 1e-6
+# The line is laid anew where the tip is farther from it than this (m or rad).
+_BESIDE = 5e-5
+# Of the deceleration of a plan to stop this part is used; the end is reached with this time
+# constant (s).
+_PART, _CREEP = 0.5, 0.1
+# Slower than this part of the full speed the plan to stop says nothing about decelerations.
+_SLOW = 0.02
+
+
+class PoseApproach:
+    """Turns a target pose into twists, one for each period.
+
+    Position and orientation arrive together: the tip's origin on a straight line, while the tip
+    turns about a fixed axis.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        The robot.
+    """
+
+    def __init__(self, chain: SerialChain) -> None:
+        self._chain = chain
+        self._target: Array | None = None
+        # The twist of full speed along the line (angular first), and what plans to stop take (1/s).
+        self._full: Array = np.zeros(6)
+        self._deceleration = math.inf
+
+    def twist(self, command: PoseCommand, now: Array, then: Array, stop: Array) -> TwistCommand:
+        """Give the twist of this period.
+
+        Parameters
+        ----------
+        command : PoseCommand
+            Where to go.
+        now, then : ndarray, shape (n,)
+            Joints at the latest knot, and one second later at their present speed (rad or m).
+        stop : ndarray, shape (n,)
+            Joints where the plan to stop ends (rad or m).
+        """
+        left = self._left(command.target, now)
+        left_at_stop = self._left(command.target, stop)
+        if not self._on_line(command, left):
+            self._lay(command, left)
+        square = float(self._full @ self._full)
+        if not square:
+            return TwistCommand(self._full, _in_base, command.until)
+        # How long the rest takes at full speed (s).
+        rest, rest_at_stop = (float(part @ self._full) / square for part in (left, left_at_stop))
+        pace = rest - float(self._left(command.target, then) @ self._full) / square
+        if pace > _SLOW and rest - rest_at_stop > 0.0:
+            self._deceleration = pace * pace / (2.0 * (rest - rest_at_stop))
+        share = min(1.0, abs(rest) / _CREEP)
+        share = min(share, math.sqrt(2.0 * _PART * self._deceleration * abs(rest)))
+        if np.abs(left).max() <= _THERE:
+            share = 0.0
+        return TwistCommand(math.copysign(share, rest) * self._full, _in_base, command.until)
+
+    def _left(self, target: Array, q: Array) -> Array:
+        """Give the rotation and the way to a pose (rad and m, in base axes)."""
+        T = forward_kinematics(self._chain, q)
+        turn = rotation_vector_from_matrix(target[:3, :3] @ T[:3, :3].T)
+        return np.concatenate((turn, target[:3, 3] - T[:3, 3]))
+
+    def _on_line(self, command: PoseCommand, left: Array) -> bool:
+        if self._target is None or not np.array_equal(self._target, command.target):
+            return False
+        square = float(self._full @ self._full)
+        beside = left - float(left @ self._full) / square * self._full if square else left
+        return float(np.abs(beside).max()) <= _BESIDE
+
+    def _lay(self, command: PoseCommand, left: Array) -> None:
+        """Lay the line from here to the target."""
+        turn, way = float(np.linalg.norm(left[:3])), float(np.linalg.norm(left[3:]))
+        time = max(turn / command.angular_speed, way / command.linear_speed)
+        self._full = left / time if max(turn, way) > _THERE else np.zeros(6)
+        self._target, self._deceleration = command.target, math.inf
+
+
+def _in_base(q: Array) -> Array | None:
+    """Give the axes of these twists: those of the base."""
+    return None
