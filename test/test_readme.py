@@ -12,6 +12,7 @@ NODES = sorted((ROOT / "robomech_ros" / "nodes").rglob("*.py"))
 INTERFACES = ROOT / "robomech_interfaces"
 FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
 FOREIGN = {
+    "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/TwistStamped",
     "sensor_msgs/msg/JointState",
     "control_msgs/action/FollowJointTrajectory",
