@@ -357,31 +357,39 @@ class _WaitingNode:
         source: SemanticSource,
         begin: Callable[[str], None],
     ) -> None:
-        self._log = node.get_logger()
+        self._node = node
         self._source = source
         self._begin = begin
         self._done = False
+        self._group = settings.group
         self._robot = settings.robot_description
         self._by_topic = not self._robot
         source.on_news = self._try
-        place, what = node.resolve_topic_name(SEMANTIC_TOPIC), SEMANTIC_TOPIC
-        waits_for = f"the SRDF with group '{settings.group}'"
+        self._place = node.resolve_topic_name(TOPIC if self._by_topic else SEMANTIC_TOPIC)
         if self._by_topic:
-            place, what, waits_for = node.resolve_topic_name(TOPIC), TOPIC, "the robot"
             node.create_subscription(String, TOPIC, self._receive, LATCHED)
-        self._place = place
-        publisher = "robot_state_publisher" if what == TOPIC else "move_group"
-        self._readiness = Readiness(
-            node,
-            f"waiting for {waits_for} on topic '{place}' (a latched std_msgs/String, as "
-            f"{publisher} has it); else name it by the parameter {what} of "
-            f"'{node.get_fully_qualified_name()}'. Its other services come with the robot",
+            self._readiness = Readiness(
+                node, self._waits_for("the robot", TOPIC, "robot_state_publisher")
+            )
+        else:
+            self._readiness = Readiness(node, self._waits_for_group())
+
+    def _waits_for(self, what: str, topic: str, publisher: str) -> str:
+        place = self._node.resolve_topic_name(topic)
+        return (
+            f"waiting for {what} on topic '{place}' (a latched std_msgs/String, as {publisher} has "
+            f"it); else name it by the parameter {topic} of "
+            f"'{self._node.get_fully_qualified_name()}'. Its other services come with the robot"
         )
+
+    def _waits_for_group(self) -> str:
+        what = f"the SRDF with group '{self._group}'"
+        return self._waits_for(what, SEMANTIC_TOPIC, "move_group")
 
     def _receive(self, message: String) -> None:
         if self._done:
             text = "a new robot description is ignored; restart the node to change its robot"
-            self._log.warning(text)
+            self._node.get_logger().warning(text)
             return
         self._robot = message.data
         self._try()
@@ -389,6 +397,10 @@ class _WaitingNode:
     def _try(self) -> None:
         """Begin with the robot, if it is known and can be used."""
         if self._done or not self._robot:
+            return
+        if self._source.lacks_group:
+            self._readiness.wait_for(self._waits_for_group())
+            self._node.get_logger().info(self._waits_for_group())
             return
         try:
             if self._by_topic and not is_document(self._robot):
@@ -398,7 +410,7 @@ class _WaitingNode:
             self._begin(self._robot)
         except RobomechError as error:
             text = f"unusable robot on '{self._place}': {error}"
-            self._log.error(text)
+            self._node.get_logger().error(text)
             self._readiness.wait_for(text)
             return
         self._done = True

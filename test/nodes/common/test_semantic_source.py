@@ -5,6 +5,7 @@ from rcl_interfaces.msg import Log
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 from two_armed import SRDF, URDF
 
 from robomech_interfaces.msg import ErrorCode
@@ -48,6 +49,26 @@ def test_an_srdf_of_another_robot_is_said_and_the_one_before_stays(graph):
     publisher.publish(String(data=SRDF.replace("left_joint_1", "joint_1")))
     said(graph, "unusable SRDF on 'robot_description_semantic', ignored: SRDF string: line")
     assert posture(graph, "there").error_code == 0
+
+
+@pytest.mark.parametrize("first", ["robot_description", "robot_description_semantic"])
+def test_robot_and_groups_may_both_come_by_topics_in_any_order(graph, first):
+    graph.start(KinematicsNode, group="right_arm")
+    texts = {"robot_description": URDF, "robot_description_semantic": SRDF}
+    topics = sorted(texts, key=lambda topic: topic != first)
+    publishers = [graph.client.create_publisher(String, topic, LATCHED) for topic in topics]
+    publishers[0].publish(String(data=texts[topics[0]]))
+    missing = "the SRDF with group 'right_arm'" if first == "robot_description" else "the robot"
+    said(graph, f"waiting for {missing} on topic '/{topics[1]}'")
+    for _ in range(1000):
+        ready = graph.call(Trigger, "kinematics/ready", Trigger.Request())
+        if missing in ready.message:
+            break
+    assert not ready.success and missing in ready.message
+    publishers[1].publish(String(data=texts[topics[1]]))
+    said(graph, "ready: two_armed, right_base to right_tool, 6 joints")
+    assert graph.call(Trigger, "kinematics/ready", Trigger.Request()).success
+    assert posture(graph, "home").error_code == 0
 
 
 @pytest.mark.parametrize(
