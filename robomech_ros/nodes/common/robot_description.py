@@ -1,35 +1,28 @@
 """The robot of a node: from a parameter, or from the latched topic ``robot_description``."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
 
 from robomech_ros.errors import (
     BadValueError,
-    RobomechError,
     RobotDescriptionError,
     UnknownLinkError,
 )
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
-from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
 from robomech_ros.robots import (
     Group,
     RobotDescription,
     SemanticDescription,
     SerialChain,
     group_chain,
-    load_description,
     main_chain,
 )
 from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
-from robomech_ros.robots.library import is_document
 
 __all__ = [
     "LATCHED",
@@ -37,7 +30,6 @@ __all__ = [
     "FrameSettings",
     "RobotModel",
     "RobotSettings",
-    "when_robot_known",
 ]
 
 Array = NDArray[np.float64]
@@ -45,8 +37,6 @@ Array = NDArray[np.float64]
 TOPIC = "robot_description"
 # The one group of joints where none are given, beside the name of the robot.
 WHOLE_CHAIN = "manipulator"
-# Characters that an error shows of what was no robot.
-_SHOWN = 80
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -297,121 +287,3 @@ def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:
                 found[joint.parent] = found[link] @ np.linalg.inv(step)
                 waiting.append(joint.parent)
     return found
-
-
-def when_robot_known(
-    node: Node,
-    settings: RobotSettings,
-    on_robot: Callable[[RobotModel], None],
-    supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
-) -> None:
-    """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
-
-    Until then the service ``~/ready`` says what is waited for.
-
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription.
-    settings : RobotSettings
-        Its parameters.
-    on_robot : callable
-        Called once, and again after a RobomechError, with which it refuses a robot of the topic.
-    supplemented : callable, optional
-        Gives the robot what its description lacks.
-
-    Raises
-    ------
-    RobomechError
-        The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
-        logged, and the node goes on waiting for a better one.
-    """
-    source = SemanticSource(
-        node, settings.robot_description_semantic, settings.groups, settings.group
-    )
-
-    def begin(robot: str) -> None:
-        described = load_description(robot)
-        if supplemented is not None:
-            described = supplemented(described)
-        ends = settings.base_link, settings.tip_link
-        known = source.semantic(described), settings.group
-        model = RobotModel(described, *ends, settings.frame_prefix, *known)
-        on_robot(model)
-        source.teach(model)
-
-    if settings.robot_description and not source.lacks_group:
-        begin(settings.robot_description)
-        Readiness(node)
-        return
-    _WaitingNode(node, settings, source, begin)
-
-
-class _WaitingNode:
-    """A node whose robot, or the SRDF with the group that is meant, comes by a topic."""
-
-    def __init__(
-        self,
-        node: Node,
-        settings: RobotSettings,
-        source: SemanticSource,
-        begin: Callable[[str], None],
-    ) -> None:
-        self._node = node
-        self._source = source
-        self._begin = begin
-        self._done = False
-        self._group = settings.group
-        self._robot = settings.robot_description
-        self._by_topic = not self._robot
-        source.on_news = self._try
-        self._place = node.resolve_topic_name(TOPIC if self._by_topic else SEMANTIC_TOPIC)
-        if self._by_topic:
-            node.create_subscription(String, TOPIC, self._receive, LATCHED)
-            self._readiness = Readiness(
-                node, self._waits_for("the robot", TOPIC, "robot_state_publisher")
-            )
-        else:
-            self._readiness = Readiness(node, self._waits_for_group())
-
-    def _waits_for(self, what: str, topic: str, publisher: str) -> str:
-        place = self._node.resolve_topic_name(topic)
-        return (
-            f"waiting for {what} on topic '{place}' (a latched std_msgs/String, as {publisher} has "
-            f"it); else name it by the parameter {topic} of "
-            f"'{self._node.get_fully_qualified_name()}'. Its other services come with the robot"
-        )
-
-    def _waits_for_group(self) -> str:
-        what = f"the SRDF with group '{self._group}'"
-        return self._waits_for(what, SEMANTIC_TOPIC, "move_group")
-
-    def _receive(self, message: String) -> None:
-        if self._done:
-            text = "a new robot description is ignored; restart the node to change its robot"
-            self._node.get_logger().warning(text)
-            return
-        self._robot = message.data
-        self._try()
-
-    def _try(self) -> None:
-        """Begin with the robot, if it is known and can be used."""
-        if self._done or not self._robot:
-            return
-        if self._source.lacks_group:
-            self._readiness.wait_for(self._waits_for_group())
-            self._node.get_logger().info(self._waits_for_group())
-            return
-        try:
-            if self._by_topic and not is_document(self._robot):
-                # It must not name a file: whoever can publish would have that read here.
-                expected = "the text of a URDF; names and files are for the parameter"
-                raise BadValueError("the robot", self._robot[:_SHOWN], expected)
-            self._begin(self._robot)
-        except RobomechError as error:
-            text = f"unusable robot on '{self._place}': {error}"
-            self._node.get_logger().error(text)
-            self._readiness.wait_for(text)
-            return
-        self._done = True
-        self._readiness.reached()

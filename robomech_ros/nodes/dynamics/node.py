@@ -30,7 +30,8 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
-from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
     gravity_vector,

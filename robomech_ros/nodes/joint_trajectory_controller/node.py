@@ -9,7 +9,8 @@ from rclpy.node import Node
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
-from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
 from robomech_ros.nodes.joint_trajectory_controller.commands import Commands, TrajectoryTopic
 from robomech_ros.nodes.joint_trajectory_controller.control_cycle import ControlCycle

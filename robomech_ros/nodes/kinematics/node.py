@@ -38,7 +38,8 @@ from robomech_ros.nodes.common.pose_messages import (
     point_vector,
     stamped_pose,
 )
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, when_robot_known
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.ik_batch import solve_in_turns
 from robomech_ros.nodes.kinematics.marker_publisher import MarkerPublisher

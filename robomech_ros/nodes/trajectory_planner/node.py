@@ -25,7 +25,8 @@ from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import Worker
-from robomech_ros.nodes.common.robot_description import RobotModel, when_robot_known
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
