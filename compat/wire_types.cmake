@@ -14,14 +14,19 @@ macro(wire_types)
     find_package(${dependency} REQUIRED)
   endforeach()
 
-  # Include directories of the machine that built the wheels, which CMake refuses; see
-  # robomech_interfaces/CMakeLists.txt.
+  # Include directories of the machine or the environment that built the packages, which CMake refuses
+  # where they do not exist; see robomech_interfaces/CMakeLists.txt.
   get_property(imported_targets DIRECTORY PROPERTY IMPORTED_TARGETS)
   foreach(target IN LISTS imported_targets)
     get_target_property(directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
-    if(directories MATCHES "/opt/python/")
-      list(FILTER directories EXCLUDE REGEX "^/opt/python/")
-      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${directories}")
+    set(existing ${directories})
+    foreach(directory IN LISTS directories)
+      if(IS_ABSOLUTE "${directory}" AND NOT EXISTS "${directory}")
+        list(REMOVE_ITEM existing "${directory}")
+      endif()
+    endforeach()
+    if(directories)
+      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${existing}")
     endif()
   endforeach()
 
