@@ -64,7 +64,7 @@ def _steps(chain, poses, wanted, q):
     J = jacobian(chain, q)
     transposed = np.swapaxes(J, 1, 2)
     square = transposed @ J
-    square += (1e-3 * (e**2).sum(axis=1, keepdims=True) + 1e-16) * np.eye(chain.n)
+    square += (1e-3 * (e**2).sum(axis=1, keepdims=True) + 1e-13) * np.eye(chain.n)
     step = np.linalg.solve(square, transposed @ e)[:, :, 0]
     length = np.abs(step).max(axis=1, keepdims=True)
     return step / np.maximum(1.0, length / 0.5)

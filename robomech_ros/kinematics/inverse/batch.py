@@ -83,7 +83,7 @@ def inverse_kinematics_batch(
     family = family_of(chain)
     if family.redundant:
         room = min(cap or MOST_SAMPLED, MOST_SAMPLED)
-        q, count, _, _ = sample_self_motions(
+        q, count, *_ = sample_self_motions(
             chain, targets, family, start, number, respect_limits, room
         )
     else:

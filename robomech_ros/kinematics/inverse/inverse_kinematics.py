@@ -49,16 +49,25 @@ def inverse_kinematics(
 ) -> InverseKinematicsResult:
     """Find the joint values that bring the tip to a pose, nearest to the seed first.
 
-    An arm with a spherical wrist, whatever its first three joints, and an arm with three
-    parallel axes next to each other get all their real solutions in closed form, any other arm of
-    six revolute joints from a determinant in one of them; a redundant arm gets samples of its
-    self-motion, in closed form for each value of its redundancy parameter, and the first of them
-    is the nearest to the seed; any other chain is searched iteratively (``complete`` is False for
-    both). Arms of fewer than six joints get all their solutions in closed form wherever they can
-    be completed to one with a closed form; where a pose cannot be taken, as is the rule for them,
-    the result says which posture comes nearest. At a pose where joints can move while the tip
-    stays, each branch is represented by one posture, with the free joint at the seed's value
-    where that is possible, and the result is marked as a continuum.
+    An arm with a spherical wrist, whatever its first three joints, and an arm with three parallel
+    axes next to each other get all their real solutions in closed form, any other arm of six joints
+    from an equation in one of them; ``complete`` is False where a pose is so degenerate that one
+    may be missing. Arms of fewer joints, and partial tasks of as many components as there are
+    joints, are completed to an arm of six by imagined joints, wherever that has a closed form.
+    Where an arm of fewer joints cannot take a pose, as is the rule, ``nearest`` is the posture that
+    misses it least.
+
+    A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
+    parameter. The first of them is the nearest to the seed along all branches of the self-motion
+    where ``nearest_proved`` is True, for the metric "linf" and arms as doc/inverse_kinematics.md
+    says, and else the nearest that was found. What is left, redundant partial tasks and chains with
+    very special geometry, is searched iteratively, and tolerances that are looser than the default
+    are where no exact solution is found. ``complete`` is False for all of these.
+
+    At a pose where joints can move while the tip stays, each branch is represented by one posture,
+    with the free joint at the seed's value where that is possible, and the result is marked as a
+    ``continuum``. Of an arm of which that is so in every posture, such as one with two axes on one
+    line, the solutions are samples.
 
     Parameters
     ----------
@@ -76,18 +85,22 @@ def inverse_kinematics(
     metric : {"linf", "l2"}, optional
         Distance from the seed: the largest move of a joint, or the root of the sum of squares.
     max_solutions : int, optional
-        Keep at most this many, the nearest.
+        Keep at most this many, the nearest; 1 is faster for redundant arms and tasks.
     task_mask : sequence of six bool, optional
         Which of x, y, z, rx, ry, rz matter, along and about the axes of the target pose; default
-        (and all False) the full pose. A partial task is searched iteratively.
+        (and all False) the full pose.
     position_tolerance, orientation_tolerance : float, optional
         Errors (m, rad) that are accepted; default those of the solvers, 1e-9.
     timeout : float, optional
-        Time (s) after which an iterative search ends; default none.
+        Time (s) after which an iterative search ends; default none. Closed forms take no notice.
 
     Returns
     -------
     InverseKinematicsResult
+        With the status SUCCESS where there is a solution; else with the reason in words:
+        OUT_OF_REACH and ORIENTATION_UNREACHABLE, where no posture takes the pose;
+        LIMITS_EXCLUDE_ALL, with the joints that are in the way, and SINGULAR_CONTINUUM, the same of
+        a continuum; NOT_CONVERGED and TIMED_OUT, which prove nothing.
 
     Raises
     ------

@@ -24,7 +24,7 @@ def solve_by_sampling(
 ) -> InverseKinematicsResult | None:
     """Sample the self-motion at the pose T (4, 4); None where no sample is inside the limits."""
     room = min(request.max_solutions or MOST_SAMPLED, MOST_SAMPLED)
-    ranked, counts, names, distances = sample_self_motions(
+    ranked, counts, names, distances, proved = sample_self_motions(
         chain, T[None], family, request.seed, request.metric, request.respect_limits, room
     )
     count = int(counts[0])
@@ -38,7 +38,8 @@ def solve_by_sampling(
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"
     )
-    findings = Findings(family.name, False, Status.SUCCESS, reason)
+    reason += "; the first is the nearest" if proved else "; there may be a nearer one"
+    findings = Findings(family.name, False, Status.SUCCESS, reason, nearest_proved=proved)
     listing = Listing(T, distances[kept], names[kept])
     return InverseKinematicsResult(chain, q[kept], findings, listing)
 
@@ -51,17 +52,18 @@ def sample_self_motions(
     metric: int,
     respect_limits: bool,
     room: int,
-) -> tuple[Array, Integers, Integers, Array]:
+) -> tuple[Array, Integers, Integers, Array, bool]:
     """Sample the self-motion at the poses T (m, 4, 4).
 
     Returns the ranked solutions (m, room, n), their numbers (m,) as :func:`solve_redundant` gives
-    them, and of the last pose the branches and distances (room,).
+    them, and of the last pose the branches and distances (room,), and whether the first of its
+    solutions is proved to be the nearest.
     """
     spare = max(room, APPROACHED + 1)
     ranked = np.empty((len(T), spare, chain.n))
     names, distances = np.empty(spare, np.int64), np.empty(spare)
     counts = np.empty(len(T), np.int64)
-    solve_redundant(
+    proved = solve_redundant(
         family.arm,
         T,
         seed,
@@ -73,7 +75,7 @@ def sample_self_motions(
         distances,
         counts,
     )
-    return ranked[:, :room], np.minimum(counts, room), names[:room], distances[:room]
+    return ranked[:, :room], np.minimum(counts, room), names[:room], distances[:room], proved > 0
 
 
 def parameter_name(chain: SerialChain, data: Array) -> str:

@@ -103,7 +103,7 @@ def _postures(chain: SerialChain, T: Array, respect_limits: bool) -> tuple[Array
     family, seed = family_within(chain, respect_limits), chain.midrange()
     metric = METRICS["linf"]
     if family.redundant:
-        q, counts, _, _ = sample_self_motions(
+        q, counts, *_ = sample_self_motions(
             chain, T, family, seed, metric, respect_limits, MOST_SAMPLED
         )
     else:

@@ -16,7 +16,7 @@ from robomech_ros._kernels.inverse.polishing import largest_error, pose_differen
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
 from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 
-__all__ = ["approach"]
+__all__ = ["approach", "minimax"]
 
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
 # the next one would be about its square.
@@ -61,7 +61,7 @@ def _largest_after(q, seed, t, s):
 
 
 @lean
-def _minimax(q, seed, t, low, high):
+def minimax(q, seed, t, low, high):
     """Step in [low, high] along t after which the largest difference from the seed is least.
 
     It is convex in the step and made of lines: where the falling one to the left and the rising one
@@ -123,7 +123,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
             # What is outside cannot all come inside: by half for both.
             return min(max(0.5 * (low + high), -longest), longest)
     if metric == LINF:
-        return _minimax(q, seed, t, low, high)
+        return minimax(q, seed, t, low, high)
     return min(max(1.0, low), high)
 
 

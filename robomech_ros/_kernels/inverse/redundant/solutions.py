@@ -26,13 +26,22 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
-from robomech_ros._kernels.inverse.ranking import Ranked, Request, distance_from, insert, place
+from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
+from robomech_ros._kernels.inverse.ranking import (
+    LINF,
+    Ranked,
+    Request,
+    distance_from,
+    insert,
+    place,
+)
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import (
     call_arm_angle,
     call_arm_angle_postures,
 )
-from robomech_ros._kernels.inverse.redundant.nearest import approach
+from robomech_ros._kernels.inverse.redundant.nearest import NEAREST_ERROR, approach
+from robomech_ros._kernels.inverse.redundant.nearest_proof import NEARER_BY, prove_nearest
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 
 __all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
@@ -176,9 +185,10 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
 
 
 @lean
-def _approach_from_seed(packed, T, request, low, high, beside, q):
+def _approach_from_seed(packed, T, request, low, high, tries, beside, q):
     """Write to q (n,) the nearest posture to which steps from the seed and beside it lead.
 
+    There are ``tries`` beside it at most.
     ``beside`` (n,) is working space.  Returns what :func:`approach` does.
     """
     _, lower, upper, seed, metric, bounded = request
@@ -186,7 +196,7 @@ def _approach_from_seed(packed, T, request, low, high, beside, q):
     for i in range(n):
         q[i] = seed[i]
     distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, q)
-    for k in range(BESIDE):
+    for k in range(tries):
         if distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST):
             break
         # First two joints to one side and to the other, then all of them.
@@ -203,10 +213,22 @@ def _approach_from_seed(packed, T, request, low, high, beside, q):
     return distance, settled
 
 
-@inline
-def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
-    """Rank the postures of all samples; return how many are inside the limits, and how many exist.
+@lean
+def _misses(packed, T, q):
+    """Tell whether a posture q (n,) misses the pose T (4, 4) by more than rounding."""
+    current, e = scratch(4, 4), scratch(6)
+    forward_body(packed, q, current)
+    pose_difference(T, current, e)
+    return largest_error(e) > NEAREST_ERROR
 
+
+@inline
+def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, reached):
+    """Rank the postures of all samples.
+
+    Returns how many are inside the limits, how many exist, and whether the first of them is proved
+    to be the nearest of all, not only of samples: then no others are made where only the nearest
+    is asked for.
     The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
     it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
     for, samples that are farther from the seed than the first are left out.
@@ -221,11 +243,27 @@ def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
     bare = ZERO
     steps = int(data[at.SAMPLES])
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
-    distance, settled = _approach_from_seed(packed, T, request, low, high, locked, placed)
+    arcs = metric == LINF and data[at.ARCS] > 0.0
+    tries = 0 if arcs else BESIDE
+    distance, settled = _approach_from_seed(packed, T, request, low, high, tries, locked, placed)
+    proved = False
+    if arcs:
+        nearest_so_far = distance
+        distance, proved = prove_nearest(data, T, joints, bounded, distance, placed)
+        if distance < nearest_so_far and _misses(packed, T, placed):
+            for i in range(n):
+                locked[i] = placed[i]
+            found, _ = approach(packed, T, lower, upper, seed, metric, bounded, locked)
+            if found < distance + NEARER_BY:
+                distance = found
+                for i in range(n):
+                    placed[i] = locked[i]
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, rows, names, distances)
         bare += 1
+        if arcs and nearest:
+            return count, bare, proved
     for i in range(n):
         reached[i] = placed[i] if settled else math.nan
     for _ in range(2):
@@ -243,7 +281,7 @@ def _collect(data, T, request, nearest, low, high, q, branch, ranked, reached):
         if count > 0:
             break
         steps *= FINER_SAMPLES
-    return count, bare
+    return count, bare, proved
 
 
 @inline
@@ -299,15 +337,22 @@ def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, dista
     branch = scratch_integers(MAX_SOLUTIONS)
     reached = np.empty((APPROACHED + 1, n))
     low, high = np.empty(n), np.empty(n)
+    joints = np.empty((4, n))
+    proved = False
     for i in range(n):
+        joints[0, i], joints[1, i] = turns[i], lower[i]
+        joints[2, i], joints[3, i] = upper[i], seed[i]
         low[i] = lower[i] if bounded else -math.inf
         high[i] = upper[i] if bounded else math.inf
     for m in range(T.shape[0]):
         into = Ranked(ranked[m], names, distances)
-        count, bare = _collect(data, T[m], request, nearest, low, high, q, branch, into, reached[0])
-        count = _approach_first(packed, T[m], request, count, reached, into)
+        count, bare, proved = _collect(
+            data, T[m], request, joints, nearest, low, high, q, branch, into, reached[0]
+        )
+        if metric != LINF or data[at.ARCS] == 0.0:
+            count = _approach_first(packed, T[m], request, count, reached, into)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
             for i in range(n):
                 ranked[m, k, i] = math.nan
-    return 0
+    return 1 if proved else 0

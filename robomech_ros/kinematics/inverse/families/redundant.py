@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.six_joints import DECOUPLED, ITERATIVE
-from robomech_ros.kinematics.axis_points import common_point
+from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.inverse.families import decoupled, general
 from robomech_ros.kinematics.inverse.families.decoupled import wrist_constants
 from robomech_ros.kinematics.inverse.families.iterative import iterative_data
@@ -30,7 +30,7 @@ from robomech_ros.kinematics.inverse.families.six_joints import (
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.kinematics.tolerances import CONCURRENT_EXACT
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import unpack_chain
+from robomech_ros.robots.chain_layout import pack_chain, unpack_chain
 
 __all__ = ["locked_anyway", "match"]
 
@@ -134,7 +134,46 @@ def _laid_out(chain: SerialChain, kind: int, *parts: Array) -> Array:
     head[at.KIND], head[at.JOINTS] = kind, chain.n
     head[at.SAMPLES] = ANGLE_SAMPLES if kind == at.ARM_ANGLE else LOCKED_SAMPLES
     head[at.SIZE] = max(float(np.linalg.norm(chain.packed[:, 10:], axis=1).sum()), 1e-3)
-    return np.concatenate((head, chain.packed.ravel(), *parts))
+    data = np.concatenate((head, chain.packed.ravel(), *parts))
+    arcs = _arcs(chain, float(head[at.SIZE]))
+    if arcs is None:
+        return data
+    data[at.ARCS] = len(data)
+    return np.concatenate((data, arcs))
+
+
+def _arcs(chain: SerialChain, size: float) -> Array | None:
+    """Lay out the arcs of the self-motion of an arm (of a size, m) with a spherical shoulder.
+
+    Or wrist: then of its inverse motion.  None where axes 5 and 6 do not meet.
+    """
+    if chain.n != 7 or chain.types.any():
+        return None
+    forwards = unpack_chain(chain.packed)
+    for backwards, C in ((False, forwards), (True, reversed_transforms(forwards))):
+        shoulder, following = common_point(C[1], C[2]), nearest_points(C[5])
+        if shoulder is None or following is None:
+            continue
+        wrist = wrist_constants(C[1], C[2])
+        if wrist is None or max(shoulder[2], following[2]) > CONCURRENT_EXACT * size:
+            continue
+        data = np.zeros(at.ARC_LENGTH)
+        data[: at.ARC_SHOULDER] = pack_chain(C, chain.types).ravel()
+        centre = (C[0] @ (0.0, 0.0, shoulder[0], 1.0))[:3]
+        k = (np.linalg.inv(C[3]) @ (0.0, 0.0, shoulder[1], 1.0))[:3]
+        g = C[4, :3, 3] + following[0] * C[4, :3, 2]
+        cosine, sine = -2.0 * (k[:2] @ g[:2]), -2.0 * (k[1] * g[0] - k[0] * g[1])
+        amplitude, radius = np.hypot(cosine, sine), np.hypot(k[0], k[1])
+        if amplitude < NEARLY_SPHERICAL * size**2:
+            continue
+        data[at.ARC_SHOULDER : at.ARC_ELBOW], data[at.ARC_ELBOW : at.ARC_HEIGHT_5] = centre, k
+        data[at.ARC_HEIGHT_5 : at.ARC_CONSTANT] = following[:2]
+        data[at.ARC_CONSTANT] = k @ k + g @ g - 2.0 * k[2] * g[2]
+        data[at.ARC_AMPLITUDE], data[at.ARC_PHASE] = amplitude, np.arctan2(sine, cosine)
+        data[at.ARC_RADIUS], data[at.ARC_BACKWARDS] = radius, backwards
+        data[at.ARC_WRIST : at.ARC_LENGTH] = wrist
+        return data
+    return None
 
 
 def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:

@@ -258,8 +258,10 @@ def test_limits_that_exclude_all_are_told():
     assert held.status is Status.LIMITS_EXCLUDE_ALL and not held.complete
 
 
-@pytest.mark.parametrize("name", ("panda", "iiwa14", "gen3", "general7r"))
-def test_issue_12_hardly_ever_is_a_known_posture_nearer_than_the_first(name):
+@pytest.mark.parametrize(
+    ("name", "most"), [("panda", 0), ("iiwa14", 0), ("gen3", 5), ("general7r", 5)]
+)
+def test_issue_12_hardly_ever_is_a_known_posture_nearer_than_the_first(name, most):
     """Every posture is within 0.5 rad of the seed; of 400 seeds 8 to 22 had a farther answer."""
     chain = load_robot(name)
     rng = np.random.default_rng(12)
@@ -272,4 +274,4 @@ def test_issue_12_hardly_ever_is_a_known_posture_nearer_than_the_first(name):
         assert best.position_error[0] < 1e-9 and best.orientation_error[0] < 1e-9
         assert best.limit_margin[0] >= 0.0
         farther += best.seed_distance[0] > np.abs(posture - seed).max() + 1e-6
-    assert farther <= 5
+    assert farther <= most

@@ -1,0 +1,131 @@
+"""The nearest posture of a self-motion, and the proof that it is that."""
+
+import numpy as np
+import pytest
+from independent_search import multi_start
+
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics.inverse.families.six_joints import chain_of, reversed_transforms
+from robomech_ros.robots import chain_from_dh, load_robot
+from robomech_ros.robots.chain_layout import unpack_chain
+
+HALF = np.pi / 2
+ARMS = ("panda", "iiwa14", "xarm7", "skew", "from-the-tip")
+
+
+def make(name):
+    """A robot of ours, or an arm made up here, endless joints where it has no limits."""
+    if name == "xarm7":
+        a, b = [0, 0, 0.0525, 0.0775, 0, 0.076, 0], [0.267, 0, 0.293, 0, 0.3425, 0, 0.097]
+        limits = np.tile([-3.0, 3.0], (7, 1))
+        return chain_from_dh(a, b, [-HALF, HALF, HALF, HALF, HALF, -HALF, 0], limits=limits)
+    if name == "skew":
+        # Spherical shoulder and wrist whose axes meet at other angles than the right one.
+        a, b = [0, 0, 0.05, -0.04, 0, 0, 0], [0.3, 0, 0.4, 0.03, 0.35, 0, 0.1]
+        limits = np.tile([-2.6, 2.6], (7, 1))
+        return chain_from_dh(a, b, [1.2, -1.4, 1.5, -1.7, 1.1, -1.3, 0.4], limits=limits)
+    if name == "from-the-tip":
+        return chain_of(reversed_transforms(unpack_chain(load_robot("panda").packed)), [0] * 7)
+    return load_robot(name)
+
+
+def problems(chain, count, number, reach=None):
+    """Postures, and seeds within so much (rad) of them or anywhere."""
+    rng = np.random.default_rng(number)
+    low, high = np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi)
+    for _ in range(count):
+        q, seed = rng.uniform(low, high), rng.uniform(low, high)
+        if reach is not None:
+            seed = np.clip(q + rng.uniform(-reach, reach, 7), chain.lower, chain.upper)
+        yield q, seed
+
+
+def in_windings(chain, q, seed, bounded=True):
+    """Postures (k, 7) in the windings nearest to the seed that keep the limits."""
+    q = seed + np.remainder(q - seed + np.pi, 2.0 * np.pi) - np.pi
+    if not bounded:
+        return q
+    q = np.where(q < chain.lower, q + 2.0 * np.pi, q)
+    q = np.where(q > chain.upper, q - 2.0 * np.pi, q)
+    return q[((q >= chain.lower) & (q <= chain.upper)).all(axis=1)]
+
+
+@pytest.mark.parametrize("bounded", [True, False])
+@pytest.mark.parametrize("name", ARMS)
+def test_issue_12_no_posture_that_an_independent_search_finds_is_nearer(name, bounded):
+    chain, proved = make(name), 0
+    for k, (posture, seed) in enumerate(problems(chain, 8, 21)):
+        T = forward_kinematics(chain, posture)
+        best = inverse_kinematics(
+            chain, T, seed=seed, max_solutions=1, respect_limits=bounded, metric="linf"
+        )
+        assert best.position_error[0] < 1e-9 and best.orientation_error[0] < 1e-9
+        np.testing.assert_allclose(np.abs(best.q[0] - seed).max(), best.seed_distance[0])
+        (found,) = multi_start(chain, T[None], seed=k, starts=400)
+        others = in_windings(chain, np.vstack((found, posture)), seed, bounded)
+        away = np.abs(others - seed).max(axis=1)
+        assert len(away) and (not best.nearest_proved or best.seed_distance[0] < away.min() + 1e-6)
+        proved += best.nearest_proved
+    assert proved >= 7
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize(("reach", "least"), [(0.5, 195), (None, 165)])
+def test_issue_12_the_nearest_is_proved_to_be_that(name, reach, least):
+    """Of 2000 seeds within 0.5 rad of a posture, 14 of the Panda had a farther answer."""
+    chain, proved = make(name), 0
+    for posture, seed in problems(chain, 200, 22, reach):
+        T = forward_kinematics(chain, posture)
+        best = inverse_kinematics(chain, T, seed=seed, max_solutions=1)
+        own = in_windings(chain, posture[None], seed)
+        assert best.seed_distance[0] <= np.abs(own - seed).max() + (1e-6 if reach else 1e-2)
+        assert (best.limit_margin >= 0.0).all()
+        assert best.reason.endswith("the first is the nearest") == best.nearest_proved
+        proved += best.nearest_proved
+    assert proved >= least
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_first_of_a_list_is_the_nearest_alone(name):
+    chain = make(name)
+    for posture, seed in problems(chain, 20, 23):
+        T = forward_kinematics(chain, posture)
+        several = inverse_kinematics(chain, T, seed=seed)
+        alone = inverse_kinematics(chain, T, seed=seed, max_solutions=1)
+        assert len(several) >= len(alone) == 1
+        assert several.nearest_proved == alone.nearest_proved
+        np.testing.assert_allclose(several.seed_distance[0], alone.seed_distance[0], atol=1e-6)
+
+
+def test_a_seed_that_is_a_solution_is_the_nearest():
+    for name in ARMS:
+        chain = make(name)
+        for posture, _ in problems(chain, 20, 24):
+            best = inverse_kinematics(chain, forward_kinematics(chain, posture), seed=posture)
+            assert best.nearest_proved and best.seed_distance[0] < 1e-9
+
+
+@pytest.mark.parametrize(("name", "metric"), [("gen3", "linf"), ("general7r", "linf")])
+def test_what_is_not_proved_is_not_said_to_be(name, metric):
+    chain = load_robot(name)
+    for posture, seed in problems(chain, 5, 25):
+        T = forward_kinematics(chain, posture)
+        best = inverse_kinematics(chain, T, seed=seed, max_solutions=1, metric=metric)
+        assert not best.nearest_proved
+        assert best.reason.endswith("there may be a nearer one")
+
+
+def test_the_root_of_squares_is_not_proved_and_lists_that_are_complete_are():
+    for name, metric, proved in (("panda", "l2", False), ("ur5e", "l2", True)):
+        chain = load_robot(name)
+        q = chain.midrange() + 0.3
+        best = inverse_kinematics(chain, forward_kinematics(chain, q), seed=q + 0.1, metric=metric)
+        assert best.nearest_proved is proved
+
+
+def test_a_pose_out_of_reach_has_no_nearest_posture():
+    chain = load_robot("panda")
+    T = forward_kinematics(chain, chain.midrange())
+    T[0, 3] += 3.0
+    nothing = inverse_kinematics(chain, T)
+    assert not len(nothing) and not nothing.nearest_proved
