@@ -94,7 +94,14 @@ class SemanticSource:
             self._log.warning(f"{more} more such lines: `robomech groups` shows all")
 
     def _read(self, description: RobotDescription) -> SemanticDescription:
-        return semantics_of(description, self._given or self._heard, self._groups)
+        try:
+            return semantics_of(description, self._given or self._heard, self._groups)
+        except RobomechError as error:
+            if not self._heard:
+                raise
+            # Of another robot, perhaps: it must not keep this one from starting.
+            self._drop(error)
+            return self._read(description)
 
     def _receive(self, message: String) -> None:
         if not is_xml(message.data):
@@ -106,7 +113,14 @@ class SemanticSource:
             self.on_news()
             return
         try:
-            self.teach(self._model)
+            semantics_of(self._model.description, self._heard, self._groups)
         except RobomechError as error:
+            self._drop(error)
             self._heard = before
-            self._log.error(f"unusable SRDF on '{SEMANTIC_TOPIC}', ignored: {error}")
+            return
+        self.teach(self._model)
+
+    def _drop(self, error: RobomechError) -> None:
+        self._heard = ""
+        text = str(error)[:_LONGEST_NOTE]
+        self._log.error(f"unusable SRDF on '{SEMANTIC_TOPIC}', ignored: {text}")

@@ -71,6 +71,20 @@ def test_robot_and_groups_may_both_come_by_topics_in_any_order(graph, first):
     assert posture(graph, "home").error_code == 0
 
 
+def test_an_srdf_of_another_robot_does_not_keep_this_one_from_starting(graph):
+    graph.start(KinematicsNode, base_link="left_base", tip_link="left_tool")
+    groups, robot = (
+        graph.client.create_publisher(String, topic, LATCHED)
+        for topic in ("robot_description_semantic", "robot_description")
+    )
+    groups.publish(String(data=SRDF.replace("left_joint_1", "joint_1")))
+    said(graph, "waiting for the robot on topic '/robot_description'")
+    robot.publish(String(data=URDF))
+    said(graph, "ready: two_armed, left_base to left_tool")
+    said(graph, "unusable SRDF on 'robot_description_semantic', ignored: SRDF string: line 1")
+    assert posture(graph, "home").error_code == 0
+
+
 @pytest.mark.parametrize(
     ("given", "error", "text"),
     [
