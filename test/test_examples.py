@@ -64,6 +64,14 @@ def test_load_any_arm(tmp_path):
     assert "joints: pan, tilt\n    tip at mid-range: [0.  0.  0.4] m" in text
 
 
+def test_add_a_gripper(tmp_path):
+    text = output_of("add_a_gripper", tmp_path)
+    assert "the arm: 7 joints from panda_link0 to panda_hand_tcp" in text
+    assert "joint panda_finger_joint2 follows panda_finger_joint1" in text
+    assert numbers(r": (\S+) m wide", text) == [0.0, 0.04, 0.08]
+    assert load_robot(tmp_path / "panda_with_hand.urdf", tip="panda_hand_tcp").n == 7
+
+
 def test_all_solutions(tmp_path):
     text = output_of("all_solutions", tmp_path)
     chain = load_robot("puma560")

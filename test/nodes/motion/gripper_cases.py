@@ -1,5 +1,6 @@
 """Robots with fingers and with joints that mimic others, and where their links are."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -7,29 +8,7 @@ import pinocchio
 
 from robomech_ros.spatial import matrix_from_quaternion
 
-ROBOTS = Path(__file__).resolve().parents[3] / "config" / "robots"
-
-# Franka's hand, frames and limits as in franka_description (hand.xacro of franka_ros 0.10, licence
-# Apache 2.0): two slides, of which the second mimics the first.
-_HAND = """
-  <link name="panda_hand"/><link name="panda_leftfinger"/><link name="panda_rightfinger"/>
-  <link name="panda_hand_tcp"/>
-  <joint name="panda_hand_joint" type="fixed">
-    <parent link="panda_link8"/><child link="panda_hand"/><origin rpy="0 0 -0.785398163397"/>
-  </joint>
-  <joint name="panda_hand_tcp_joint" type="fixed">
-    <parent link="panda_hand"/><child link="panda_hand_tcp"/><origin xyz="0 0 0.1034"/>
-  </joint>
-  <joint name="panda_finger_joint1" type="prismatic">
-    <parent link="panda_hand"/><child link="panda_leftfinger"/><origin xyz="0 0 0.0584"/>
-    <axis xyz="0 1 0"/><limit effort="20" lower="0.0" upper="0.04" velocity="0.2"/>
-  </joint>
-  <joint name="panda_finger_joint2" type="prismatic">
-    <parent link="panda_hand"/><child link="panda_rightfinger"/><origin xyz="0 0 0.0584"/>
-    <axis xyz="0 -1 0"/><limit effort="20" lower="0.0" upper="0.04" velocity="0.2"/>
-    <mimic joint="panda_finger_joint1"/>
-  </joint>
-</robot>"""
+ROOT = Path(__file__).resolve().parents[3]
 
 # An arm as of a palletiser: a bar beside its upper arm, and a wrist that stays level.
 PALLETISER = """
@@ -60,8 +39,11 @@ PALLETISER = """
 
 
 def panda_with_hand():
-    """The URDF of the library's Panda with Franka's hand."""
-    return (ROBOTS / "panda.urdf").read_text(encoding="utf-8").replace("</robot>", _HAND)
+    """The URDF that an example makes: the library's Panda with Franka's hand."""
+    example = (ROOT / "examples" / "add_a_gripper.py").read_text(encoding="utf-8")
+    hand = re.search(r'^HAND = """(.*?)"""', example, re.DOTALL | re.MULTILINE)[1]
+    arm = (ROOT / "config" / "robots" / "panda.urdf").read_text(encoding="utf-8")
+    return arm.replace("</robot>", hand)
 
 
 def poses_by_pinocchio(urdf, positions):
