@@ -19,6 +19,7 @@ from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.vectors import about_z, back, cross, dot, norm, turned
 from robomech_ros._kernels.tolerances import ACCEPTED, PARALLEL_AXES
 
 __all__ = [
@@ -77,46 +78,6 @@ ARC = 43
 _FAR = 1e3
 
 
-@inline
-def _turned(packed, row, v):
-    """Rotation of the constant transform ``row``, times v."""
-    return (
-        packed[row, 1] * v[0] + packed[row, 2] * v[1] + packed[row, 3] * v[2],
-        packed[row, 4] * v[0] + packed[row, 5] * v[1] + packed[row, 6] * v[2],
-        packed[row, 7] * v[0] + packed[row, 8] * v[1] + packed[row, 9] * v[2],
-    )
-
-
-@inline
-def _back(packed, row, v):
-    """Rotation of the constant transform ``row``, transposed, times v."""
-    return (
-        packed[row, 1] * v[0] + packed[row, 4] * v[1] + packed[row, 7] * v[2],
-        packed[row, 2] * v[0] + packed[row, 5] * v[1] + packed[row, 8] * v[2],
-        packed[row, 3] * v[0] + packed[row, 6] * v[1] + packed[row, 9] * v[2],
-    )
-
-
-@inline
-def _about_z(c, s, v):
-    return c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]
-
-
-@inline
-def _dot(u, v):
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@inline
-def _cross(u, v):
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-
-
-@inline
-def _norm(v):
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-
-
 @lean
 def prepare(arm, T, pose):
     """Write what stays the same for the pose T (4, 4) to ``pose`` (POSE,)."""
@@ -131,17 +92,17 @@ def prepare(arm, T, pose):
         T[0, 1] * d[0] + T[1, 1] * d[1] + T[2, 1] * d[2],
         T[0, 2] * d[0] + T[1, 2] * d[1] + T[2, 2] * d[2],
     )
-    m = _turned(packed, 7, d)
+    m = turned(packed, 7, d)
     m = m[0] + packed[7, 10], m[1] + packed[7, 11], m[2] + packed[7, 12]
     for i in range(3):
         pose[SHOULDER + i] = m[i]
-        column = _turned(packed, 7, (T[i, 0], T[i, 1], T[i, 2]))
+        column = turned(packed, 7, (T[i, 0], T[i, 1], T[i, 2]))
         for j in range(3):
             pose[TURNED + 3 * j + i] = column[j]
     # v = R_6 Rz(t) m + o, with o from the point on axis 6 to the origin of joint 7.
     o = packed[6, 10], packed[6, 11], packed[6, 12] - arm[at.ARC_HEIGHT_6]
-    x, y, z = _back(packed, 6, o)
-    pose[SQUARE] = _dot(o, o) + _dot(m, m) + 2.0 * z * m[2]
+    x, y, z = back(packed, 6, o)
+    pose[SQUARE] = dot(o, o) + dot(m, m) + 2.0 * z * m[2]
     pose[SQUARE + 1] = 2.0 * (x * m[0] + y * m[1])
     pose[SQUARE + 2] = 2.0 * (y * m[0] - x * m[1])
     pose[RADIUS] = math.sqrt(m[0] * m[0] + m[1] * m[1])
@@ -156,17 +117,17 @@ def start_level(arm, pose, t, h, level):
     packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
     c, s = math.cos(t), math.sin(t)
     m = pose[SHOULDER], pose[SHOULDER + 1], pose[SHOULDER + 2]
-    v = _turned(packed, 6, _about_z(c, s, m))
+    v = turned(packed, 6, about_z(c, s, m))
     v = (
         v[0] + packed[6, 10],
         v[1] + packed[6, 11],
         v[2] + packed[6, 12] - arm[at.ARC_HEIGHT_6],
     )
-    e = _turned(packed, 6, (-s * m[0] - c * m[1], c * m[0] - s * m[1], 0.0))
+    e = turned(packed, 6, (-s * m[0] - c * m[1], c * m[0] - s * m[1], 0.0))
     for i in range(3):
         level[V + i], level[DV + i] = v[i], e[i]
-    level[LENGTH2] = _dot(v, v)
-    level[RATE2] = _dot(v, e)
+    level[LENGTH2] = dot(v, v)
+    level[RATE2] = dot(v, e)
     level[ACROSS] = math.sqrt(v[0] * v[0] + v[1] * v[1])
     level[ANGLE] = angle_of(v[1], v[0])
     level[DV_ACROSS] = math.sqrt(e[0] * e[0] + e[1] * e[1])
@@ -205,10 +166,10 @@ def last_joints(arm, pose, level, t, h, elbow, side, arc):
     c, s = math.cos(q4), math.sin(q4)
     arc[COSINES], arc[SINES] = c, s
     k = arm[at.ARC_ELBOW], arm[at.ARC_ELBOW + 1], arm[at.ARC_ELBOW + 2]
-    x4 = _about_z(c, -s, k)
-    u = _back(packed, 4, (x4[0] - packed[4, 10], x4[1] - packed[4, 11], x4[2] - packed[4, 12]))
+    x4 = about_z(c, -s, k)
+    u = back(packed, 4, (x4[0] - packed[4, 10], x4[1] - packed[4, 11], x4[2] - packed[4, 12]))
     u = u[0], u[1], u[2] - arm[at.ARC_HEIGHT_5]
-    f = _back(packed, 4, (x4[1], -x4[0], 0.0))
+    f = back(packed, 4, (x4[1], -x4[0], 0.0))
     arc[Q + 3], arc[REACH + 3] = q4, d4
     # Joint 6, from the component along axis 5.
     row = packed[5, 7], packed[5, 8], packed[5, 9]
@@ -234,7 +195,7 @@ def last_joints(arm, pose, level, t, h, elbow, side, arc):
     c, s = math.cos(q6), math.sin(q6)
     arc[COSINES + 2], arc[SINES + 2] = c, s
     arc[COSINES + 3], arc[SINES + 3] = level[COSINE], level[SINE]
-    w = _turned(packed, 5, _about_z(c, s, v))
+    w = turned(packed, 5, about_z(c, s, v))
     # Cosine and sine of the angle from w to u about axis 5.
     c, s = u[0] * w[0] + u[1] * w[1], u[1] * w[0] - u[0] * w[1]
     arc[Q + 4] = angle_of(s, c)
@@ -274,7 +235,7 @@ def _last_rates(arm, pose, level, h, u, f, arc):
     d4 = arc[REACH + 3]
     bend = 0.5 * math.sqrt(pose[SQUARE + 1] ** 2 + pose[SQUARE + 2] ** 2)
     half = 0.5 * arm[at.ARC_AMPLITUDE]
-    slope = _dot(u, f)
+    slope = dot(u, f)
     room = abs(slope) - half * d4
     if room <= 0.0:
         return False
@@ -283,16 +244,16 @@ def _last_rates(arm, pose, level, h, u, f, arc):
     d4 = min(d4, (abs(rate4) + spread4) * h)
     # Axis 5 in the axes of the link before joint 7, axis 6 in those behind joint 4.
     c, s = arc[COSINES + 2], arc[SINES + 2]
-    z5 = _about_z(c, -s, (packed[5, 7], packed[5, 8], packed[5, 9]))
+    z5 = about_z(c, -s, (packed[5, 7], packed[5, 8], packed[5, 9]))
     c, s = arc[COSINES + 1], arc[SINES + 1]
-    z6 = _about_z(c, s, (packed[5, 3], packed[5, 6], packed[5, 9]))
+    z6 = about_z(c, s, (packed[5, 3], packed[5, 6], packed[5, 9]))
     v = level[V], level[V + 1], level[V + 2]
     e = level[DV], level[DV + 1], level[DV + 2]
     determinant = z5[1] * v[0] - z5[0] * v[1]
     sine = math.sqrt(z5[0] * z5[0] + z5[1] * z5[1])
     radius, circle, length = arm[at.ARC_RADIUS], pose[RADIUS], math.sqrt(level[LENGTH2])
-    rate6 = (rate4 * f[2] - _dot(z5, e)) / determinant
-    along = _dot(z6, f)
+    rate6 = (rate4 * f[2] - dot(z5, e)) / determinant
+    along = dot(z6, f)
     rate5 = (e[2] - rate4 * along) / determinant
     d6 = arc[REACH + 5]
     spread6 = 0.0
@@ -326,14 +287,14 @@ def _upper_arm(arm, pose, arc, axes):
     The first three columns are the rotation.
     """
     packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
-    turned = pose[TURNED : TURNED + 9].reshape((3, 3))
+    rotation = pose[TURNED : TURNED + 9].reshape((3, 3))
     for i in range(3):
         # The i-th axis of the base in those of the link before joint 7, and on to the upper arm.
-        w = turned[0, i], turned[1, i], turned[2, i]
+        w = rotation[0, i], rotation[1, i], rotation[2, i]
         axes[i, 6] = w[2]
         for j in (6, 5, 4, 3):
             c, s = arc[COSINES + j - 3], arc[SINES + j - 3]
-            w = _turned(packed, j, _about_z(c, s, w))
+            w = turned(packed, j, about_z(c, s, w))
             axes[i, j - 1] = w[2]
         axes[i, 0], axes[i, 1] = w[0], w[1]
     return 0
@@ -349,7 +310,7 @@ def first_joints(arm, pose, status, h, arc, first):
     axes, turn = scratch(3, 7), scratch(9)
     _upper_arm(arm, pose, arc, axes)
     for i in range(3):
-        v = _back(packed, 0, (axes[0, i], axes[1, i], axes[2, i]))
+        v = back(packed, 0, (axes[0, i], axes[1, i], axes[2, i]))
         turn[i], turn[3 + i], turn[6 + i] = v
         arc[AXIS_3 + i] = axes[i, 2]
     shoulder = arm[at.ARC_WRIST - wrist_at.ANGLES :]
@@ -378,7 +339,7 @@ def enter_first(arm, status, h, first, arc):
         arc[Q + j] = wrapped(first[j] - arm[at.ARC_WRIST + j])
     turn = arc[TURN_CHANGE]
     if status == REGULAR:
-        turn += _norm((arc[TURN], arc[TURN + 1], arc[TURN + 2]))
+        turn += norm((arc[TURN], arc[TURN + 1], arc[TURN + 2]))
         turn *= h
     arc[REACH] = arc[REACH + 2] = _FAR
     # At right angles, joint 2 turns no more than the arm.
@@ -387,7 +348,7 @@ def enter_first(arm, status, h, first, arc):
     # Axes 1 to 3 in the base.
     z1 = packed[0, 3], packed[0, 6], packed[0, 9]
     w = packed[1, 3], packed[1, 6], packed[1, 9]
-    z2 = _turned(packed, 0, _about_z(math.cos(arc[Q]), math.sin(arc[Q]), w))
+    z2 = turned(packed, 0, about_z(math.cos(arc[Q]), math.sin(arc[Q]), w))
     z3 = arc[AXIS_3], arc[AXIS_3 + 1], arc[AXIS_3 + 2]
     return status if _first_rates(z1, z2, z3, status, h, arc) else UNKNOWN
 
@@ -397,9 +358,9 @@ def _first_rates(z1, z2, z3, status, h, arc):
     """Write rates of joints 1 to 3 and how far they go; False where that has no bound."""
     turn = arc[TURN], arc[TURN + 1], arc[TURN + 2]
     change = arc[TURN_CHANGE]
-    n12, n23, n31 = _cross(z1, z2), _cross(z2, z3), _cross(z3, z1)
-    s12, s23 = _norm(n12), _norm(n23)
-    determinant = _dot(z1, n23)
+    n12, n23, n31 = cross(z1, z2), cross(z2, z3), cross(z3, z1)
+    s12, s23 = norm(n12), norm(n23)
+    determinant = dot(z1, n23)
     size = abs(determinant)
     if status != REGULAR:
         # The whole turn, taken as a rate that lasts for one.
@@ -413,10 +374,10 @@ def _first_rates(z1, z2, z3, status, h, arc):
         return True
     if determinant == 0.0:
         return False
-    r1 = _dot(turn, n23) / determinant
-    r2 = _dot(turn, n31) / determinant
-    r3 = _dot(turn, n12) / determinant
-    speed = _norm(turn)
+    r1 = dot(turn, n23) / determinant
+    r2 = dot(turn, n31) / determinant
+    r3 = dot(turn, n12) / determinant
+    speed = norm(turn)
     d1, d2 = 1.2 * abs(r1) * h, 1.2 * abs(r2) * h
     for _ in range(5):
         room = size - d2

@@ -32,6 +32,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.vectors import back, cross, dot, turned
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 
 __all__ = ["arm_angle", "arm_angle_postures"]
@@ -50,42 +51,8 @@ def _vector(data, k):
 
 
 @inline
-def _dot(u, v):
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@inline
-def _cross(u, v):
-    return (
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    )
-
-
-@inline
 def _scaled(u, factor):
     return u[0] * factor, u[1] * factor, u[2] * factor
-
-
-@inline
-def _turned(packed, row, v):
-    """Rotation of the constant transform ``row``, times v."""
-    return (
-        packed[row, 1] * v[0] + packed[row, 2] * v[1] + packed[row, 3] * v[2],
-        packed[row, 4] * v[0] + packed[row, 5] * v[1] + packed[row, 6] * v[2],
-        packed[row, 7] * v[0] + packed[row, 8] * v[1] + packed[row, 9] * v[2],
-    )
-
-
-@inline
-def _back(packed, row, v):
-    """Rotation of the constant transform ``row``, transposed, times v."""
-    return (
-        packed[row, 1] * v[0] + packed[row, 4] * v[1] + packed[row, 7] * v[2],
-        packed[row, 2] * v[0] + packed[row, 5] * v[1] + packed[row, 8] * v[2],
-        packed[row, 3] * v[0] + packed[row, 6] * v[1] + packed[row, 9] * v[2],
-    )
 
 
 @inline
@@ -99,7 +66,7 @@ def _shoulder_to(packed, parts):
 def _to_wrist(packed, parts, cosine, sine):
     """Vector from shoulder to wrist in the frame that moves with joint 3."""
     wx, wy, wz = _vector(parts, at.CENTRE_4)
-    x, y, z = _turned(packed, 3, (cosine * wx - sine * wy, sine * wx + cosine * wy, wz))
+    x, y, z = turned(packed, 3, (cosine * wx - sine * wy, sine * wx + cosine * wy, wz))
     ux, uy, uz = _shoulder_to(packed, parts)
     return x + ux, y + uy, z + uz
 
@@ -107,7 +74,7 @@ def _to_wrist(packed, parts, cosine, sine):
 @inline
 def _side(along, v):
     """Give the direction of v's part perpendicular to the unit vector ``along``, and its length."""
-    part = _dot(along, v)
+    part = dot(along, v)
     x, y, z = v[0] - part * along[0], v[1] - part * along[1], v[2] - part * along[2]
     length = math.sqrt(x * x + y * y + z * z)
     inverse = 1.0 / length if length > 0.0 else 0.0
@@ -117,26 +84,26 @@ def _side(along, v):
 @inline
 def _arm_triad(packed, parts, p):
     """Axes of the arm in the frame that moves with joint 3: to the wrist, to the elbow, normal."""
-    inverse = 1.0 / math.sqrt(_dot(p, p))
+    inverse = 1.0 / math.sqrt(dot(p, p))
     along = _scaled(p, inverse)
     axis = (packed[3, 3], packed[3, 6], packed[3, 9])
-    side, _ = _side(along, _cross(axis, along))
+    side, _ = _side(along, cross(axis, along))
     ex, ey, ez = _vector(parts, at.ELBOW)
     sx, sy, sz = _vector(parts, at.CENTRE_3)
-    if _dot(side, (ex - sx, ey - sy, ez - sz)) < 0.0:
+    if dot(side, (ex - sx, ey - sy, ez - sz)) < 0.0:
         side = _scaled(side, -1.0)
-    return along, side, _cross(along, side)
+    return along, side, cross(along, side)
 
 
 @inline
 def _base_triad(parts, d):
     """Axes in the base: to the wrist, the reference perpendicular to that, and their normal."""
-    inverse = 1.0 / math.sqrt(_dot(d, d))
+    inverse = 1.0 / math.sqrt(dot(d, d))
     along = _scaled(d, inverse)
     side, length = _side(along, _vector(parts, at.REFERENCE))
     if length < ON_BOUNDARY:
         side, length = _side(along, _vector(parts, at.OTHER))
-    return along, side, _cross(along, side)
+    return along, side, cross(along, side)
 
 
 @inline
@@ -217,16 +184,16 @@ def _left_for_wrist(packed, T, R, cosine, sine):
         ),
         a[2],
     )
-    x = _turned(packed, 3, (b[0][0], b[1][0], b[2][0]))
-    y = _turned(packed, 3, (b[0][1], b[1][1], b[2][1]))
-    z = _turned(packed, 3, (b[0][2], b[1][2], b[2][2]))
-    x = (_dot(R[0], x), _dot(R[1], x), _dot(R[2], x))
-    y = (_dot(R[0], y), _dot(R[1], y), _dot(R[2], y))
-    z = (_dot(R[0], z), _dot(R[1], z), _dot(R[2], z))
+    x = turned(packed, 3, (b[0][0], b[1][0], b[2][0]))
+    y = turned(packed, 3, (b[0][1], b[1][1], b[2][1]))
+    z = turned(packed, 3, (b[0][2], b[1][2], b[2][2]))
+    x = (dot(R[0], x), dot(R[1], x), dot(R[2], x))
+    y = (dot(R[0], y), dot(R[1], y), dot(R[2], y))
+    z = (dot(R[0], z), dot(R[1], z), dot(R[2], z))
     h = (
-        _turned(packed, 7, (T[0, 0], T[0, 1], T[0, 2])),
-        _turned(packed, 7, (T[1, 0], T[1, 1], T[1, 2])),
-        _turned(packed, 7, (T[2, 0], T[2, 1], T[2, 2])),
+        turned(packed, 7, (T[0, 0], T[0, 1], T[0, 2])),
+        turned(packed, 7, (T[1, 0], T[1, 1], T[1, 2])),
+        turned(packed, 7, (T[2, 0], T[2, 1], T[2, 2])),
     )
     return _product(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])), h)
 
@@ -261,13 +228,13 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
         T[2, 0] * hx + T[2, 1] * hy + T[2, 2] * hz + T[2, 3] - parts[at.CENTRE_0 + 2],
     )
     unit = 1.0 / (data[at.SIZE] * data[at.SIZE])
-    square = _dot(d, d)
+    square = dot(d, d)
     if square * unit < ON_AXIS:
         return ZERO
     w = _vector(parts, at.CENTRE_4)
     u = _shoulder_to(packed, parts)
-    ux, uy, uz = _back(packed, 3, u)
-    constant = _dot(w, w) + _dot(u, u) + 2.0 * uz * w[2] - square
+    ux, uy, uz = back(packed, 3, u)
+    constant = dot(w, w) + dot(u, u) + 2.0 * uz * w[2] - square
     roots, c1, s1, c2, s2 = order_one_roots(
         constant * unit,
         2.0 * (ux * w[0] + uy * w[1]) * unit,
@@ -317,10 +284,10 @@ def arm_angle(data, q):
         c, s = math.cos(q[j]), math.sin(q[j])
         p = (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2])
         side = (c * side[0] - s * side[1], s * side[0] + c * side[1], side[2])
-        p = _turned(packed, j, p)
-        side = _turned(packed, j, side)
+        p = turned(packed, j, p)
+        side = turned(packed, j, side)
     _, reference, normal = _base_triad(parts, p)
-    return math.atan2(_dot(side, normal), _dot(side, reference))
+    return math.atan2(dot(side, normal), dot(side, reference))
 
 
 call_arm_angle_postures = linked(arm_angle_postures)

@@ -20,9 +20,7 @@ from robomech_ros._kernels.inverse.redundant.arcs import (
     LEVEL,
     POSE,
     RATE,
-    REACH,
     REGULAR,
-    SPREAD,
     UNKNOWN,
     Q,
     enter_first,
@@ -31,8 +29,8 @@ from robomech_ros._kernels.inverse.redundant.arcs import (
     prepare,
     start_level,
 )
+from robomech_ros._kernels.inverse.redundant.narrowing import enclose, narrow_joints, whole
 from robomech_ros._kernels.inverse.redundant.nearest import minimax
-from robomech_ros._kernels.tolerances import AT_LIMIT
 
 __all__ = ["NEARER_BY", "prove_nearest"]
 
@@ -54,70 +52,6 @@ PROOF_WAITING = 128
 
 _ALL = 255
 _TURN = 2.0 * math.pi
-
-
-@lean
-def _narrow_side(x, slow, fast, low, high, side, k):
-    """Leave of the interval in side[k : k + 2] where x + rate tau may be from low to high.
-
-    tau counts from 0 on, rates are from ``slow`` to ``fast``.
-    """
-    if slow > 0.0:
-        side[k + 1] = min(side[k + 1], (high - x) / slow)
-    elif x > high:
-        side[k] = max(side[k], (x - high) / -slow) if slow < 0.0 else math.inf
-    if fast < 0.0:
-        side[k + 1] = min(side[k + 1], (x - low) / -fast)
-    elif x < low:
-        side[k] = max(side[k], (low - x) / fast) if fast > 0.0 else math.inf
-
-
-@lean
-def _narrow(x, rate, spread, low, high, sides):
-    """Narrow both sides of an interval, that after its middle and that before it."""
-    _narrow_side(x, rate - spread, rate + spread, low, high, sides, 0)
-    _narrow_side(x, -rate - spread, -rate + spread, low, high, sides, 2)
-
-
-@lean
-def _is_left(sides):
-    return sides[0] <= sides[1] or sides[2] <= sides[3]
-
-
-@lean
-def _narrow_joints(first, last, arc, regular, box, sides):
-    """Narrow the sides by joints first to last - 1; False where nothing is left.
-
-    ``box`` (14,) holds from where to where each joint may be.
-    """
-    for i in range(first, last):
-        low, high, reach = box[i], box[7 + i], arc[REACH + i]
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        if half + reach >= math.pi:
-            continue
-        x = arc[Q + i] - middle
-        x -= _TURN * math.floor(x / _TURN + 0.5)
-        if abs(x) > half + reach:
-            return False
-        if regular:
-            _narrow(x, arc[RATE + i], arc[SPREAD + i], -half, half, sides)
-            if not _is_left(sides):
-                return False
-    return True
-
-
-@lean
-def _enclose(request, distance, box):
-    """Write where each joint must be in a posture within a distance of the seed."""
-    _, lower, upper, seed, bounded = request
-    for i in range(7):
-        low, high = seed[i] - distance, seed[i] + distance
-        if bounded:
-            low, high = max(low, lower[i] - AT_LIMIT), min(high, upper[i] + AT_LIMIT)
-        if low > high:
-            return False
-        box[i], box[7 + i] = low, high
-    return True
 
 
 @lean
@@ -171,12 +105,6 @@ def _keep(sides, bit, left, masks):
 
 
 @lean
-def _whole(h, sides):
-    sides[0] = sides[2] = 0.0
-    sides[1] = sides[3] = h
-
-
-@lean
 def _posture(arm, pose, t, k, flip, arc):
     """Write the posture of an arc at t, and its rates; False where it has none."""
     level, first = scratch(LEVEL), scratch(2, 3)
@@ -212,12 +140,13 @@ def _is_nearer(request, arc, distance):
 
 
 @lean
-def _improve(arm, pose, request, k, flip, longest, arc, distance, best):
-    """Go down along an arc from a posture that is nearer than ``distance``; return its distance.
+def _improve(bench, request, k, flip, longest, distance):
+    """Go down along an arc from a posture that is nearer than ``distance``; return the least one.
 
-    ``arc`` is overwritten; ``best`` (7,) gets the nearest posture, or is left alone where the first
-    is not inside the limits, or not nearer.
+    The posture is where the bench has the other arc, which is overwritten; that with the least
+    distance becomes the nearest posture known.
     """
+    arm, pose, _, _, arc, _, _, _, _, _, nearest = bench
     turns, lower, upper, seed, bounded = request
     placed = scratch(7)
     t, step = arc[Q + 6], 0.0
@@ -229,7 +158,7 @@ def _improve(arm, pose, request, k, flip, longest, arc, distance, best):
         if nearer:
             distance = here
             for i in range(7):
-                best[i] = placed[i]
+                nearest[i] = placed[i]
             t = arc[Q + 6]
             step = _step(request, placed, arc[RATE : RATE + 7], longest)
         else:
@@ -259,7 +188,7 @@ def _examine_shoulder(bench, request, status, h, k, mask, distance):
 
     Returns the least distance from the seed, of postures in its middle, too.
     """
-    arm, pose, _, arc, other, first, box, sides, left, masks, nearest = bench
+    arm, pose, _, arc, other, first, box, sides, left, masks, _ = bench
     two = first_joints(arm, pose, status, h, arc, first)
     for flip in range(2):
         if not mask >> 2 * k + flip & 1:
@@ -269,12 +198,12 @@ def _examine_shoulder(bench, request, status, h, k, mask, distance):
         if regular and _is_nearer(request, arc, distance):
             for i in range(ARC):
                 other[i] = arc[i]
-            distance = _improve(arm, pose, request, k, flip, h, other, distance, nearest)
-            _enclose(request, distance - NEARER_BY, box)
-        _whole(h, sides)
-        if not _narrow_joints(3, 6, arc, status == REGULAR, box, sides):
+            distance = _improve(bench, request, k, flip, h, distance)
+            enclose(request, distance - NEARER_BY, box)
+        whole(h, sides)
+        if not narrow_joints(3, 6, arc, status == REGULAR, box, sides):
             continue
-        if two and not _narrow_joints(0, 3, arc, regular, box, sides):
+        if two and not narrow_joints(0, 3, arc, regular, box, sides):
             continue
         _keep(sides, float(1 << 2 * k + flip), left, masks)
     return distance
@@ -299,8 +228,8 @@ def _examine(bench, request, t, h, mask, distance):
         status = last_joints(arm, pose, level, t, h, elbow, side, arc)
         if status == EMPTY:
             continue
-        _whole(h, sides)
-        if not _narrow_joints(3, 6, arc, status == REGULAR, box, sides):
+        whole(h, sides)
+        if not narrow_joints(3, 6, arc, status == REGULAR, box, sides):
             continue
         if status != REGULAR and h > PROOF_VAGUE:
             _keep(sides, float(mask & 3 << 2 * k), left, masks)
@@ -312,14 +241,14 @@ def _examine(bench, request, t, h, mask, distance):
 @lean
 def _probe(bench, request, t, h, distance):
     """Go down along the arcs of which the posture at t is nearer; return the least distance."""
-    arm, pose, level, arc, other, first, box, sides, _, _, nearest = bench
+    arm, pose, level, arc, other, first, box, sides, _, _, _ = bench
     if not start_level(arm, pose, t, 0.0, level):
         return distance
     for k in range(4):
         elbow, side = 1.0 - 2.0 * (k & 1), 1.0 - (k & 2)
         status = last_joints(arm, pose, level, t, 0.0, elbow, side, arc)
-        _whole(0.0, sides)
-        if status != REGULAR or not _narrow_joints(3, 6, arc, True, box, sides):
+        whole(0.0, sides)
+        if status != REGULAR or not narrow_joints(3, 6, arc, True, box, sides):
             continue
         if not first_joints(arm, pose, status, 0.0, arc, first):
             continue
@@ -329,8 +258,8 @@ def _probe(bench, request, t, h, distance):
                 continue
             for i in range(ARC):
                 other[i] = arc[i]
-            distance = _improve(arm, pose, request, k, flip, h, other, distance, nearest)
-            _enclose(request, distance - NEARER_BY, box)
+            distance = _improve(bench, request, k, flip, h, distance)
+            enclose(request, distance - NEARER_BY, box)
     return distance
 
 
@@ -346,7 +275,7 @@ def _copied(rows, count, out):
 def _search(bench, request, waiting, doubted, distance):
     """Halve intervals until nothing is left; return the least distance and whether it is proved."""
     box, left, masks = bench[6], bench[8], bench[9]
-    if not _enclose(request, distance - NEARER_BY, box):
+    if not enclose(request, distance - NEARER_BY, box):
         return distance, True
     count, doubts, known = _begin(box, request[3], waiting), 0, distance
     for k in range(count - 1, -1, -1):
