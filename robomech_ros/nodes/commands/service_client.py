@@ -6,7 +6,6 @@ from difflib import get_close_matches
 from typing import Any
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
@@ -54,7 +53,10 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
     node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
     try:
         return _answer(node, f"/{service.removeprefix('/')}", kind, values, deadline, timeout)
-    except ExternalShutdownException:
+    except Exception:
+        # Each of rclpy's functions has an exception of its own for a context that is gone.
+        if rclpy.ok():
+            raise
         raise NoAnswerError("ROS was shut down before the answer came") from None
     finally:
         node.destroy_node()

@@ -4,6 +4,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,23 @@ def test_call_of_a_service_that_is_not_there_lists_those_that_are(graph, capfd):
     assert "'/servant/swich' did not appear (did you mean '/servant/switch'?)" in err
     assert "/servant/execute" in err
     assert "parameters" not in err
+
+
+@pytest.mark.parametrize("type_given", [False, True])
+def test_call_ends_quietly_on_ctrl_c(graph, type_given):
+    """It showed the traceback of an RCLError."""
+    command = [sys.executable, "-m", "robomech_ros.cli.main", "call", "never/there"]
+    command += ["{}", "--timeout", "60"]
+    command += ["--type", "std_srvs/srv/Trigger"] if type_given else []
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 30.0
+    while "robomech_call" not in graph.client.get_node_names():
+        assert time.monotonic() < deadline, "it never began"
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30.0)
+    assert process.returncode == cli.EXIT_INTERRUPTED
+    assert said == ""
 
 
 @pytest.mark.parametrize("timeout", ["nan", "-1", "0", "inf", "1e9", "soon"])
