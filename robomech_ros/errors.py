@@ -223,42 +223,78 @@ class RobotDescriptionError(RobomechError):
         return type(self), (self.where, self.why)
 
 
+def _of_unit(value: float, unit: str, digits: int = 9) -> str:
+    """Show a number with its unit, if that is known."""
+    return f"{value:.{digits}g} {unit}".rstrip()
+
+
 class SeedOutsideLimitsError(RobomechError):
-    """The seed or start of a joint lies outside the joint's limits (rad or m)."""
+    """The seed or start of a joint lies outside the joint's limits.
+
+    Parameters
+    ----------
+    joint : str
+    value, lower, upper : float
+        Its value and its limits, rad or m.
+    what : str, optional
+        What it is the value of.
+    unit : str, optional
+        ``"rad"`` or ``"m"``; empty where that is not known.
+    """
 
     def __init__(
-        self, joint: str, value: float, lower: float, upper: float, what: str = "seed"
+        self,
+        joint: str,
+        value: float,
+        lower: float,
+        upper: float,
+        what: str = "seed",
+        unit: str = "",
     ) -> None:
         self.what = what
+        self.unit = unit
         self.joint = joint
         self.value = float(value)
         self.lower = float(lower)
         self.upper = float(upper)
         excess = max(self.lower - self.value, self.value - self.upper)
         super().__init__(
-            f"{what} of joint '{joint}' is {self.value:.9g}, outside its limits "
-            f"[{self.lower:.9g}, {self.upper:.9g}] by {excess:.3g}"
+            f"{what} of joint '{joint}' is {_of_unit(self.value, unit)}, outside its limits "
+            f"[{self.lower:.9g}, {self.upper:.9g}] by {_of_unit(excess, unit, 3)}"
         )
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.joint, self.value, self.lower, self.upper, self.what)
+        given = (self.joint, self.value, self.lower, self.upper, self.what, self.unit)
+        return type(self), given
 
 
 class LimitExceededError(RobomechError):
-    """A joint's position, velocity, acceleration or jerk goes over its limit (SI, rad or m)."""
+    """A joint's position, velocity, acceleration or jerk goes over its limit.
 
-    def __init__(self, what: str, joint: str, value: float, limit: float) -> None:
+    Parameters
+    ----------
+    what : str
+        The quantity.
+    joint : str
+    value, limit : float
+        What it is, and what it may be (SI, rad or m).
+    unit : str, optional
+        Their unit, such as ``"rad/s"``; empty where it is not known.
+    """
+
+    def __init__(self, what: str, joint: str, value: float, limit: float, unit: str = "") -> None:
         self.what = what
+        self.unit = unit
         self.joint = joint
         self.value = float(value)
         self.limit = float(limit)
         super().__init__(
-            f"{what} of joint '{joint}' is {self.value:.9g}, over its limit {self.limit:.9g} "
-            f"by {abs(self.value - self.limit):.3g}"
+            f"{what} of joint '{joint}' is {_of_unit(self.value, unit)}, over its limit "
+            f"{_of_unit(self.limit, unit)} by {_of_unit(abs(self.value - self.limit), unit, 3)}"
         )
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.joint, self.value, self.limit)
+        return type(self), (self.what, self.joint, self.value, self.limit, self.unit)
 
 
 class DurationTooShortError(RobomechError):

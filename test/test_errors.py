@@ -30,8 +30,16 @@ CASES = [
         "seed of joint 'j' is 2, outside its limits [-1, 1.5] by 0.5",
     ),
     (
+        errors.SeedOutsideLimitsError("j", 2.0, -1.0, 1.5, "start", unit="m"),
+        "start of joint 'j' is 2 m, outside its limits [-1, 1.5] by 0.5 m",
+    ),
+    (
         errors.LimitExceededError("velocity", "j", -3.0, -2.0),
         "velocity of joint 'j' is -3, over its limit -2 by 1",
+    ),
+    (
+        errors.LimitExceededError("velocity", "j", -3.0, -2.0, "rad/s"),
+        "velocity of joint 'j' is -3 rad/s, over its limit -2 rad/s by 1 rad/s",
     ),
     (errors.MapFileError("map.npz", "damaged"), "map.npz: damaged"),
     (

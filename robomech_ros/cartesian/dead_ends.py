@@ -9,11 +9,10 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.kinetostatics.singularities.determinant_factors import named_parts
 from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.trajectory import JointPath, Limits, PathCut, PathTracking, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES
 
-__all__ = ["SLOWEST", "dead_end", "joint_unit", "singular_part"]
+__all__ = ["SLOWEST", "dead_end", "singular_part"]
 
 Array = NDArray[np.float64]
 # Below this speed along the path (m/s) the way to a dead end is pointless: it takes minutes for
@@ -24,6 +23,9 @@ _NEARLY = 0.1
 # How far before the end of a path the arm is looked at for the way that its wrist goes, as its
 # part; and halvings until the place of a speed is found.
 _BEFORE, _HALVINGS = 1e-3, 50
+# Parts of a path at which the speeds of joints are compared with those at its end, and how many
+# times the end must be faster to be near a singularity.
+_EARLIER, _MUCH_FASTER = (0.25, 0.5, 0.75), 2.0
 _BY_ITSELF = (PathTrackingStatus.LOST, PathTrackingStatus.JUMP, PathTrackingStatus.SINGULAR)
 
 
@@ -65,14 +67,9 @@ def _beyond(tracking: PathTracking, chain: SerialChain, part: str) -> str:
         return because + beyond
     if tracking.joint is None:
         return f"{because}the joint values change too fast, too near to a singularity"
-    name, unit = chain.joint_names[tracking.joint], joint_unit(chain, tracking.joint)
+    name, unit = chain.joint_names[tracking.joint], chain.units[tracking.joint]
     jump = f"joint '{name}' would have to jump by {tracking.move:.3g} {unit}"
     return f"{because}out of reach beyond on this branch; to reach it, {jump}" if part else jump
-
-
-def joint_unit(chain: SerialChain, joint: int) -> str:
-    """Give the unit of the values of a joint."""
-    return "m" if chain.types[joint] == PRISMATIC else "rad"
 
 
 def singular_part(chain: SerialChain, joints: JointPath) -> str:
@@ -81,12 +78,13 @@ def singular_part(chain: SerialChain, joints: JointPath) -> str:
     Returns
     -------
     str
-        Such as "the elbow is straight"; empty where no part with a name is.
+        Such as "the elbow is straight"; of an arm whose parts have no names, the joint that turns
+        or slides ever faster; empty where neither is so.
     """
     q = joints.derivatives(joints.length)[0]
     factors = posture_report(chain, q, length=arm_size(chain)).factors
     if not factors:
-        return ""
+        return _ever_faster(chain, joints)
     name = min(factors, key=lambda one: abs(factors[one]))
     if abs(factors[name]) > _NEARLY:
         return ""
@@ -94,6 +92,16 @@ def singular_part(chain: SerialChain, joints: JointPath) -> str:
         return f"the {name} is singular"
     before = joints.derivatives(joints.length * (1.0 - _BEFORE))[0]
     return f"the elbow is {'straight' if _stretches(chain, before, q) else 'folded'}"
+
+
+def _ever_faster(chain: SerialChain, joints: JointPath) -> str:
+    """Say which joint is fastest at the end of a path, if it is much faster than before."""
+    rates = np.abs(joints.derivatives(joints.length * np.array([*_EARLIER, 1.0]))[1])
+    joint = int(np.argmax(rates[-1]))
+    if rates[-1, joint] < _MUCH_FASTER * rates[:-1, joint].max():
+        return ""
+    moves = "turns" if chain.units[joint] == "rad" else "slides"
+    return f"joint '{chain.joint_names[joint]}' {moves} ever faster"
 
 
 def _stretches(chain: SerialChain, before: Array, q: Array) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero
-from robomech_ros.cartesian.dead_ends import joint_unit, singular_part
+from robomech_ros.cartesian.dead_ends import singular_part
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.mobility import arm_size
@@ -98,7 +98,7 @@ def jump_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathC
         return None
     k = int(far[0])
     joint = int(np.argmax(moves[k] / largest))
-    unit = joint_unit(chain, joint)
+    unit = chain.units[joint]
     text = (
         f"joint '{chain.joint_names[joint]}' would move by {moves[k, joint]:.3g} {unit} in "
         f"{places[k + 1] - places[k]:.3g} m, over the threshold of a jump, "

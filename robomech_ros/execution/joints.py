@@ -10,7 +10,7 @@ import numpy.typing as npt
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Joints", "State", "at_rest"]
+__all__ = ["JointKinds", "Joints", "State", "at_rest"]
 
 # Where a joint has no acceleration limit, it is taken to reach its largest speed in this time (s),
 # and this speed (rad/s, m/s) where it has no limit of speed either.
@@ -40,6 +40,22 @@ def at_rest(position: FloatArray) -> State:
 
 
 @dataclass(frozen=True, eq=False)
+class JointKinds:
+    """What kinds n joints are of, as far as a client knows.
+
+    Attributes
+    ----------
+    continuous : ndarray of bool, shape (n,)
+        Which joints turn without limits, so that a whole turn makes no difference.
+    units : sequence of str
+        ``"rad"`` or ``"m"``, for messages; empty where that is not known.
+    """
+
+    continuous: npt.NDArray[np.bool_]
+    units: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
 class Joints:
     """What the execution must know of the joints.
 
@@ -49,21 +65,17 @@ class Joints:
         Position, velocity and acceleration limits, infinite where there is none.
     continuous : ndarray of bool, shape (n,)
         Which joints turn without limits, so that a whole turn makes no difference.
-    revolute : ndarray of bool, shape (n,)
-        Which joints turn.
     """
 
     limits: Limits
     continuous: npt.NDArray[np.bool_]
-    revolute: npt.NDArray[np.bool_]
 
     @classmethod
     def of(cls, chain: JointLimits) -> "Joints":
         """Read them of a chain model; for bare `Limits` no joint counts as continuous."""
         limits = Limits.of(chain)
         none = np.zeros(len(limits.joint_names), dtype=bool)
-        types = np.asarray(getattr(chain, "types", none + 1))
-        return cls(limits, np.asarray(getattr(chain, "continuous", none)), types == 0)
+        return cls(limits, np.asarray(getattr(chain, "continuous", none)))
 
     @property
     def names(self) -> Sequence[str]:

@@ -7,9 +7,32 @@ __all__ = [
     "StartMismatchError",
     "TrajectoryOverError",
     "TrajectoryRefusedError",
+    "start_mismatch",
 ]
 
 _TURN = 6.283185307179586
+
+
+def start_mismatch(
+    joint: str, start: float, present: float, apart: float, tolerance: float, unit: str
+) -> str:
+    """Say how far a joint is from where a trajectory starts, and how far it may be (rad or m).
+
+    Parameters
+    ----------
+    joint : str
+    start, present : float
+        Where the trajectory starts, and where the joint is.
+    apart, tolerance : float
+        Their distance, and the largest one allowed.
+    unit : str
+        ``"rad"`` or ``"m"``; empty where it is not known.
+    """
+    unit = f" {unit}" if unit else ""
+    return (
+        f"the trajectory starts with joint '{joint}' at {start:.6g}{unit}, but the joint is at "
+        f"{present:.6g}{unit}: {apart:.3g}{unit} apart, allowed is {tolerance:.3g}{unit}"
+    )
 
 
 class TrajectoryRefusedError(RobomechError):
@@ -54,27 +77,25 @@ class StartMismatchError(TrajectoryRefusedError):
         Where the trajectory begins and where the joint is, rad or m.
     tolerance : float
         How far they may be apart, rad or m.
-    turns : bool
-        Whether the joint is a revolute one, for which a whole turn may be meant.
+    unit : str, optional
+        ``"rad"`` or ``"m"``; empty where it is not known.  Where a joint turns, a whole turn may be
+        meant.
     """
 
     def __init__(
-        self, joint: str, start: float, present: float, tolerance: float, turns: bool = False
+        self, joint: str, start: float, present: float, tolerance: float, unit: str = ""
     ) -> None:
         self.joint = joint
         self.start = float(start)
         self.present = float(present)
         self.tolerance = float(tolerance)
-        self.turns = turns
+        self.unit = unit
         off = self.start - self.present
-        text = (
-            f"the trajectory starts with joint '{joint}' at {self.start:.6g}, but the joint is at "
-            f"{self.present:.6g}: {abs(off):.3g} apart, allowed is {self.tolerance:.3g}"
-        )
+        text = start_mismatch(joint, self.start, self.present, abs(off), self.tolerance, unit)
         whole = round(off / _TURN)
-        if turns and whole and abs(off - whole * _TURN) <= self.tolerance:
+        if unit == "rad" and whole and abs(off - whole * _TURN) <= self.tolerance:
             text += f" ({abs(whole)} whole turn(s), which this joint with its limits cannot skip)"
         super().__init__(text)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.joint, self.start, self.present, self.tolerance, self.turns)
+        return type(self), (self.joint, self.start, self.present, self.tolerance, self.unit)

@@ -162,6 +162,11 @@ class SerialChain:
         return result
 
     @cached_property
+    def units(self) -> tuple[str, ...]:
+        """The units of the n joint values: rad, or m where a joint slides."""
+        return tuple("m" if kind == PRISMATIC else "rad" for kind in self.types)
+
+    @cached_property
     def largest(self) -> Array:
         """Largest magnitude of joint values that solvers start from (rad or m), shape (n,)."""
         result: Array = np.where(self.types == PRISMATIC, LARGEST_LENGTH, LARGEST_ANGLE)

@@ -51,6 +51,11 @@ class Joint:
         """Whether the joint is one that a chain can contain as a variable."""
         return self.type in MOVING
 
+    @property
+    def unit(self) -> str:
+        """The unit of its positions: rad, or m where it slides."""
+        return "m" if self.type == "prismatic" else "rad"
+
     @cached_property
     def rest(self) -> float:
         """Position 0 or, where that is beyond a limit, the limit (rad or m)."""

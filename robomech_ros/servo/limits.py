@@ -33,6 +33,8 @@ class ServoLimits:
         Largest magnitudes (rad or m, per s and s^2).
     jerk : ndarray, shape (n,)
         Largest magnitudes (rad/s^3 or m/s^3), infinite where there is none.
+    units : tuple of str
+        ``"rad"`` or ``"m"`` for each joint.
     """
 
     names: tuple[str, ...]
@@ -41,6 +43,7 @@ class ServoLimits:
     velocity: Array
     acceleration: Array
     jerk: Array
+    units: tuple[str, ...]
 
     @classmethod
     def of(cls, chain: SerialChain) -> "ServoLimits":
@@ -58,7 +61,7 @@ class ServoLimits:
         jerk = np.where(np.isnan(chain.jerk), np.inf, chain.jerk)
         acceleration = Joints.of(chain).acceleration
         given = chain.lower, chain.upper, chain.velocity, acceleration, jerk
-        return cls(chain.joint_names, *given)
+        return cls(chain.joint_names, *given, chain.units)
 
     @property
     def inside(self) -> tuple[Array, Array]:

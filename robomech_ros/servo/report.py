@@ -107,7 +107,9 @@ def motion_report(
         return ServoReport(_NEAR_SINGULARITY[found.leaving], carried, number, (), text)
     if speed < _NEARLY_ONE:
         name, limit = limits.names[fastest], float(limits.velocity[fastest])
-        text = f"{name} would move at {abs(float(found.rates[fastest])):.4g}, it can {limit:.4g}"
+        unit = f" {limits.units[fastest]}/s"
+        rate = abs(float(found.rates[fastest]))
+        text = f"{name} would move at {rate:.4g}{unit}, it can {limit:.4g}{unit}"
         leaving = ServoCondition.LEAVING_SINGULARITY
         what = leaving if found.leaving else ServoCondition.RATE_BOUND
         return ServoReport(what, carried, number, (name,), text)

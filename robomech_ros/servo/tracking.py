@@ -55,7 +55,7 @@ class Tracking:
     """
 
     def __init__(self, chain: SerialChain, tolerance: float, delay: float) -> None:
-        self._names, self._units = chain.joint_names, np.where(chain.types == 0, "rad", "m")
+        self._names, self._units = chain.joint_names, chain.units
         self._continuous = chain.continuous
         self._tolerance, self._delay = tolerance, delay
         self._told: deque[tuple[float, Array]] = deque()
@@ -90,5 +90,5 @@ class Tracking:
         worst = int(np.argmax(off))
         if off[worst] <= self._tolerance:
             return None
-        unit = str(self._units[worst])
+        unit = self._units[worst]
         return Deviation(self._names[worst], float(off[worst]), self._tolerance, unit)

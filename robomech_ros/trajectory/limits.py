@@ -36,6 +36,8 @@ Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
 # Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.
 SMALLEST_LIMIT = 1e-12
+# What follows the unit of a position in those of its derivatives.
+_PER = ("", "/s", "/s^2", "/s^3")
 # Planned within the limits less these parts, samples stay within the limits despite the rounding
 # of numbers and of times to nanoseconds.
 MARGIN = 1e-7
@@ -90,11 +92,13 @@ class Limits:
         (None and NaN stand for that as well).
     lower, upper : ndarray, shape (n,)
         Position limits, rad or m, infinite where there is none.
+    units : tuple of str
+        ``"rad"`` or ``"m"`` for each joint, for messages; empty texts where that is not known.
 
     Raises
     ------
     WrongSizeError
-        If an array does not have one entry for each joint.
+        If an array or the units do not have one entry for each joint.
     BadValueError
         If names are no list of different names, a limit is no number, zero (below 1e-12) or
         negative, or a lower position limit lies above the upper one.
@@ -106,9 +110,11 @@ class Limits:
     jerk: FloatArray = None  # type: ignore[assignment]
     lower: FloatArray = None  # type: ignore[assignment]
     upper: FloatArray = None  # type: ignore[assignment]
+    units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joint_names", _names(self.joint_names))
+        object.__setattr__(self, "units", self._checked_units())
         for name in (*RATES, "upper"):
             object.__setattr__(self, name, self._array(name, np.inf))
         object.__setattr__(self, "lower", self._array("lower", -np.inf))
@@ -121,6 +127,21 @@ class Limits:
         self._refuse("lower limit", nowhere, self.lower, expected)
         crossed = self.lower > self.upper
         self._refuse("lower limit", crossed, self.lower, "at most the upper limit")
+
+    def _checked_units(self) -> tuple[str, ...]:
+        n = len(self.joint_names)
+        expected = "rad or m for each joint, or empty texts"
+        units = listed("units", self.units, expected) or ("",) * n
+        if len(units) != n:
+            raise WrongSizeError("units", len(units), n)
+        if not all(unit in ("rad", "m", "") for unit in units):
+            raise BadValueError("units", units, expected)
+        return units
+
+    def unit(self, joint: int, order: int = 0) -> str:
+        """Give the unit of a joint's position or, by order, of its velocity and so on."""
+        unit = self.units[joint]
+        return unit + _PER[order] if unit else ""
 
     def _array(self, name: str, missing: float) -> FloatArray:
         given = getattr(self, name)
@@ -165,7 +186,7 @@ class Limits:
         fields: dict[str, Any] = {
             name: getattr(limits, name, None) for name in (*RATES, "lower", "upper")
         }
-        return cls(_names(limits.joint_names), **fields)
+        return cls(_names(limits.joint_names), **fields, units=getattr(limits, "units", ()))
 
     def scaled(
         self,
@@ -241,6 +262,7 @@ class Limits:
                 float(self.lower[k]),
                 float(self.upper[k]),
                 what="start",
+                unit=self.units[k],
             )
 
     def check_goal(self, position: FloatArray, what: str = "goal position") -> None:
@@ -248,7 +270,8 @@ class Limits:
         k = self._outside(position)
         if k is not None:
             limit = self.lower[k] if position[k] < self.lower[k] else self.upper[k]
-            raise LimitExceededError(what, self.joint_names[k], float(position[k]), float(limit))
+            name, unit = self.joint_names[k], self.units[k]
+            raise LimitExceededError(what, name, float(position[k]), float(limit), unit)
 
     def _outside(self, position: FloatArray) -> int | None:
         """Index of the joint that is farthest outside the position limits, if any."""

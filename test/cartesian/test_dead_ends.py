@@ -36,6 +36,18 @@ def test_a_stretched_arm_is_said_with_the_waypoint(chain, start):
     assert near.text.endswith("too near to a singularity, the elbow is nearly straight")
 
 
+@pytest.mark.parametrize("robot, joint", [("panda", "panda_joint4"), ("gen3", "joint_4")])
+def test_an_arm_whose_elbow_has_no_name_names_the_joint(robot, joint):
+    """It said "the arm has no posture beyond", and nothing of what stretches."""
+    chain = load_robot(robot)
+    path, waypoints = line(chain, chain.home(), [1.0, 0.0, 0.0])
+    stop = follow_path(chain, path, chain.home(), waypoints=waypoints, bounds=SLOW).stop
+    assert stop.kind is PathTrackingStatus.LOST
+    assert f"joint '{joint}' turns ever faster: out of reach beyond" in stop.text
+    near = follow_path(chain, path, chain.home(), waypoints=waypoints).stop
+    assert near.text.endswith(f"too near to a singularity, joint '{joint}' turns ever faster")
+
+
 def test_a_posture_on_another_branch_beyond_the_boundary_is_a_jump_with_its_unit():
     path, waypoints = line(UR5E, UR_START, [0.0, 0.0, 1.0])
     stop = follow_path(UR5E, path, UR_START, waypoints=waypoints, bounds=SLOW).stop

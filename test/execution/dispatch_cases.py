@@ -4,6 +4,7 @@ import numpy as np
 from execution_cases import to_rest
 
 from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.joints import JointKinds
 
 NAMES = ("shoulder", "elbow", "roll")
 HOME = (0.0, 0.0, 0.0)
@@ -37,8 +38,8 @@ class Robot:
         self.said += self.talks
         return self.said
 
-    def continuous(self, names):
-        return np.array([False, False, True])
+    def kinds(self, names):
+        return JointKinds(np.array([False, False, True]), ("rad", "m", "rad"))
 
     def acceleration(self, names):
         return np.full(3, 10.0)

@@ -21,9 +21,9 @@ def joints():
         acceleration=ACCELERATION,
         lower=[-2.0, -2.0, -np.inf],
         upper=[2.0, 2.0, np.inf],
+        units=["rad"] * 3,
     )
-    turns = np.array([True, True, True])
-    return Joints(limits, np.array([False, False, True]), turns)
+    return Joints(limits, np.array([False, False, True]))
 
 
 def follower(position=(0.0, 0.0, 0.0), lag=0.0, **settings):

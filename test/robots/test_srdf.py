@@ -175,7 +175,7 @@ def with_states(*states):
 @pytest.mark.parametrize(
     ("states", "why"),
     [
-        ([state("far", a=2.5, b=0)], "joint 'a' is at 2.5, outside its limits -2 to 2 (rad or m)"),
+        ([state("far", a=2.5, b=0)], "joint 'a' is at 2.5 rad, outside its limits -2 to 2 rad"),
         ([state("far", a=1, b=1), state("far", a=1, b=1.1)], "given twice, with different posi"),
         (
             ['<group_state name="far" group="arm"><joint name="a" value="1"/>'

@@ -12,7 +12,7 @@ LIMITS = {"lower": -1.0, "upper": 1.0, "velocity": 1.0, "acceleration": 2.0, "je
 
 def check(**limits):
     given = {name: np.array([x, x]) for name, x in (LIMITS | limits).items()}
-    return CubicCheck(ServoLimits(("still", "joint"), **given))
+    return CubicCheck(ServoLimits(("still", "joint"), **given, units=("rad", "m")))
 
 
 def knots(start, velocity, acceleration, jerk, count=3):

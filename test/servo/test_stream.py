@@ -23,7 +23,7 @@ REGULAR = [0.3, 0.6, -0.7, 0.4, 0.8, 0.2]
 
 def one_joint(lower=-1.0, upper=1.0, velocity=1.0, acceleration=2.0, jerk=np.inf):
     numbers = [np.array([x], dtype=float) for x in (lower, upper, velocity, acceleration, jerk)]
-    return ServoLimits(("joint",), *numbers)
+    return ServoLimits(("joint",), *numbers, ("rad",))
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -179,7 +179,7 @@ def test_every_report_says_what_limits_the_motion():
     assert (report.condition, report.text, report.scale) == (ServoCondition.NO_WARNING, "", 1.0)
     report = drive.joints([20.0, 0, 0, 0, 0, 0], 0.05)[-1]
     assert report.condition is ServoCondition.RATE_BOUND and report.joints == ("waist",)
-    assert report.text == "waist would move at 20, it can 2"
+    assert report.text == "waist would move at 20 rad/s, it can 2 rad/s"
     report = drive.joints([20.0, 0, 0, 0, 0, 0], 3.0)[-1]
     assert report.condition is ServoCondition.JOINT_BOUND and report.joints == ("waist",)
     assert report.text == "waist near the end of the range" and report.scale == 0.0

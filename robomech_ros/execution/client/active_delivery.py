@@ -155,9 +155,10 @@ class ActiveDelivery:
         off = self._watch.off
         if off and now - since <= CONFIRMATION:
             return None
-        if not off:
+        wrong = off or self._watch.left_out
+        if not wrong:
             return Verdict(Code.NONE, text)
-        said = f"the controller reports success, but {off}"
+        said = f"the controller reports success, but {wrong}"
         return Verdict(Code.PREEMPTED, f"{said}; something else has taken over, or moves it")
 
     def _stopped(self, now: float) -> Verdict | None:

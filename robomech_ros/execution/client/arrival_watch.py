@@ -2,6 +2,7 @@
 
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
+from robomech_ros.execution.client.excursion import Excursion
 from robomech_ros.execution.client.gateway import Gateway
 from robomech_ros.execution.client.position_check import off_goal
 from robomech_ros.execution.client.progress import Progress
@@ -51,7 +52,7 @@ class ArrivalWatch:
         self._settings = settings
         self._now = delivery.sent_at
         self._missing_since: float | None = None
-        self._progress = Progress(delivery, positions, gateway.heard(delivery.names))
+        self._watch_from(positions)
 
     @property
     def stands(self) -> bool:
@@ -60,10 +61,16 @@ class ArrivalWatch:
 
     def begin_anew(self) -> None:
         """Watch from now on what was sent instead, from where the robot is now."""
-        delivery = self._delivery
-        positions = self._gateway.positions(delivery.names)
+        positions = self._gateway.positions(self._delivery.names)
         if positions is not None:
-            self._progress = Progress(delivery, positions, self._gateway.heard(delivery.names))
+            self._watch_from(positions)
+
+    def _watch_from(self, positions: FloatArray) -> None:
+        """Watch the delivery from where the robot is now (n,), rad or m."""
+        delivery, gateway = self._delivery, self._gateway
+        self._progress = Progress(delivery, positions, gateway.heard(delivery.names))
+        kinds = gateway.kinds(delivery.names)
+        self._excursion = Excursion(delivery, self._progress.curve, positions, kinds)
 
     def look(self, now: float) -> None:
         """Look where the robot is at a time (s)."""
@@ -76,9 +83,15 @@ class ArrivalWatch:
         if positions is None:
             self.off = f"no joint states of {', '.join(delivery.names)}"
         else:
-            continuous = gateway.continuous(delivery.names)
+            kinds = gateway.kinds(delivery.names)
             tolerance, moved = self._settings.goal_tolerance, self._progress.moved
-            self.off = off_goal(delivery, positions, continuous, tolerance, moved)
+            self.off = off_goal(delivery, positions, kinds, tolerance, moved)
+            self._excursion.look(positions)
+
+    @property
+    def left_out(self) -> str:
+        """What of a loop the robot has left out that is at its end; empty for nothing."""
+        return self._excursion.missing(self._settings.goal_tolerance)
 
     def lost(self, patience: float) -> Verdict | None:
         """Give the verdict where controller or joint states are gone for `patience` (s)."""
@@ -92,7 +105,8 @@ class ArrivalWatch:
         """Give the verdict where the robot has arrived, or will not; by the joint states alone."""
         settings = self._settings
         if self.late >= 0.0 and not self.off and self.stands:
-            return Verdict(Code.NONE, "")
+            left_out = self.left_out
+            return Verdict(Code.PREEMPTED if left_out else Code.NONE, left_out)
         if self.off and self._progress.stuck > settings.standstill_timeout:
             return self._stopped()
         if self.late > settings.arrival_timeout:

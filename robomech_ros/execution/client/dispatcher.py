@@ -194,8 +194,8 @@ class Dispatcher:
     def _send(self, ready: Ready) -> None:
         """Send a delivery, unless the robot is elsewhere or it would last too long."""
         delivery, settings = ready.delivery, self._settings
-        continuous = self._gateway.continuous(delivery.names)
-        wrong = off_start(delivery, ready.positions, continuous, settings.start_tolerance)
+        kinds = self._gateway.kinds(delivery.names)
+        wrong = off_start(delivery, ready.positions, kinds, settings.start_tolerance)
         wrong = wrong or too_slow(delivery, self.speed, settings.max_duration)
         if wrong:
             self._end(delivery, Verdict(Code.REJECTED, wrong))

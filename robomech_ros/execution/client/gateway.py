@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-import numpy as np
-import numpy.typing as npt
-
 from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.execution.joints import JointKinds
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["Gateway"]
@@ -36,8 +34,8 @@ class Gateway(Protocol):
     def heard(self, names: Sequence[str]) -> int:
         """Give a number that has grown when all these joints were heard of anew."""
 
-    def continuous(self, names: Sequence[str]) -> npt.NDArray[np.bool_]:
-        """Say which joints turn without limits."""
+    def kinds(self, names: Sequence[str]) -> JointKinds:
+        """Say which joints turn without limits, and in which units they are."""
 
     def acceleration(self, names: Sequence[str]) -> FloatArray | None:
         """Give the acceleration limits, rad/s^2 or m/s^2; None if the robot is not known."""

@@ -4,6 +4,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.execution.joints import JointKinds
+from robomech_ros.execution.refusals import start_mismatch
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = ["STILL", "apart", "off_goal", "off_start"]
@@ -17,14 +19,14 @@ def apart(first: FloatArray, second: FloatArray, continuous: npt.NDArray[np.bool
 
     Parameters
     ----------
-    first, second : ndarray, shape (n,)
+    first, second : ndarray, shape (..., n)
         rad or m.
     continuous : ndarray of bool, shape (n,)
         Which joints turn without limits.
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (..., n)
         Not negative.
     """
     difference = np.asarray(first - second)
@@ -34,7 +36,7 @@ def apart(first: FloatArray, second: FloatArray, continuous: npt.NDArray[np.bool
 
 
 def off_start(
-    delivery: Delivery, positions: FloatArray, continuous: npt.NDArray[np.bool_], tolerance: float
+    delivery: Delivery, positions: FloatArray, kinds: JointKinds, tolerance: float
 ) -> str:
     """Say how a robot is off the start of a delivery.
 
@@ -44,8 +46,8 @@ def off_start(
         What is to be executed.
     positions : ndarray, shape (n,)
         Where the robot is, rad or m.
-    continuous : ndarray of bool, shape (n,)
-        Which joints turn without limits.
+    kinds : JointKinds
+        Of the joints.
     tolerance : float
         What is allowed, rad or m.
 
@@ -56,21 +58,19 @@ def off_start(
     """
     if delivery.start is None:
         return ""
-    distance = apart(delivery.start, positions, continuous)
+    distance = apart(delivery.start, positions, kinds.continuous)
     worst = int(np.argmax(distance))
     if distance[worst] <= tolerance:
         return ""
-    return (
-        f"the trajectory starts with joint '{delivery.names[worst]}' at "
-        f"{delivery.start[worst]:.6g}, but the joint is at {positions[worst]:.6g}: "
-        f"{distance[worst]:.3g} apart, allowed is {tolerance:.3g}"
-    )
+    start, present = float(delivery.start[worst]), float(positions[worst])
+    name, unit = delivery.names[worst], kinds.units[worst]
+    return start_mismatch(name, start, present, float(distance[worst]), tolerance, unit)
 
 
 def off_goal(
     delivery: Delivery,
     positions: FloatArray,
-    continuous: npt.NDArray[np.bool_],
+    kinds: JointKinds,
     tolerance: float,
     moved: bool = False,
 ) -> str:
@@ -78,7 +78,7 @@ def off_goal(
 
     Parameters
     ----------
-    delivery, positions, continuous, tolerance
+    delivery, positions, kinds, tolerance
         As of `off_start`.
     moved : bool, optional
         Whether the robot was seen elsewhere since the delivery was sent.
@@ -88,16 +88,18 @@ def off_goal(
     str
         Joint and amount; empty if the robot is there.
     """
-    distance = apart(delivery.goal, positions, continuous)
+    distance = apart(delivery.goal, positions, kinds.continuous)
     worst = int(np.argmax(distance))
     if distance[worst] <= tolerance:
         return ""
+    unit = f" {kinds.units[worst]}" if kinds.units[worst] else ""
     text = (
-        f"joint '{delivery.names[worst]}' is at {positions[worst]:.6g}, {distance[worst]:.3g} off "
-        f"its goal {delivery.goal[worst]:.6g}, allowed is {tolerance:.3g}"
+        f"joint '{delivery.names[worst]}' is at {positions[worst]:.6g}{unit}, "
+        f"{distance[worst]:.3g}{unit} off its goal {delivery.goal[worst]:.6g}{unit}, "
+        f"allowed is {tolerance:.3g}{unit}"
     )
     start = delivery.start
-    if start is not None and np.max(apart(start, positions, continuous)) <= STILL:
+    if start is not None and np.max(apart(start, positions, kinds.continuous)) <= STILL:
         still = "the robot has not moved, the controller's log may say why"
         text += f"; {'the robot is back at its start' if moved else still}"
     return text

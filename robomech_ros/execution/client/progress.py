@@ -30,13 +30,15 @@ class Progress:
     ----------
     moved : bool
         Whether the robot has moved at all.
+    curve : PiecewisePolynomial
+        What the robot should follow, from where it was.
     stands : bool
         Whether, since the trajectory should have ended, it was heard of twice at the same place.
     """
 
     def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
         self.moved = self.stands = False
-        self._curve = curve_from(delivery.waypoints, position)
+        self.curve = curve_from(delivery.waypoints, position)
         self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
         self._sent_at = self._heard_at = self._now = delivery.sent_at
         self._heard = heard
@@ -82,8 +84,8 @@ class Progress:
     def _expected(self, now: float) -> FloatArray:
         """Where the trajectory is by now, rad or m."""
         time = now - self._sent_at - self._delay
-        last = float(self._curve.breaks[-1])
-        return self._curve.sample(min(max(time, 0.0), last)).position
+        last = float(self.curve.breaks[-1])
+        return self.curve.sample(min(max(time, 0.0), last)).position
 
 
 def _leads(before: FloatArray, after: FloatArray) -> bool:

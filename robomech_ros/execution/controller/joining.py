@@ -107,7 +107,7 @@ def join(
     kick = present.velocity - curve.sample(0.0).velocity
     push = present.acceleration - curve.sample(0.0).acceleration
     standing = bool(np.max(np.abs(present.velocity)) <= STANDING)
-    if standing or remaining.times[0] > 0.0:
+    if standing:
         push = np.zeros_like(push)
     if standing and (velocities is None or np.isnan(velocities[0]).any()):
         kick = np.zeros_like(kick)
@@ -215,7 +215,7 @@ def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: 
             start[worst],
             present.position[worst],
             allowed[worst],
-            turns=bool(joints.revolute[worst]),
+            joints.limits.units[worst],
         )
 
 
@@ -300,4 +300,6 @@ def _refusal(violation: Violation, joined: float) -> LimitExceededError:
     what = f"at t = {violation.time:.6g} s the {violation.what}"
     if violation.time < joined:
         what = f"on the way from the present state, {what}"
-    return LimitExceededError(what, violation.joint, violation.value, violation.limit)
+    return LimitExceededError(
+        what, violation.joint, violation.value, violation.limit, violation.unit
+    )

@@ -66,9 +66,9 @@ def _off_path(
     push = desired.acceleration - actual.acceleration
     return (
         _complaint(code, "its path", off, allowed.path, joints)
-        or _complaint(code, "the velocity of its path", change, allowed.path_velocity, joints, "/s")
+        or _complaint(code, "the velocity of its path", change, allowed.path_velocity, joints, 1)
         or _complaint(
-            code, "the acceleration of its path", push, allowed.path_acceleration, joints, "/s^2"
+            code, "the acceleration of its path", push, allowed.path_acceleration, joints, 2
         )
     )
 
@@ -83,10 +83,8 @@ def _off_goal(
     push = desired.acceleration - actual.acceleration
     return (
         _complaint(code, "its goal", off, allowed.goal, joints)
-        or _complaint(code, rest, change, allowed.velocity, joints, "/s")
-        or _complaint(
-            code, "its last acceleration", push, allowed.goal_acceleration, joints, "/s^2"
-        )
+        or _complaint(code, rest, change, allowed.velocity, joints, 1)
+        or _complaint(code, "its last acceleration", push, allowed.goal_acceleration, joints, 2)
     )
 
 
@@ -96,7 +94,7 @@ def _complaint(
     difference: FloatArray,
     allowed: FloatArray | None,
     joints: Joints,
-    per: str = "",
+    order: int = 0,
 ) -> Verdict | None:
     """Name the joint that is worst, if it is off by more than allowed."""
     if allowed is None:
@@ -105,11 +103,12 @@ def _complaint(
     worst = int(np.argmax(off - allowed))
     if off[worst] <= allowed[worst]:
         return None
-    unit = ("rad" if joints.revolute[worst] else "m") + per
+    unit = joints.limits.unit(worst, order)
+    unit = f" {unit}" if unit else ""
     return Verdict(
         code,
         (
-            f"joint '{joints.names[worst]}' is {off[worst]:.4g} {unit} off {what}, "
-            f"the tolerance is {allowed[worst]:.4g} {unit}"
+            f"joint '{joints.names[worst]}' is {off[worst]:.4g}{unit} off {what}, "
+            f"the tolerance is {allowed[worst]:.4g}{unit}"
         ),
     )

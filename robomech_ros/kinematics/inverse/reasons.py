@@ -19,7 +19,6 @@ from robomech_ros.kinematics.inverse.result import (
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 
 __all__ = [
     "NO_GAP",
@@ -73,7 +72,7 @@ def explain_limits(
     joints = tuple(chain.joint_names[i] for i in outside)
     amounts = excess[best, outside]
     parts = [
-        f"joint '{name}' by {amount:.6g} {_unit(chain, i)}"
+        f"joint '{name}' by {amount:.6g} {chain.units[i]}"
         for name, amount, i in zip(joints, amounts, outside, strict=True)
     ]
     noun = "1 solution exists" if len(q) == 1 else f"{len(q)} solutions exist"
@@ -183,10 +182,6 @@ def _still_motions(chain: SerialChain, q: Array) -> Array:
 def _components(task: Task) -> str:
     names = ("x", "y", "z", "rx", "ry", "rz")
     return _and([name for name, counts in zip(names, task, strict=True) if counts])
-
-
-def _unit(chain: SerialChain, joint: int) -> str:
-    return "m" if chain.types[joint] == PRISMATIC else "rad"
 
 
 def _and(parts: list[str]) -> str:

@@ -20,7 +20,6 @@ from robomech_ros.errors import (
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_flag, listed, real_number
 
 __all__ = [
@@ -155,11 +154,13 @@ def as_seed(chain: SerialChain, seed: ArrayLike | None, respect_limits: bool) ->
         if not np.isfinite(q).all():
             raise_not_finite(chain, q, "seed")
         if respect_limits:
-            raise SeedOutsideLimitsError(chain.joint_names[i], q[i], chain.lower[i], chain.upper[i])
+            raise SeedOutsideLimitsError(
+                chain.joint_names[i], q[i], chain.lower[i], chain.upper[i], unit=chain.units[i]
+            )
     i = _first_outside(-chain.largest, chain.largest, q, 0.0)
     if i != INSIDE:
-        unit = "m" if chain.types[i] == PRISMATIC else "rad"
-        expected = f"at most {chain.largest[i]:g} {unit}, where doubles still hold a pose to 1e-9"
+        most = f"{chain.largest[i]:g} {chain.units[i]}"
+        expected = f"at most {most}, where doubles still hold a pose to 1e-9"
         raise BadValueError(f"seed of joint '{chain.joint_names[i]}'", float(q[i]), expected)
     return q
 

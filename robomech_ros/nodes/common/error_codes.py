@@ -51,16 +51,26 @@ class NoStateError(RobomechError):
 
 
 class RobotMovesError(NoStateError):
-    """The present state is needed as one at rest, and a joint moves (speed in rad/s or m/s)."""
+    """The present state is needed as one at rest, and a joint moves.
 
-    def __init__(self, joint: str, speed: float, tolerance: float) -> None:
+    Parameters
+    ----------
+    joint : str
+    speed, tolerance : float
+        Its speed, and the largest that counts as rest, rad/s or m/s.
+    unit : str, optional
+        ``"rad"`` or ``"m"``; empty where it is not known.
+    """
+
+    def __init__(self, joint: str, speed: float, tolerance: float, unit: str = "") -> None:
         self.joint = joint
         self.speed = speed
         self.tolerance = tolerance
+        per = f" {unit}/s" if unit else " per s"
         RobomechError.__init__(
             self,
-            f"the robot moves: joint '{joint}' at {speed:.3g} per s, at rest is up to "
-            f"{tolerance:g}; ask again when it stands, or name a start",
+            f"the robot moves: joint '{joint}' at {speed:.3g}{per}, at rest is up to "
+            f"{tolerance:g}{per}; ask again when it stands, or name a start",
         )
 
 

@@ -137,8 +137,8 @@ def _limited(joint: Joint, entry: object, place: str) -> Joint:
     }
     if changes["lower"] > changes["upper"]:
         why = (
-            f"no position from {changes['lower']:g} to {changes['upper']:g}, what this file and "
-            "the robot have in common"
+            f"no position from {changes['lower']:g} to {changes['upper']:g} {joint.unit}, what "
+            "this file and the robot have in common"
         )
         raise RobotDescriptionError(place, why)
     return dataclasses.replace(joint, **changes)

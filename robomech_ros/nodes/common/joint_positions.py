@@ -102,7 +102,7 @@ class JointPositions:
             A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
         await self._monitor.wait_for(chain.joint_names, patience, tolerance)
-        return self._monitor.require_rest(chain.joint_names, tolerance)
+        return self._monitor.require_rest(chain.joint_names, tolerance, self._model.units)
 
     def seed(self, chain: SerialChain, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.

@@ -6,7 +6,7 @@ robot spends nothing while it is idle.
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -109,7 +109,9 @@ class JointStateMonitor:
         more = ", ..." if len(names) > _MOST_LISTED else ""
         return f"only {', '.join(names[:_MOST_LISTED])}{more} received{refused}"
 
-    def require_rest(self, joint_names: Sequence[str], tolerance: float) -> NDArray[np.float64]:
+    def require_rest(
+        self, joint_names: Sequence[str], tolerance: float, units: Mapping[str, str]
+    ) -> NDArray[np.float64]:
         """Give the present positions (rad or m), shape (n,), of a robot that stands.
 
         Parameters
@@ -119,6 +121,8 @@ class JointStateMonitor:
         tolerance : float
             Speed up to which a joint stands, rad/s or m/s.  A joint whose velocity is not
             published stands.
+        units : mapping
+            ``"rad"`` or ``"m"`` by joint, where that is known.
 
         Raises
         ------
@@ -130,7 +134,7 @@ class JointStateMonitor:
         positions = self.require(joint_names)
         joint, speed = self._fastest(joint_names)
         if speed > tolerance:
-            raise RobotMovesError(joint, speed, tolerance)
+            raise RobotMovesError(joint, speed, tolerance, units.get(joint, ""))
         return positions
 
     async def wait_for(

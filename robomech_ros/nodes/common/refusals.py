@@ -10,7 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 __all__ = ["Refusal", "read_refusal", "refusal_values", "trajectory_label"]
 
 _COUNT, _TEXT = "refused", "last refusal"
-_CODE, _LABEL = "last refusal code", "last refused trajectory"
+_CODE, _LABEL, _RUN = "last refusal code", "last refused trajectory", "counted since"
 
 
 class Refusal(NamedTuple):
@@ -26,12 +26,15 @@ class Refusal(NamedTuple):
         The reason; empty likewise.
     label : str
         That of the trajectory, by `trajectory_label`; empty likewise.
+    run : str
+        A text that another start of the controller does not repeat; empty where it has none.
     """
 
     number: int
     code: int
     text: str
     label: str
+    run: str = ""
 
 
 def refusal_values(refusal: Refusal) -> dict[str, object]:
@@ -41,13 +44,15 @@ def refusal_values(refusal: Refusal) -> dict[str, object]:
         _TEXT: refusal.text,
         _CODE: refusal.code,
         _LABEL: refusal.label,
+        _RUN: refusal.run,
     }
 
 
 def read_refusal(values: Mapping[str, str]) -> Refusal | None:
     """Read a refusal from the facts of a status; None where it does not have them."""
     try:
-        return Refusal(int(values[_COUNT]), int(values[_CODE]), values[_TEXT], str(values[_LABEL]))
+        numbers = int(values[_COUNT]), int(values[_CODE])
+        return Refusal(*numbers, values[_TEXT], str(values[_LABEL]), values.get(_RUN, ""))
     except (KeyError, ValueError):
         return None
 

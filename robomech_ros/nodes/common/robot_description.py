@@ -135,6 +135,8 @@ class RobotModel:
         self.semantic = known
         self.chain: SerialChain = main_chain(description, self.semantic, base_link, tip_link, group)
         self._group_chains: dict[tuple[str, str], SerialChain] = {}
+        #: Units of the positions of all joints, by name.
+        self.units = {joint.name: joint.unit for joint in description.joints}
         self.joint_names = tuple(joint.name for joint in description.joints if joint.moves)
         self._ways: dict[str, FollowingChain] = {}
         self._chains = {self.chain.tip: self.chain, "": self.chain}

@@ -17,6 +17,7 @@ from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
+from robomech_ros.robots import SerialChain
 
 __all__ = ["DemoClient"]
 
@@ -34,13 +35,13 @@ class DemoClient:
     ----------
     suite : Suite
         The running nodes.
-    joint_names : tuple of str
-        The joints to be recorded.
+    chain : SerialChain
+        Whose joints are to be recorded.
     """
 
-    def __init__(self, suite: Suite, joint_names: tuple[str, ...]) -> None:
+    def __init__(self, suite: Suite, chain: SerialChain) -> None:
         self._suite = suite
-        self._names = joint_names
+        self._names, self._units = chain.joint_names, chain.units
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node("robomech_demo", start_parameter_services=False)
         self._clients: dict[str, Any] = {}
@@ -148,8 +149,9 @@ class DemoClient:
 
         if not self._wait(arrived, seconds, look):
             off = np.abs(self._rows[-1][1] - goal)
-            joint = self._names[int(np.argmax(off))]
-            text = f"after {seconds:.1f} s joint '{joint}' is {off.max():.3g} from its goal"
+            worst = int(np.argmax(off))
+            amount = f"{off[worst]:.3g} {self._units[worst]}"
+            text = f"after {seconds:.1f} s joint '{self._names[worst]}' is {amount} from its goal"
             raise DemoFailedError(f"the motion did not arrive: {text}")
 
     def _wait(

@@ -65,7 +65,7 @@ def _session(
     reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
     start = time.perf_counter()
     with running_suite(_commands(which, chain, payload is not None)) as suite:
-        client = DemoClient(suite, chain.joint_names)
+        client = DemoClient(suite, chain)
         try:
             client.wait_until_up(_SERVICES if payload is None else _SERVICES | CARRYING)
             seconds = time.perf_counter() - start

@@ -1,13 +1,17 @@
 """How many trajectories of a robot were finished, ended early and refused."""
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 
 from robomech_ros.execution.controller.trajectory_goal import GoalResult
 from robomech_ros.nodes.common.refusals import Refusal
 
 __all__ = ["MotionCounts"]
 
-NOTHING = Refusal(0, 0, "", "")
+
+def _nothing() -> Refusal:
+    """Give what there is before any refusal, named by the time of this start of the robot."""
+    return Refusal(0, 0, "", "", str(time.time_ns()))
 
 
 @dataclass
@@ -17,17 +21,18 @@ class MotionCounts:
     accepted: int = 0
     reached: int = 0
     ended_early: int = 0
-    refusal: Refusal = NOTHING
+    refusal: Refusal = field(default_factory=_nothing)
     last_end: str = ""
 
     def accept(self) -> None:
         """Count a trajectory that was accepted."""
         self.accepted += 1
-        self.refusal = NOTHING._replace(number=self.refusal.number)
+        self.refusal = self.refusal._replace(code=0, text="", label="")
 
     def refuse(self, code: int, text: str, label: str) -> None:
         """Count a trajectory that was refused, with its label, for a reason."""
-        self.refusal = Refusal(self.refusal.number + 1, int(code), text, label)
+        last = self.refusal
+        self.refusal = Refusal(last.number + 1, int(code), text, label, last.run)
 
     def end(self, result: GoalResult) -> None:
         """Count a motion that has ended."""

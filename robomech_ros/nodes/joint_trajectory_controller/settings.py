@@ -278,10 +278,10 @@ def initial_position(settings: ControllerSettings, chain: SerialChain) -> NDArra
     if len(position) != chain.n:
         allowed = f"a list of {chain.n} numbers, for {', '.join(chain.joint_names)}, or empty"
         raise ParameterError("initial_positions", list(given), allowed)
-    for joint, value, low, high in zip(
-        chain.joint_names, given, chain.lower, chain.upper, strict=True
+    for joint, value, low, high, unit in zip(
+        chain.joint_names, given, chain.lower, chain.upper, chain.units, strict=True
     ):
         if not low <= value <= high:
-            allowed = f"from {low:.6g} to {high:.6g} for joint '{joint}'"
+            allowed = f"from {low:.6g} to {high:.6g} {unit} for joint '{joint}'"
             raise ParameterError("initial_positions", value, allowed)
     return position

@@ -1,7 +1,7 @@
 """Requests of compute_cartesian_path, read and checked field by field."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,7 +120,7 @@ async def read_question(
     own = frame == chain.tip and bool(chain.n)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         given = robot.read(request.start_state, "start_state")
-        _check_rest(request.start_state.joint_state, tolerance)
+        _check_rest(request.start_state.joint_state, tolerance, robot.model.units)
         joints = (
             *chain.joint_names,
             *limited.joint_names,
@@ -161,14 +161,16 @@ def _in_base(
     return np.stack(found)
 
 
-def _check_rest(joints: Any, tolerance: float) -> None:
+def _check_rest(joints: Any, tolerance: float, units: Mapping[str, str]) -> None:
     """Refuse a start that moves: every plan starts at rest."""
     for k, speed in enumerate(joints.velocity):
         name = joints.name[k] if k < len(joints.name) else f"number {k}"
         if not math.isfinite(speed):
             raise NonFiniteError(f"start_state: velocity of joint '{name}'", speed)
         if abs(speed) > tolerance:
-            expected = f"at most {tolerance:g}: every plan starts at rest"
+            expected = (
+                f"at most {tolerance:g} {units.get(name, 'rad')}/s: every plan starts at rest"
+            )
             raise BadValueError(f"start_state: velocity of joint '{name}'", speed, expected)
 
 

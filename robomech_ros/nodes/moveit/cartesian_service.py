@@ -114,7 +114,7 @@ class CartesianPathService:
         if missing:
             tolerance = settings.stopped_velocity_tolerance
             await self._monitor.wait_for(missing, settings.state_timeout, tolerance)
-            self._monitor.require_rest(missing, tolerance)
+            self._monitor.require_rest(missing, tolerance, self._robot.model.units)
         return self._robot.with_present(given)
 
     def _trajectory(self, question: CartesianQuestion, plan: SampledPlan) -> Any:

@@ -138,7 +138,8 @@ def _of_joint(what: str, message: Any, robot: WholeRobot) -> _Condition:
             apart = math.remainder(apart, 2.0 * math.pi)
         if -below - _ROUNDING <= apart <= above + _ROUNDING:
             return ""
-        return f"{what}: joint '{name}' would be at {positions[name]:.6g}"
+        unit = robot.model.units[name]
+        return f"{what}: joint '{name}' would be at {positions[name]:.6g} {unit}"
 
     return judge
 
@@ -164,7 +165,7 @@ def _of_position(
         if any(one(point) for one in inside):
             return ""
         place = ", ".join(f"{number:.6g}" for number in point[:3])
-        return f"{what}: the point on '{message.link_name}' would be at ({place})"
+        return f"{what}: the point on '{message.link_name}' would be at ({place}) m"
 
     return judge
 
@@ -218,7 +219,7 @@ def _of_turn(places: Mapping[str, Place], what: str, message: Any, robot: WholeR
         if (np.abs(turned) <= most + _ROUNDING).all():
             return ""
         angles = ", ".join(f"{angle:.6g}" for angle in turned)
-        return f"{what}: link '{link}' would be turned by ({angles})"
+        return f"{what}: link '{link}' would be turned by ({angles}) rad"
 
     return judge
 

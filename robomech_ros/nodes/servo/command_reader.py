@@ -154,7 +154,7 @@ class CommandReader:
         given = np.array(values, dtype=np.float64)
         shown = [f"{what} of joint '{name}'" for name in names]
         scale = np.full(len(names), self._settings().joint_scale)
-        units = ["rad/s or m/s"] * len(names)
+        units = [f"{self._chain.units[known.index(name)]}/s" for name in names]
         speeds = self._speeds(given, scale, shown, units, scaled=scaled)
         rates = np.zeros(len(known))
         rates[[known.index(name) for name in names]] = speeds

@@ -9,7 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.execution.client.position_check import STILL
-from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.joints import JointKinds, Joints
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
@@ -55,11 +55,13 @@ class ControllerLink:
             JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
         )
         self._continuous: frozenset[str] | None = None
+        self._units: dict[str, str] = {}
         self._acceleration: dict[str, float] = {}
         self._clock = clock
 
     def know_robot(self, model: RobotModel) -> None:
-        """Note the joints that turn without limits, and acceleration limits."""
+        """Note which joints turn without limits, their units and acceleration limits."""
+        self._units = {joint.name: joint.unit for joint in model.description.joints}
         self._continuous = frozenset(
             joint.name
             for joint in model.description.joints
@@ -84,13 +86,14 @@ class ControllerLink:
         """Give a number that has grown when all these joints were heard of anew."""
         return self._monitor.heard(names)
 
-    def continuous(self, names: Sequence[str]) -> NDArray[np.bool_]:
+    def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits; all may as long as the robot is not known.
 
         The controller has the last word on a start that is a whole turn away.
         """
         known = self._continuous
-        return np.array([known is None or name in known for name in names])
+        continuous = np.array([known is None or name in known for name in names])
+        return JointKinds(continuous, [self._units.get(name, "") for name in names])
 
     def acceleration(self, names: Sequence[str]) -> FloatArray | None:
         """Give the acceleration limits, rad/s^2 or m/s^2; None where they are not all known."""

@@ -33,13 +33,13 @@ class ControllerRefusals:
     ) -> None:
         self._name = f"{node.resolve_service_name(controller).lstrip('/')}: motion"
         self._on_refused = on_refused
-        self._count = 0
-        self._sent: tuple[Delivery, str, int] | None = None
+        self._run, self._count = "", 0
+        self._sent: tuple[Delivery, str, tuple[str, int]] | None = None
         node.create_subscription(DiagnosticArray, TOPIC, self._take, _DEPTH)
 
     def expect(self, delivery: Delivery, message: JointTrajectory) -> None:
         """Note the message that is sent now."""
-        self._sent = delivery, trajectory_label(message), self._count
+        self._sent = delivery, trajectory_label(message), (self._run, self._count)
 
     def _take(self, array: DiagnosticArray) -> None:
         for status in array.status:
@@ -48,10 +48,12 @@ class ControllerRefusals:
             refusal = read_refusal({entry.key: entry.value for entry in status.values})
             if refusal is None:
                 continue
-            self._count = refusal.number
+            self._run, self._count = refusal.run, refusal.number
             if self._sent is None:
                 continue
-            delivery, label, before = self._sent
-            if refusal.label == label and refusal.number > before and refusal.code:
+            delivery, label, (run, count) = self._sent
+            # A controller that was started again counts from the beginning.
+            anew = refusal.number > (count if refusal.run == run else 0)
+            if refusal.label == label and anew and refusal.code:
                 self._sent = None
                 self._on_refused(delivery, refusal.code, refusal.text)

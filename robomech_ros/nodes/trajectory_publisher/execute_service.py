@@ -124,7 +124,7 @@ class ExecuteService:
         positions = self._link.positions(names)
         if positions is None:
             return False
-        given = delivery, positions, self._link.continuous(names)
+        given = delivery, positions, self._link.kinds(names)
         there = not off_goal(*given, settings.goal_tolerance)
         return there and bool(off_start(*given, settings.start_tolerance))
 

@@ -147,11 +147,11 @@ def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ..
     if not isinstance(given, list) or len(given) != chain.n:
         names = ", ".join(chain.joint_names)
         raise RobotDescriptionError(where, f"expected {chain.n} positions, of {names}")
-    for name, value, low, high in zip(
-        chain.joint_names, given, chain.lower, chain.upper, strict=True
+    for name, value, low, high, unit in zip(
+        chain.joint_names, given, chain.lower, chain.upper, chain.units, strict=True
     ):
         if not _is_number(value) or not low <= value <= high:
-            expected = f"a number from {low:.6g} to {high:.6g}"
+            expected = f"a number from {low:.6g} to {high:.6g} {unit}"
             raise RobotDescriptionError(
                 where, f"joint '{name}' is {shown(value)}, expected {expected}"
             )

@@ -134,8 +134,8 @@ class _State:
         if abs(inside - value) <= _ROUNDING:
             return inside
         self.why = (
-            f"joint '{joint.name}' is at {value:.6g}, outside its limits {joint.lower:.6g} to "
-            f"{joint.upper:.6g} (rad or m)"
+            f"joint '{joint.name}' is at {value:.6g} {joint.unit}, outside its limits "
+            f"{joint.lower:.6g} to {joint.upper:.6g} {joint.unit}"
         )
         return value
 

@@ -102,20 +102,20 @@ def check_positions(pieces: PiecewisePolynomial, start: FloatArray, limits: Limi
         joint = int(np.argmax(excess)) if len(excess) else 0
         if len(excess) and excess[joint] > POSITION_SLACK:
             value = float(low[joint] if bound is limits.lower else high[joint])
-            raise LimitExceededError(
-                "position on the way", limits.joint_names[joint], value, float(bound[joint])
-            )
+            name, unit = limits.joint_names[joint], limits.unit(joint)
+            raise LimitExceededError("position on the way", name, value, float(bound[joint]), unit)
 
 
 def check_rates(pieces: PiecewisePolynomial, limits: Limits) -> None:
     """Raise `LimitExceededError` where a curve is over a limit of a rate, by more than rounding."""
     low, high = extremes(pieces)
-    for rate, least, largest in zip(RATES, low[1:], high[1:], strict=True):
+    for order, rate in enumerate(RATES, start=1):
+        least, largest = low[order], high[order]
         bound = getattr(limits, rate)
         over = np.flatnonzero(np.maximum(-least, largest) > bound * (1.0 + LIMIT_SLACK))
         if len(over):
             k = int(over[0])
             falling = -least[k] > largest[k]
             value, limit = (least[k], -bound[k]) if falling else (largest[k], bound[k])
-            name = limits.joint_names[k]
-            raise LimitExceededError(f"{rate} on the way", name, float(value), float(limit))
+            name, unit, what = limits.joint_names[k], limits.unit(k, order), f"{rate} on the way"
+            raise LimitExceededError(what, name, float(value), float(limit), unit)

@@ -280,7 +280,9 @@ def _cut_short(
                 status, joint = PathTrackingStatus.JUMP, int(np.argmax(move))
                 jump = float(move[joint])
                 name = f"number {joint}" if limits is None else f"'{limits.joint_names[joint]}'"
-                reason = f"joint {name} would have to jump by {jump:.3g} (rad or m)"
+                unit = "" if limits is None else limits.unit(joint)
+                amount = f"{jump:.3g} {unit}" if unit else f"{jump:.3g} (rad or m)"
+                reason = f"joint {name} would have to jump by {amount}"
     reason = f"at s = {reached:.6g} of {path.length:.6g} m: {reason}"
     return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint, jump)
 

@@ -58,7 +58,7 @@ class Verification:
         if self.violation is not None:
             found = self.violation
             what = f"at t = {found.time:.6g} s {found.what}"
-            raise LimitExceededError(what, found.joint, found.value, found.limit)
+            raise LimitExceededError(what, found.joint, found.value, found.limit, found.unit)
 
 
 def verify(

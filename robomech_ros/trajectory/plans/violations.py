@@ -34,6 +34,8 @@ class Violation:
         When, in s on the clock of the trajectory.
     value, limit : float
         What it is and what it may be at most (or should be), rad or m and s.
+    unit : str
+        Theirs; empty where it is not known.
     """
 
     what: str
@@ -41,6 +43,7 @@ class Violation:
     time: float
     value: float
     limit: float
+    unit: str = ""
 
     @property
     def amount(self) -> float:
@@ -50,9 +53,10 @@ class Violation:
     def __str__(self) -> str:
         joint = f" of joint '{self.joint}'" if self.joint else ""
         limit = "limit" if self.what in _QUANTITIES else "wanted value"
+        unit = f" {self.unit}" if self.unit else ""
         return (
-            f"{self.what}{joint} is {self.value:.9g} at t = {self.time:.6g} s, "
-            f"off its {limit} {self.limit:.9g} by {self.amount:.3g}"
+            f"{self.what}{joint} is {self.value:.9g}{unit} at t = {self.time:.6g} s, "
+            f"off its {limit} {self.limit:.9g}{unit} by {self.amount:.3g}{unit}"
         )
 
 
@@ -90,7 +94,7 @@ def end_violations(
     from_zero, to_rest = as_flag("from_zero", from_zero), as_flag("to_rest", to_rest)
     begin, end = float(curve.breaks[0]), float(curve.breaks[-1])
     if from_zero and begin != 0.0:
-        yield Violation("start time", "", begin, begin, 0.0)
+        yield Violation("start time", "", begin, begin, 0.0, "s")
     if start is not None:
         wanted = real_array("start", start)
         if wanted.shape != (curve.joints,):
@@ -98,20 +102,21 @@ def end_violations(
         if not np.isfinite(wanted).all():
             raise NonFiniteError("start", wanted)
         first = curve.coefficients[0, 0]
-        yield from _worst("start position", limits.joint_names, begin, first, wanted, slack)
+        yield from _worst("start position", limits, 0, begin, first, wanted, slack)
     if to_rest:
         last = curve.sample(end)
         slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
-        for what, values, slack in (
-            ("final velocity", last.velocity, slacks[0]),
-            ("final acceleration", last.acceleration, slacks[1]),
+        for order, what, values in (
+            (1, "final velocity", last.velocity),
+            (2, "final acceleration", last.acceleration),
         ):
-            yield from _worst(what, limits.joint_names, end, values, rest, slack)
+            yield from _worst(what, limits, order, end, values, rest, slacks[order - 1])
 
 
 def _worst(
     what: str,
-    names: Sequence[str],
+    limits: Limits,
+    order: int,
     time: float,
     values: FloatArray,
     wanted: FloatArray,
@@ -120,7 +125,8 @@ def _worst(
     excess = np.abs(values - wanted) - slack
     joint = int(excess.argmax()) if len(excess) else 0
     if len(excess) and not excess[joint] <= 0.0:
-        yield Violation(what, names[joint], time, float(values[joint]), float(wanted[joint]))
+        name, unit = limits.joint_names[joint], limits.unit(joint, order)
+        yield Violation(what, name, time, float(values[joint]), float(wanted[joint]), unit)
 
 
 def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable[Violation]:
@@ -128,7 +134,7 @@ def _position_violations(curve: PiecewisePolynomial, limits: Limits) -> Iterable
     for sign, bound in ((1.0, limits.upper), (-1.0, limits.lower)):
         place = first_above(sign * coefficients, sign * bound + POSITION_SLACK)
         if place is not None:
-            yield _described(curve, 0, limits.joint_names, place, sign, bound)
+            yield _described(curve, 0, limits, place, sign, bound)
 
 
 def _steps(curve: PiecewisePolynomial, doubts: FloatArray) -> FloatArray:
@@ -148,7 +154,8 @@ def _step_violations(
         k, joint = int(places[0]), int(joints[0])
         step = float(steps(curve, (order,))[0, k, joint])
         what, time = f"step of {_QUANTITIES[order]}", float(curve.breaks[k + 1])
-        yield Violation(what, limits.joint_names[joint], time, step, 0.0)
+        name, unit = limits.joint_names[joint], limits.unit(joint, order)
+        yield Violation(what, name, time, step, 0.0, unit)
 
 
 def _rate_violations(
@@ -160,13 +167,13 @@ def _rate_violations(
     for sign in (1.0, -1.0):
         place = first_above(sign * coefficients, allowed)
         if place is not None:
-            yield _described(curve, order, limits.joint_names, place, sign, sign * bound)
+            yield _described(curve, order, limits, place, sign, sign * bound)
 
 
 def _described(
     curve: PiecewisePolynomial,
     order: int,
-    names: Sequence[str],
+    limits: Limits,
     place: tuple[int, int],
     sign: float,
     bound: FloatArray,
@@ -181,6 +188,5 @@ def _described(
     values = np.polyval(coefficients[::-1], instants)
     worst = int(np.argmax(sign * values))
     time = float(curve.breaks[segment] + instants[worst])
-    return Violation(
-        _QUANTITIES[order], names[joint], time, float(values[worst]), float(bound[joint])
-    )
+    what, name, unit = _QUANTITIES[order], limits.joint_names[joint], limits.unit(joint, order)
+    return Violation(what, name, time, float(values[worst]), float(bound[joint]), unit)

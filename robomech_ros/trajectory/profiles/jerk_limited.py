@@ -188,14 +188,16 @@ def binding_rates(pieces: PiecewisePolynomial, limits: Limits, joint: int) -> st
 
 def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: FloatArray) -> None:
     """Raise `LimitExceededError` where the rates (n,) at an end of a motion are over a limit."""
-    for rate, values in (("velocity", velocity), ("acceleration", acceleration)):
+    for order, (rate, values) in enumerate(
+        (("velocity", velocity), ("acceleration", acceleration)), start=1
+    ):
         bound = getattr(limits, rate)
         over = np.flatnonzero(np.abs(values) > bound * (1.0 + LIMIT_SLACK))
         if len(over):
             k = int(over[0])
-            raise LimitExceededError(
-                f"{end} {rate}", limits.joint_names[k], float(values[k]), float(bound[k])
-            )
+            name, unit = limits.joint_names[k], limits.unit(k, order)
+            value, limit = float(values[k]), float(bound[k])
+            raise LimitExceededError(f"{end} {rate}", name, value, limit, unit)
 
 
 def curve_of(

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from dispatch_cases import HOME, delivery, move_along, stamped
+from dispatch_cases import HOME, NAMES, delivery, move_along, stamped
 
-from robomech_ros.execution.client.delivery import Transport
+from robomech_ros.execution.client.delivery import Delivery, Transport
+from robomech_ros.trajectory import Waypoints
 
 
 def test_the_result_of_an_action(robot, dispatcher):
@@ -44,9 +45,34 @@ def test_success_of_what_a_topic_has_replaced(robot, dispatcher):
     for time in np.arange(1.1, 2.2, 0.05):
         dispatcher.step(time)
     assert one.report.code == 222
-    assert "the controller reports success, but joint 'shoulder' is at 0," in one.report.text
+    assert "the controller reports success, but joint 'shoulder' is at 0 rad," in one.report.text
     assert "the robot is back at its start; something else has taken over" in one.report.text
     assert "has not moved" not in one.report.text
+
+
+@pytest.mark.parametrize("transport", [Transport.ACTION, Transport.TOPIC])
+def test_a_loop_that_was_replaced_has_not_been_executed(robot, dispatcher, transport):
+    """It ends where it began: the robot counted as arrived."""
+    out = np.array([0.5, 0.2, 0.1])
+    still = np.zeros((3, 3))
+    way = Waypoints([0.0, 1.0, 2.0], np.array([HOME, out, HOME]), still, still)
+
+    def of(path):
+        one = Delivery(None, NAMES, way, transport)
+        dispatcher.offer(one, start)
+        move_along(robot, dispatcher, lambda now: path(now - start), start, start + 2.1)
+        if transport.answers:
+            dispatcher.conclude(one, 0, "", start + 2.1)
+        move_along(robot, dispatcher, lambda now: path(2.0), start + 2.1, start + 3.5)
+        return one.report
+
+    start = 0.0
+    replaced = of(lambda time: HOME + 0.3 * out * max(0.3 - abs(time - 0.3), 0.0))
+    assert replaced.code == 222
+    assert "is where the trajectory begins and ends, but has not gone along it" in replaced.text
+    assert "joint 'shoulder' was at most 0.045 rad away, planned are 0.5 rad" in replaced.text
+    start = 10.0
+    assert of(lambda time: way.curve.sample(min(time, 2.0)).position).code == 0
 
 
 def test_a_controller_that_disappears(robot, dispatcher):

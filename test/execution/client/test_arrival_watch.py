@@ -29,7 +29,10 @@ def test_names_joint_and_amount_when_it_does_not_arrive(robot, dispatcher):
         robot.at = np.array([0.5, 0.05, 0.1 - 0.04 * time])
         dispatcher.step(time)
     assert one.report.code == 224
-    assert "joint 'elbow' is at 0.05, 0.15 off its goal 0.2, allowed is 0.01" in one.report.text
+    assert (
+        "joint 'elbow' is at 0.05 m, 0.15 m off its goal 0.2 m, allowed is 0.01 m"
+        in one.report.text
+    )
     assert dispatcher.tally.failed == 1
 
 

@@ -33,7 +33,10 @@ def test_a_start_elsewhere_is_refused_and_the_next_one_sent(robot, dispatcher):
     robot.lacking = ""
     dispatcher.step(0.1)
     assert far.report.code == 221
-    assert "starts with joint 'elbow' at 0.3, but the joint is at 0: 0.3 apart" in far.report.text
+    assert (
+        "starts with joint 'elbow' at 0.3 m, but the joint is at 0 m: 0.3 m apart"
+        in far.report.text
+    )
     assert robot.sent == [near]
 
 

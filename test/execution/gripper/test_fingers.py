@@ -22,7 +22,15 @@ from robomech_ros.trajectory import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
 
 PERIOD = 0.002
-LIMITS = Limits(["left", "right"], velocity=0.2, acceleration=2.0, jerk=40.0, lower=0.0, upper=0.04)
+LIMITS = Limits(
+    ["left", "right"],
+    velocity=0.2,
+    acceleration=2.0,
+    jerk=40.0,
+    lower=0.0,
+    upper=0.04,
+    units=["m", "m"],
+)
 STRONGEST = np.array([20.0, 20.0])
 ANY = Tolerances(np.full(2, np.inf), np.full(2, 0.001), np.full(2, np.inf), 0.1)
 OBJECT = Contact(np.array([0.015, 0.015]), np.array([-1.0, -1.0]))
@@ -34,7 +42,7 @@ class Rig:
     def __init__(self, position=(0.04, 0.04), **settings):
         self.plant = FingerPlant(np.array(position), LIMITS, STRONGEST)
         self.simulated = SimulatedJoints(np.array(position), 0.0, self.plant)
-        joints = Joints(LIMITS, np.zeros(2, dtype=bool), np.zeros(2, dtype=bool))
+        joints = Joints(LIMITS, np.zeros(2, dtype=bool))
         self.follower = Follower(joints, self.simulated)
         self.fingers = Fingers(self.follower, self.plant, LIMITS, GripSettings(**settings))
         self.now = 0.0

@@ -65,7 +65,7 @@ def test_limits_as_beside_a_urdf(limited):
         ("joint_limits: {lift: {has_jerk_limits: 1, max_jerk: 1}}", "is '1', expected a bool"),
         (
             "joint_limits: {lift: {min_position: 2.0, max_position: 3.0}}",
-            "no position from 2 to 1, what this file and the robot have in common",
+            "no position from 2 to 1 m, what this file and the robot have in common",
         ),
         ("{joint_limits: {}, more: 1}", "unknown key 'more'"),
         ("{source: none, joints: {lfit: {jerk: 1.0}}}", "joint 'lfit'"),

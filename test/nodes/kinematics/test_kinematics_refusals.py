@@ -132,7 +132,7 @@ IK_REFUSALS = {
     "seed outside limits": (
         {"seed": state(NAMES, FAR_SEED)},
         ErrorCode.SEED_OUTSIDE_LIMITS,
-        ("seed of joint 'elbow'", f"{PUMA.upper[2]:.6g}"[:5], "by 0.25"),
+        ("seed of joint 'elbow'", f"{PUMA.upper[2]:.6g}"[:5], "by 0.25 rad"),
     ),
     "unknown mode": ({"mode": 7}, ErrorCode.BAD_VALUE, ("mode is 7", "NEAREST (1) or FIRST (2)")),
     "unknown metric": ({"metric": 2}, ErrorCode.BAD_VALUE, ("metric is 2", "L2")),

@@ -152,10 +152,11 @@ def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
     # What waited begins where the robot is not: it is refused, and the robot that came back stays.
     answer = ended(queued)
     assert answer.error_code == ErrorCode.REJECTED
+    # The publisher of this test does not know the robot, and so no units.
     assert (
         "the trajectory starts with joint 'waist' at 0.6, but the joint is at " in answer.error_msg
     )
-    assert answer.error_msg.endswith("apart, allowed is 0.01")
+    assert answer.error_msg.endswith(" apart, allowed is 0.01")
     arm.until(lambda: len(arm.states) > since + 20)
     places = np.array([state.position for state in arm.states[since + 1 :]])
     np.testing.assert_array_equal(places, np.broadcast_to(arm.home, places.shape))

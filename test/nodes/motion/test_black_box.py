@@ -148,7 +148,7 @@ def test_no_time_from_start_state_tolerance_fail(follower):
     arm = follower()
     status, code, text = arm.follow(arm.points((0.0, FAR)))
     assert (status, code) == (ABORTED, CODES.PATH_TOLERANCE_VIOLATED)
-    assert "joint 'joint1' at 1.5, but the joint is at 1.1: 0.4 apart" in text
+    assert "joint 'joint1' at 1.5 rad, but the joint is at 1.1 rad: 0.4 rad apart" in text
     np.testing.assert_array_equal(arm.position, START)
 
 

@@ -73,7 +73,7 @@ def test_no_interpolation(follower):
     np.testing.assert_array_equal(places, [START, FAR])
     status, code, text = arm.follow(arm.points((0.01, START)))
     assert (status, code) == (ABORTED, CODES.INVALID_GOAL)
-    assert "the velocity of joint 'joint2' is 30, over its limit 5 by 25" in text
+    assert "the velocity of joint 'joint2' is 30 rad/s, over its limit 5 rad/s by 25 rad/s" in text
 
 
 def test_no_replacement_of_the_old_kind(follower):

@@ -102,7 +102,11 @@ CASES = {
     "velocity limit": (time(1, 0.03), 213, "velocity of joint 'waist' is 3.125"),
     "position limit": (all_points("positions", 4, 1.75), 221, "'wrist_bend'"),
     "position limit on the way": (first_joint(1, "positions", 3.0), 213, "joint 'waist' is 3"),
-    "far start": (first_joint(0, "positions", 0.5), 221, "'waist' at 0.5, but the joint is at 0"),
+    "far start": (
+        first_joint(0, "positions", 0.5),
+        221,
+        "'waist' at 0.5 rad, but the joint is at 0 rad",
+    ),
     "whole turn": (first_joint(0, "positions", math.tau), 221, "1 whole turn"),
     "ended long ago": (stamp(1), 221, "the trajectory ended"),
     "far future": (stamp(2**31 - 1), 109, "header.stamp"),

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from drivers import ended
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
@@ -13,6 +14,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.refusals import Refusal, refusal_values, trajectory_label
+from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
 MOVE = np.array([0.05, -0.05, 0.05, 0.0, 0.05, -0.05])
@@ -99,7 +102,10 @@ def test_execute_without_a_controller(suite):
 def test_a_plan_refused_by_the_controller_is_reported(suite):
     """Without what the controller says on /diagnostics it was said not to move, 1 s later."""
     arm = suite(standstill_timeout=TIMEOUT, arrival_timeout=TIMEOUT)
-    reason = "at t = 0.005 s the velocity of joint 'shoulder' is -9.375, over its limit -2 by 7.37"
+    reason = (
+        "at t = 0.005 s the velocity of joint 'shoulder' is -9.375 rad/s, over its limit -2 rad/s "
+        "by 7.37 rad/s"
+    )
     expected = f"trajectory failed (213 LIMIT): {reason}"
     arm.plan(0.0, MOVE, duration=0.01)
     latched = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -120,6 +126,30 @@ def test_a_plan_refused_by_the_controller_is_reported(suite):
     foreign.publish(arm.trajectory(0.0, MOVE, names=["thumb"] * 6))
     arm.controller_condition(lambda status: "thumb" in status.message)
     assert ended(waiting).error_code == ErrorCode.NONE
+
+
+def test_the_first_refusal_of_a_controller_that_was_started_again(graph):
+    """It counts from the beginning: a refusal with a number known from before was passed over."""
+    found = []
+    node = Node("listener", context=graph.context)
+    refusals = ControllerRefusals(node, "arm", lambda _, code, text: found.append((code, text)))
+    message = JointTrajectory(joint_names=["a"])
+    label = trajectory_label(message)
+
+    def status(*refusal):
+        values = refusal_values(Refusal(*refusal))
+        entries = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        return DiagnosticArray(status=[DiagnosticStatus(name="arm: motion", values=entries)])
+
+    refusals.expect(None, message)
+    refusals._take(status(1, 213, "too fast", label, "first run"))
+    refusals.expect(None, message)
+    # The same status again, as once a second, is no answer to what was sent since.
+    refusals._take(status(1, 213, "too fast", label, "first run"))
+    assert found == [(213, "too fast")]
+    refusals._take(status(1, 221, "too far", label, "second run"))
+    assert found == [(213, "too fast"), (221, "too far")]
+    node.destroy_node()
 
 
 def test_who_publishes_best_effort_is_told(suite):

@@ -287,7 +287,9 @@ def test_a_present_state_in_motion_is_refused(puma, publish):
     state = publish(START, velocity)
     response = plan_from_present(puma)
     assert response.error_code == ErrorCode.NO_STATE
-    assert "the robot moves: joint 'elbow' at 0.4 per s, at rest is up to 0.01" in str(response)
+    assert "the robot moves: joint 'elbow' at 0.4 rad/s, at rest is up to 0.01 rad/s" in str(
+        response
+    )
     assert not response.trajectory.points
     # A start that the request names is taken as it is; and at last the robot stands.
     check(plan(puma))

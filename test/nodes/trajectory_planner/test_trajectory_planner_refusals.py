@@ -117,12 +117,12 @@ CASES = {
     "start outside its limits": (
         {"start": replaced(START, 1, -1.0)},
         ErrorCode.SEED_OUTSIDE_LIMITS,
-        ["start of joint 'shoulder' is -1,", "by 0.215"],
+        ["start of joint 'shoulder' is -1 rad,", "by 0.215 rad"],
     ),
     "goal outside its limits": (
         {"goal": replaced(GOAL, 2, 1.0)},
         ErrorCode.LIMIT,
-        ["goal position of joint 'elbow' is 1,", "limit 0.785398163", "by 0.215"],
+        ["goal position of joint 'elbow' is 1 rad,", "limit 0.785398163 rad", "by 0.215 rad"],
     ),
     "via points of a profile that takes none": (
         {"via": [JointTrajectoryPoint(positions=[0.0] * 6)], "profile": 2},

@@ -3,6 +3,7 @@
 import re
 import threading
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import JointState
@@ -104,13 +105,10 @@ class Gripper(CommandedJoints):
         complete = complete_limits(limits)
         initial = _at_rest(model, limits.joint_names)
         self._plant = FingerPlant(initial, complete, strongest)
-        kinds = (
-            np.array([joint.type == "continuous" for joint in joints]),
-            np.array([joint.type != "prismatic" for joint in joints]),
-        )
+        continuous = np.array([joint.type == "continuous" for joint in joints])
         simulated = SimulatedJoints(initial, 0.0, self._plant)
         place = settings.gripper_controller
-        super().__init__(place, Joints(limits, *kinds), simulated, settings, clock, lock)
+        super().__init__(place, Joints(limits, continuous), simulated, settings, clock, lock)
         grip = GripSettings(
             settings.gripper_goal_tolerance,
             settings.gripper_stall_velocity_threshold,
@@ -218,8 +216,11 @@ def _check_places(settings: ControllerSettings) -> None:
 
 def _limits(joints: Sequence[Joint]) -> Limits:
     kinds = ("velocity", "acceleration", "jerk", "lower", "upper")
-    rows = {kind: np.array([getattr(joint, kind) for joint in joints]) for kind in kinds}
-    return Limits(tuple(joint.name for joint in joints), **rows)
+    rows: dict[str, Any] = {
+        kind: np.array([getattr(joint, kind) for joint in joints]) for kind in kinds
+    }
+    units = tuple(joint.unit for joint in joints)
+    return Limits(tuple(joint.name for joint in joints), **rows, units=units)
 
 
 def _efforts(joints: Sequence[Joint], most: float) -> FloatArray:
