@@ -10,8 +10,8 @@ import numpy as np
 
 from robomech_ros.robots import load_description
 
-# Frames and limits as in franka_description (franka_ros, licence Apache 2.0): two slides, of which
-# the second mimics the first.
+# Frames as in franka_description (franka_ros, Apache 2.0), limits as in MoveIt's Panda
+# (moveit_resources, BSD): two slides, of which the second mimics the first.
 HAND = """
   <link name="panda_hand"/> <link name="panda_hand_tcp"/>
   <link name="panda_leftfinger"/> <link name="panda_rightfinger"/>

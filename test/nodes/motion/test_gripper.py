@@ -267,6 +267,15 @@ def test_objects_that_the_gripper_cannot_hold(hand):
     assert panda.put_between(0.08).successful
 
 
+def test_fingers_beside_an_arm_that_drives_move(hand):
+    panda = hand(simulation="dynamic")
+    panda.until(lambda: np.isfinite(panda.states[-1].effort[:8]).all())
+    assert panda.move(0.03)[1].reached_goal
+    panda.until_fingers_at(0.03)
+    assert np.abs(panda.states[-1].effort[:7]).max() > 1.0
+    assert panda.states[-1].effort[7] == 0.0
+
+
 def test_reset_and_names(hand):
     panda = hand(gripper_controller="panda_hand_controller")
     panda.move(0.02)
