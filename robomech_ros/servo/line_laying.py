@@ -76,6 +76,8 @@ class LineLaying:
 
     Attributes
     ----------
+    weights, twist
+        As given.
     nodes : list of Node
         Laid so far, one at least.
     ended : bool
@@ -94,7 +96,7 @@ class LineLaying:
         twist: Callable[[Array], Array],
     ) -> None:
         q, self._outwards = start
-        self._resolver, self._weights, self.twist = resolver, weights, twist
+        self._resolver, self.weights, self.twist = resolver, weights, twist
         heading = resolver.heading(q, twist(q))
         # The condition number that no further node may reach.
         self._bound = self._bound_after(heading.condition)
@@ -178,7 +180,7 @@ class LineLaying:
 
     def _stepped(self, step: float) -> _Found:
         """Find the node so much farther on, and the pose of the tip; None if there is none."""
-        last, weights = self.nodes[-1], self._weights**2
+        last, weights = self.nodes[-1], self.weights**2
         along = weights * last.direction
         time = step / last.rate
         q = last.q + step * (last.direction + 0.5 * step * self._bend)
@@ -206,9 +208,9 @@ class LineLaying:
             off = small_motion(pose, heading.pose)
             if _norm(off[3:]) > _OFF or _norm(off[:3]) > _OFF_TURNED:
                 return None
-        length = _norm((q - last.q) * self._weights)
-        node = Node(0.0, q, heading, self._weights)
-        turn = (node.direction - last.direction) * self._weights
+        length = _norm((q - last.q) * self.weights)
+        node = Node(0.0, q, heading, self.weights)
+        turn = (node.direction - last.direction) * self.weights
         if time <= 0.0 or float(along @ node.direction) < _STRAIGHT:
             return None
         node.place = last.place + length * (1.0 + float(turn @ turn) / 24.0)
@@ -254,11 +256,11 @@ class LineLaying:
         half = last.q + 0.5 * step * last.direction
         twist = self.twist(half)
         yield
-        middle = Node(0.0, half, self._heading(half, twist), self._weights)
+        middle = Node(0.0, half, self._heading(half, twist), self.weights)
         q = last.q + step * middle.direction
         yield
-        node = Node(last.place + step, q, self._heading(q, self.twist(q)), self._weights)
-        straight = float((self._weights**2 * last.direction) @ node.direction)
+        node = Node(last.place + step, q, self._heading(q, self.twist(q)), self.weights)
+        straight = float((self.weights**2 * last.direction) @ node.direction)
         if straight < _BENT or not node.heading.possible or not middle.rate:
             return None
         lost = small_motion(moved_pose(pose, step / middle.rate * twist), node.heading.pose)

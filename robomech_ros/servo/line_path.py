@@ -6,16 +6,12 @@ same way of the tip.  So that no period takes long, only some postures are exami
 not laid in this period is in the next ones.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import postures_on_way
-from robomech_ros.servo.departures import Start
 from robomech_ros.servo.line_laying import LineLaying
-from robomech_ros.servo.resolution import TwistResolver
 
 __all__ = ["LinePath"]
 
@@ -37,31 +33,23 @@ class LinePath:
 
     Parameters
     ----------
-    resolver : TwistResolver
-        Of the chain.
-    weights : ndarray, shape (n,)
-        By which joints count for the length of the way (s^2/rad or s^2/m).
-    start : Start
-        Where it begins.
+    way : LineLaying
+        Its nodes; no more than the first of them so far.
+
+    Attributes
+    ----------
     twist : callable
         Gives the twist for q in base axes, angular first (rad/s and m/s).
     """
 
-    def __init__(
-        self,
-        resolver: TwistResolver,
-        weights: Array,
-        start: Start,
-        twist: Callable[[Array], Array],
-    ) -> None:
-        self.twist, self._weights = twist, weights
-        self._way = LineLaying(resolver, weights, start, twist)
-        self._laying = self._way.lay()
+    def __init__(self, way: LineLaying) -> None:
+        self.twist, self._weights, self._way = way.twist, way.weights, way
+        self._laying = way.lay()
         self._postures = _POSTURES
         self._tables: tuple[Array, Array, Array, Array] | None = None
         # Of how many nodes the tables are, and where the way came out of a singularity.
         self._tabled = 0
-        self._out = np.inf if self._way.leaving else -np.inf
+        self._out = np.inf if way.leaving else -np.inf
 
     @property
     def singular(self) -> bool:

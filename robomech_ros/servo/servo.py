@@ -13,6 +13,7 @@ from robomech_ros.servo.departures import Start
 from robomech_ros.servo.joining import Joining
 from robomech_ros.servo.leaving import Leaving
 from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.line_laying import LineLaying
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
 from robomech_ros.servo.pose_approach import PoseApproach
@@ -223,7 +224,8 @@ class Servo:
     def _path(self, command: TwistCommand, start: Start) -> LinePath:
         """Give the way for a twist."""
         weights = 1.0 / self.limits.acceleration
-        return LinePath(self._resolver, weights, start, lambda q: _twist_of(command, q))
+        way = LineLaying(self._resolver, weights, start, lambda q: _twist_of(command, q))
+        return LinePath(way)
 
     def _begin_line(self, command: TwistCommand, twist: Array, beyond: bool) -> None:
         """Go on on the line of a twist from rest, where there is one."""
