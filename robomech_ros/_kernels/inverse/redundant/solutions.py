@@ -262,7 +262,7 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, rows, names, distances)
         bare += 1
-        if arcs and nearest:
+        if proved and nearest:
             return count, bare, proved
     for i in range(n):
         reached[i] = placed[i] if settled else math.nan
@@ -349,7 +349,7 @@ def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, dista
         count, bare, proved = _collect(
             data, T[m], request, joints, nearest, low, high, q, branch, into, reached[0]
         )
-        if metric != LINF or data[at.ARCS] == 0.0:
+        if not proved:
             count = _approach_first(packed, T[m], request, count, reached, into)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
