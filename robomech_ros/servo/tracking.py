@@ -13,6 +13,9 @@ __all__ = ["Deviation", "Tracking"]
 
 Array = NDArray[np.float64]
 
+# Fewer commands, or a way shorter than this (rad or m), say nothing of a lag.
+_FEW, _CLEAR = 5, 0.01
+
 
 class Deviation(NamedTuple):
     """A joint that does not follow.
@@ -67,6 +70,22 @@ class Tracking:
     def tell(self, time: float, position: Array) -> None:
         """Note the commanded positions (n,) of the joints (rad or m) at a time (s)."""
         self._told.append((time, position))
+
+    def lag(self, now: float, position: Array) -> float | None:
+        """Give how long ago the joint that moves most was told to be where it is (s).
+
+        None where none has moved by 0.01 rad or m in one direction, or it is nowhere there.
+        """
+        if len(self._told) < _FEW:
+            return None
+        times = np.array([time for time, _ in self._told])
+        told = np.array([place for _, place in self._told])
+        joint = int(np.argmax(np.abs(told[-1] - told[0])))
+        way = (told[:, joint] - told[0, joint]) * np.sign(told[-1, joint] - told[0, joint])
+        place = (position[joint] - told[0, joint]) * np.sign(told[-1, joint] - told[0, joint])
+        if way[-1] < _CLEAR or (np.diff(way) <= 0.0).any() or not 0.0 < place < way[-1]:
+            return None
+        return float(now - np.interp(place, way, times))
 
     def deviation(self, now: float, position: Array) -> Deviation | None:
         """Find the joint that is farthest from its commands, if that is too far.

@@ -52,6 +52,8 @@ class CommandReader:
         Its time decides what is stale.
     settings : callable
         Gives the parameters as they are now.
+    ahead : callable
+        Gives how far ahead of its time the stream is sent (s).
     """
 
     def __init__(
@@ -61,9 +63,11 @@ class CommandReader:
         monitor: JointStateMonitor,
         clock: MotionClock,
         settings: Callable[[], ServoNodeSettings],
+        ahead: Callable[[], float],
     ) -> None:
         self._model, self._chain, self._frames = model, model.chain, frames
         self._monitor, self._clock, self._settings = monitor, clock, settings
+        self._ahead = ahead
 
     def twist(self, message: TwistStamped) -> TwistCommand:
         """Read a twist of the tip's origin, in the axes of the frame of its header.
@@ -190,7 +194,7 @@ class CommandReader:
         """
         settings = self._settings()
         timeout = settings.command_timeout
-        told_ahead = min(settings.lead / settings.publish_rate, 0.5 * timeout)
+        told_ahead = min(self._ahead(), 0.5 * timeout)
         now = self._clock.now()
         ahead = self._clock.until(header.stamp, now)
         if ahead < -timeout:

@@ -65,12 +65,20 @@ class Driver:
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
         frames = RobotFrames(node, model, monitor, settings)
-        reader = CommandReader(model, frames, monitor, clock, settings)
+        self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
+        lead = self._stream.lead
+        reader = CommandReader(
+            model,
+            frames,
+            monitor,
+            clock,
+            settings,
+            lambda: lead.periods * self._stream.period,
+        )
         self._intake = CommandIntake(node, servo, reader, settings, self.wake)
         self._status = StatusPublisher(node, self._intake.refusal)
         if (moveit := _moveit_interface(node, self._choose)) is not None:
             self._status.also = moveit.publish
-        self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         self._joints = JointWatch(model.chain, monitor, settings)
         self._timer = node.create_timer(self._stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
@@ -123,6 +131,8 @@ class Driver:
         self._joints.tell(*self._stream.publish(now))
         if fault := self._joints.fault(now):
             self._let_go(now, fault)
+        elif (lag := self._joints.lag(now)) is not None:
+            self._stream.lead.followed(now, lag)
 
     def _sleep(self, now: float) -> None:
         if now > self._awake_until and not self._servo.active:

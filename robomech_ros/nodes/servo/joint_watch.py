@@ -1,5 +1,6 @@
 """Watches the joints: where a stream can begin, and whether they follow it."""
 
+from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -20,6 +21,8 @@ Array = NDArray[np.float64]
 _STATE_DUE = 0.2
 # How long states may fail to come on top of the tracking delay while the robot is driven (s).
 _STATE_LOST = 0.5
+# Of so many looks the least lag counts.
+_LOOKS = 10
 
 
 class Fault(NamedTuple):
@@ -54,6 +57,7 @@ class JointWatch:
         # How many looks have heard of the joints, and when that became more (s).
         self._heard, self._heard_at = 0, 0.0
         self._waits_from: float | None = None
+        self._lags: deque[float] = deque(maxlen=_LOOKS)
 
     def position(self) -> Array | None:
         """Give the latest positions (rad or m), shape (n,); None while one is not known."""
@@ -90,12 +94,26 @@ class JointWatch:
     def begin(self, now: float) -> None:
         """Watch a stream that begins now (s)."""
         self._tracking.begin()
+        self._lags.clear()
         self._waits_from = None
         self._heard, self._heard_at = self._monitor.heard(self._names), now
 
     def tell(self, time: float, position: Array) -> None:
         """Note the commanded positions at a time (s)."""
         self._tracking.tell(time, position)
+
+    def lag(self, now: float) -> float | None:
+        """Give how long after the stream joints are where it had them (s), the least of some looks.
+
+        A state is some time old when it is heard, more or less.
+        """
+        position = self.position()
+        lag = None if position is None else self._tracking.lag(now, position)
+        if lag is None:
+            self._lags.clear()
+            return None
+        self._lags.append(lag)
+        return min(self._lags) if len(self._lags) == _LOOKS else None
 
     def fault(self, now: float) -> Fault | None:
         """Say which joints do not follow their commands, or that their state is unknown."""

@@ -6,7 +6,14 @@ from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
 
-__all__ = ["SPEED_UNITS", "UNITLESS", "ServoNodeSettings", "check_settings", "core_settings"]
+__all__ = [
+    "SPEED_UNITS",
+    "UNITLESS",
+    "ServoNodeSettings",
+    "check_settings",
+    "core_settings",
+    "longest_lead",
+]
 
 SPEED_UNITS = "speed_units"
 UNITLESS = "unitless"
@@ -87,6 +94,14 @@ class ServoNodeSettings(FrameSettings):
         20,
         "periods",
     )
+    longest_lead: int = parameter(
+        10,
+        "How far the lead rises while points are found to be late, as on a busy machine; it falls "
+        "again by a period a second when nothing was late for 10 s. Up to lead = not at all",
+        1,
+        50,
+        "periods",
+    )
     tracking_tolerance: float = parameter(
         0.1,
         "How far a joint may be from its commands of the last tracking_delay, rad or m, before "
@@ -125,6 +140,11 @@ def check_settings(settings: ServoNodeSettings) -> None:
         raise ParameterError("lower_singularity_threshold", slow, allowed)
 
 
+def longest_lead(settings: ServoNodeSettings) -> int:
+    """Give how many periods the stream may be ahead at most."""
+    return max(settings.lead, settings.longest_lead)
+
+
 def core_settings(settings: ServoNodeSettings) -> ServoSettings:
     """Pick what the core needs."""
     return ServoSettings(
@@ -132,5 +152,5 @@ def core_settings(settings: ServoNodeSettings) -> ServoSettings:
         slow_from=settings.lower_singularity_threshold,
         stop_at=settings.hard_stop_singularity_threshold,
         length=settings.characteristic_length or None,
-        lead=settings.lead,
+        lead=longest_lead(settings),
     )

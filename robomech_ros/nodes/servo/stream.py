@@ -8,7 +8,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.servo.messages import stream_message
-from robomech_ros.nodes.servo.settings import ServoNodeSettings
+from robomech_ros.nodes.servo.settings import ServoNodeSettings, longest_lead
+from robomech_ros.servo.lead import AdaptiveLead
+from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.report import ServoReport
 from robomech_ros.servo.servo import Servo
 
@@ -37,6 +39,11 @@ class StreamPublisher:
         The joints.
     settings : ServoNodeSettings
         Topic, rate and lead.
+
+    Attributes
+    ----------
+    lead : AdaptiveLead
+        How many periods the stream is ahead.
     """
 
     def __init__(
@@ -48,7 +55,9 @@ class StreamPublisher:
         settings: ServoNodeSettings,
     ) -> None:
         self._servo, self._clock, self._names = servo, clock, names
-        self._lead, self._period = settings.lead, 1.0 / settings.publish_rate
+        self._most, self._period = longest_lead(settings), 1.0 / settings.publish_rate
+        self.lead = AdaptiveLead(self._period, settings.lead, self._most)
+        self._logger, self._said = node.get_logger(), False
         # The time of the latest knot (s).
         self._knot = 0.0
         # Where the last message ends (rad or m).
@@ -67,7 +76,8 @@ class StreamPublisher:
 
     def begin(self, now: float, position: Array, velocity: Array) -> None:
         """Begin where the joints will be at the first knot (rad or m, and per s)."""
-        ahead = self._lead * self._period
+        ahead = self.lead.periods * self._period
+        self.lead.begin()
         self._servo.start(position + ahead * velocity, velocity)
         self._knot, self._end = now + ahead, None
 
@@ -78,20 +88,37 @@ class StreamPublisher:
             self._servo.motion.brake()
             self._knot += self._period
         if self._knot < earliest:
-            self._knot = now + self._lead * self._period
+            self._knot = now + self.lead.periods * self._period
 
     def go_on(self, now: float) -> ServoReport | None:
         """Go on until the stream is as far ahead as it should be; None if it is already.
 
         No more knots are new than a message shows before its latest.
         """
-        report, enough = None, now + (self._lead + 0.5) * self._period
-        for _ in range(self._lead):
+        lead = self.lead.periods
+        report, enough = None, now + (lead + 0.5) * self._period
+        if self._knot < enough:
+            # The next knot was due when the one before it was so far ahead.
+            self._hear_lateness(now, now - (self._knot + self._period - lead * self._period))
+        for _ in range(lead):
             if self._knot >= enough:
                 break
             report = self._servo.step(now)
             self._knot += self._period
         return report
+
+    def _hear_lateness(self, now: float, late: float) -> None:
+        """Have the lead follow a lateness (s), and say so the first time."""
+        self.lead.sent(now, late)
+        lead = self.lead
+        if lead.latest and not self._said:
+            self._said = True
+            enough = min(lead.needed, self._most)
+            self._logger.warning(
+                f"points for the controller come up to {1e3 * lead.latest:.0f} ms late, as on a "
+                f"busy machine: while that goes on, the lead rises to {self._most} periods "
+                f"(longest_lead) at most; lead: {enough} would have been enough from the start"
+            )
 
     def has_news(self) -> bool:
         """Whether the stream ends elsewhere than the last message."""
@@ -108,9 +135,12 @@ class StreamPublisher:
         position : ndarray, shape (n,)
             Of the joints there (rad or m).
         """
-        samples = self._servo.samples()
+        samples, lead = self._servo.samples(), self.lead.periods
         self._end = samples.positions[-1]
-        first = self._knot - self._lead * self._period
+        # The servo shows more knots than needed now.
+        samples = Samples(*(part[self._most - lead :] for part in samples))
+        samples.times[:] -= samples.times[0]
+        first = self._knot - lead * self._period
         told = min(now, first - self._period)
         stamp = Time(nanoseconds=max(self._clock.stamp(told), 0)).to_msg()
         self._publisher.publish(stream_message(self._names, samples, first - told, stamp))
