@@ -7,9 +7,15 @@ Before, a message 100 ms late made joints accelerate at 6 to 8 times their limit
 import numpy as np
 import pytest
 from late_streams import LateStream
-from servo_drives import TIMEOUT
+from servo_drives import TIMEOUT, robot_of
 
+from robomech_ros.execution.controller.follower import Follower
+from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
+from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.motion_tolerances import Tolerances
+from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.servo.commands import JointCommand, TwistCommand
+from robomech_ros.trajectory import Waypoints
 
 POSTURES = {
     "puma560": [0.3, 0.6, -0.7, 0.4, 0.8, 0.2],
@@ -95,3 +101,22 @@ def test_what_comes_in_time_is_followed_as_ever():
     told = np.searchsorted(seen.times, 0.02 + 0.01 * np.arange(1, 120) - 1e-6)
     knots = np.array(seen.drive.positions)[2:121]
     np.testing.assert_allclose(seen.positions[told], knots, atol=1e-12)
+
+
+@pytest.mark.parametrize("over", [0.05, 0.3])
+def test_the_end_of_a_stream_is_reached_that_comes_when_it_is_over(over):
+    """The robot rests just before it, as the message before had it."""
+    chain = Joints.of(robot_of("puma560"))
+    arm = Follower(chain, SimulatedJoints(np.zeros(6)))
+    free = Tolerances(*[np.full(6, np.inf)] * 3, np.inf)
+    times = np.array([0.0, 0.02, 0.1])
+    steps = np.outer([-0.004, -0.001, 0.003], [1.0, -0.5, 0.0, 0.0, 0.0, 0.0])
+    rates = np.outer([0.1, 0.1, 0.0], [1.0, -0.5, 0.0, 0.0, 0.0, 0.0])
+    arm.start(Waypoints(times, steps, rates), free, 1.0, -0.1 - over)
+    for cycle in range(600):
+        arm.advance(1.0 + cycle * 0.002)
+    np.testing.assert_allclose(arm.actual.position, steps[-1], atol=1e-9)
+    with pytest.raises(TrajectoryRefusedError, match=r"ended 0\.6 s ago"):
+        arm.start(Waypoints(times, steps, rates), free, 3.0, -0.7)
+    with pytest.raises(TrajectoryRefusedError, match=r"ended 0\.05 s ago"):
+        arm.start(Waypoints(times, steps + 0.1, rates), free, 4.0, -0.15)

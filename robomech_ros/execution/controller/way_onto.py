@@ -82,7 +82,7 @@ def way_onto(
         try:
             curve = joined(waypoints, present, joints, settings.start_tolerance, late)
         except (LimitExceededError, TrajectoryOverError) as error:
-            if not may_catch_up or before is None:
+            if not may_catch_up or (before is None and not _nearly_there(known, present, settings)):
                 raise
             refused = error
         if curve is not None:
@@ -109,3 +109,9 @@ def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
     if velocities is None or not np.isfinite(velocities).all():
         return False
     return bool(late < waypoints.times[-1] + LONGEST_LAG)
+
+
+def _nearly_there(waypoints: Waypoints, present: State, settings: FollowerSettings) -> bool:
+    """Whether a robot that stands is where a trajectory ends, but for what may be off at a start."""
+    off = np.abs(waypoints.positions[-1] - present.position)
+    return bool(np.max(off) <= settings.start_tolerance)

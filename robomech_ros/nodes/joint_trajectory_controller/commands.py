@@ -1,6 +1,7 @@
 """How others command the robot: the topic joint_trajectory, the services hold and reset."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -46,9 +47,9 @@ class TrajectoryTopic:
         self._logger = node.get_logger()
         self._joints = joints
         self._on_refused = on_refused
-        # What the topic has had followed last, where that ended, and when its last message
+        # What the topic has had followed lately, where that ended, and when its last message
         # came (s).
-        self._goal: TrajectoryGoal | None = None
+        self._goals: deque[TrajectoryGoal] = deque(maxlen=_DEPTH)
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
         self._heard_at = -math.inf
         topic = f"{joints.place}/{_TOPIC}"
@@ -59,7 +60,7 @@ class TrajectoryTopic:
             if self._adds_nothing(trajectory):
                 return
             by = "a trajectory on the topic joint_trajectory"
-            self._goal = self._joints.execute(trajectory, by, self._log_end)
+            self._goals.append(self._joints.execute(trajectory, by, self._log_end))
         except RobomechError as error:
             code = code_of(error)
             self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")
@@ -77,7 +78,9 @@ class TrajectoryTopic:
             now, goal = self._joints.follower.now, self._joints.follower.active
         soon = now < self._heard_at + _STREAM
         self._heard_at, self._end = now, end
-        if not soon or goal is None or goal is self._goal or end is None or known is None:
+        if not soon or goal is None or end is None or known is None:
+            return False
+        if any(goal is own for own in self._goals):
             return False
         same = end[0] == known[0] and len(end[1]) == len(known[1])
         return same and all(abs(x - y) <= _SAME for x, y in zip(end[1], known[1], strict=True))
