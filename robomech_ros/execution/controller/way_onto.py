@@ -112,6 +112,6 @@ def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
 
 
 def _nearly_there(waypoints: Waypoints, present: State, settings: FollowerSettings) -> bool:
-    """Whether a robot that stands is where a trajectory ends, but for what may be off at a start."""
+    """Whether a robot that stands is as near to the end as it has to be to a start."""
     off = np.abs(waypoints.positions[-1] - present.position)
     return bool(np.max(off) <= settings.start_tolerance)
