@@ -33,8 +33,9 @@ _STATIC = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-# No robot's message is larger; it would only keep the node busy.
-_LARGEST_MESSAGE = 1_000_000
+# Bytes of a message at most, enough for a thousand frames, and of all that one look takes in, which
+# is some 0.1 s of work; of more the latest count.
+_LARGEST_MESSAGE, _LARGEST_LOOK = 200_000, 1_000_000
 
 
 class FrameListener:
@@ -95,7 +96,13 @@ class FrameListener:
 
     def look(self) -> None:
         """Take in what has come since the last look."""
-        for data in self._waiting():
+        latest, left = [], _LARGEST_LOOK
+        for data in reversed(list(self._waiting())):
+            left -= len(data)
+            if left < 0:
+                break
+            latest.append(data)
+        for data in reversed(latest):
             self._take_moving(data)
 
     def _waiting(self) -> Iterator[bytes]:
@@ -113,11 +120,6 @@ class FrameListener:
         list(self._waiting())
         self.tree.forget_moving()
 
-    def _unpacked(self, data: bytes) -> Any:
-        if len(data) > _LARGEST_MESSAGE:
-            raise UnreadableMessageError(data, self._kind)
-        return unpack(data, self._kind).transforms
-
     def _take_moving(self, data: bytes) -> None:
         self._take(data, static=False)
 
@@ -125,8 +127,11 @@ class FrameListener:
         self._take(data, static=True)
 
     def _take(self, data: bytes, *, static: bool) -> None:
+        if len(data) > _LARGEST_MESSAGE:
+            self.fault = f"a message of {len(data)} bytes on '{self.topics[static]}', too many"
+            return
         try:
-            entries = self._unpacked(data)
+            entries = unpack(data, self._kind).transforms
         except UnreadableMessageError as error:
             self.fault = f"{error}, on '{self.topics[static]}'"
             return
