@@ -48,6 +48,8 @@ _VERIFIED = 6
 _ON_IT = 1e-9
 # A robot that is off its place by less (rad or m) has kept to it.
 _NEAR = 1e-5
+# A fading that is over in less than this (s) is as good as over.
+_MOMENT = 5e-3
 # Places (s) where the robot is looked for on a belt, and how often the nearest one is improved.
 _STEP, _IMPROVED = 0.005, 3
 # A step of the acceleration is taken for a jerk of so long, s.
@@ -114,7 +116,7 @@ def too_hard(
     curve: PiecewisePolynomial, present: State, joints: Joints
 ) -> LimitExceededError | None:
     """Say where the way to the first point needs more than the limits, the plan and the present."""
-    if len(curve.breaks) < 2:
+    if len(curve.breaks) < 2 or _gentle(curve, present, joints):
         return None
     first = PiecewisePolynomial(curve.breaks[:2], curve.coefficients[:, :1])
     rest = PiecewisePolynomial(curve.breaks[1:], curve.coefficients[:, 1:])
@@ -135,6 +137,21 @@ def too_hard(
             numbers = float(found[worst]), float(limit[worst])
             return LimitExceededError(f"{_ON_THE_WAY} {what}", joints.names[worst], *numbers)
     return None
+
+
+def _gentle(curve: PiecewisePolynomial, present: State, joints: Joints) -> bool:
+    """Whether a cubic to the first point is within all limits, as it is in a stream in time."""
+    if len(curve.coefficients) != 4:
+        return False
+    (_, _, half, sixth), limit = curve.coefficients[:, 0], joints.acceleration
+    begin, jerk = 2.0 * half, 6.0 * sixth
+    end = begin + float(curve.breaks[1] - curve.breaks[0]) * jerk
+    largest = joints.limits.jerk
+    return bool(
+        (np.maximum(np.abs(begin), np.abs(end)) <= limit).all()
+        and (np.abs(jerk) <= largest).all()
+        and (np.abs(begin - present.acceleration) <= _KINK * largest).all()
+    )
 
 
 def caught_up(
@@ -268,8 +285,9 @@ class _Search:
         )
         ahead = np.array([x, pace - 1.0, rate])
         off = max(float(np.max(np.abs(part))) for part in offset)
-        if max(off, float(np.max(np.abs(ahead)))) > _ON_IT and time < _ON_IT:
-            time = SHORTEST_BLEND
+        if time < _MOMENT:
+            merged = max(off, float(np.max(np.abs(ahead)))) <= _ON_IT
+            time = 0.0 if merged else SHORTEST_BLEND
         powers = _faded(ahead, time) if time else np.zeros(6)
         way = paced(belt, powers, time)
         if way is None:

@@ -36,7 +36,8 @@ STANDING = 1e-6
 # So many points of a late trajectory that cannot be reached in time are passed over, of those that
 # come within LATENCY: a robot farther behind would leave the planned path.
 _PASSED_OVER = 64
-# Without interpolation the last point is commanded this long (s) before the trajectory is over.
+# Without interpolation the last point is commanded this long (s) before the trajectory is over, and
+# a point of a late trajectory that is due within this time is over.
 _INSTANT = 1e-9
 # Times that are tried one after the other, in units of the one in which the smoothing takes half
 # the acceleration limit.
@@ -179,7 +180,7 @@ def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float
     """Drop what should have happened before now, and what cannot be reached in time."""
     if late <= 0.0:
         return waypoints
-    over = int(np.searchsorted(waypoints.times, late, side="right"))
+    over = int(np.searchsorted(waypoints.times, late + _INSTANT, side="right"))
     if over == len(waypoints.times):
         raise TrajectoryOverError(late, waypoints.times[-1])
     left = _part(waypoints, slice(over, None), late)
