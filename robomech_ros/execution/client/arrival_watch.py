@@ -94,7 +94,10 @@ class ArrivalWatch:
         return self._excursion.missing(self._settings.goal_tolerance)
 
     def lost(self, patience: float) -> Verdict | None:
-        """Give the verdict where controller or joint states are gone for `patience` (s)."""
+        """Give the verdict where controller or joint states are gone for `patience` (s).
+
+        A controller that is known to have died needs no patience.
+        """
         gone = self._gone(patience)
         if not gone:
             return None
@@ -117,6 +120,8 @@ class ArrivalWatch:
 
     def _gone(self, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
+        if self._gateway.died:
+            return "the controller has died: its process is gone, or stands still"
         delivery, silent = self._delivery, self._progress.silent
         missing = self._gateway.missing(delivery.transport)
         if not missing:

@@ -16,6 +16,10 @@ class Gateway(Protocol):
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""
 
+    @property
+    def died(self) -> bool:
+        """Whether the controller was there and lives no more, as far as that can be known."""
+
     def send(self, delivery: Delivery) -> None:
         """Send, instead of what was sent of this delivery before.
 

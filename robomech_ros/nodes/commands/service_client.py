@@ -15,6 +15,8 @@ from robomech_ros.nodes.common.deep_queues import ask
 __all__ = ["NoAnswerError", "call_service"]
 
 _POLL = 0.02
+# How often it is looked whether the service is still there, s.
+_LOOK = 0.2
 _MOST_LISTED = 12
 
 
@@ -44,7 +46,7 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
     Raises
     ------
     NoAnswerError
-        There is no such service, it did not answer in time, or ROS was shut down meanwhile.
+        There is no such service, it went or did not answer in time, or ROS was shut down.
     BadValueError, UnknownFieldError
         The type or a field does not exist, or a value does not fit.
     """
@@ -73,11 +75,15 @@ def _answer(
     if not client.wait_for_service(timeout_sec=max(0.0, deadline - time.monotonic())):
         raise NoAnswerError(f"service '{service}' is not there after {timeout:g} s")
     future = client.call_async(request)
-    rclpy.spin_until_future_complete(
-        node, future, timeout_sec=max(0.0, deadline - time.monotonic())
-    )
-    if not future.done():
-        raise NoAnswerError(f"service '{service}' did not answer within {timeout:g} s")
+    while not future.done():
+        left = deadline - time.monotonic()
+        if left < 0.0:
+            raise NoAnswerError(f"service '{service}' did not answer within {timeout:g} s")
+        there = client.service_is_ready()
+        rclpy.spin_until_future_complete(node, future, timeout_sec=min(left, _LOOK))
+        # An answer may come just before its server goes.
+        if not (there or future.done()):
+            raise NoAnswerError(f"service '{service}' has gone before it answered")
     return future.result()
 
 

@@ -18,6 +18,7 @@ from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, T
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
+from robomech_ros.nodes.common.signs_of_life import LIVELY
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.outcomes import Code
@@ -70,7 +71,8 @@ class GoalServer(ServedAction[TrajectoryGoal]):
     def __init__(self, node: Node, robot: CommandedJoints, messages: ActionMessages) -> None:
         self._robot = robot
         self._messages = messages
-        super().__init__(node, robot, messages.kind, f"{robot.place}/{messages.name}")
+        name = f"{robot.place}/{messages.name}"
+        super().__init__(node, robot, messages.kind, name, status_pub_qos_profile=LIVELY)
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()

@@ -13,6 +13,7 @@ from robomech_ros.execution.joints import JointKinds, Joints
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.signs_of_life import SignsOfLife
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
@@ -38,6 +39,8 @@ class ControllerLink:
         The way by action.
     refusals : ControllerRefusals
         What the controller says of trajectories sent by topic.
+    life : SignsOfLife
+        Whether the controller lives.
     """
 
     def __init__(
@@ -47,8 +50,10 @@ class ControllerLink:
         clock: MotionClock,
         action: ActionLink,
         refusals: ControllerRefusals,
+        life: SignsOfLife,
     ) -> None:
         self._action = action
+        self._life = life
         self._refusals = refusals
         self._monitor = JointStateMonitor(node)
         self._publisher = node.create_publisher(
@@ -73,10 +78,17 @@ class ControllerLink:
 
     def missing(self, transport: Transport) -> str:
         """Say what is not there to send by; empty if all is."""
+        if self.died:
+            return "the process of the controller"
         if transport.answers:
             return "" if self._action.ready else f"action '{self._action.name}'"
         there = self._publisher.get_subscription_count() > 0
         return "" if there else f"subscriber of '{self._publisher.topic_name}'"
+
+    @property
+    def died(self) -> bool:
+        """Whether the controller was there and lives no more, as far as that can be known."""
+        return self._life.ended
 
     def positions(self, names: Sequence[str]) -> NDArray[np.float64] | None:
         """Give the present positions, rad or m; None if not known."""

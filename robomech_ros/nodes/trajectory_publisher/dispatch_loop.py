@@ -6,6 +6,7 @@ from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
+from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
 from robomech_ros.outcomes import name_of
 
@@ -32,6 +33,8 @@ class DispatchLoop:
         The time.
     dispatcher : Dispatcher
         What executes deliveries.
+    left : MotionLeft
+        What became of a motion that a publisher which was killed has left.
     """
 
     def __init__(
@@ -39,9 +42,9 @@ class DispatchLoop:
     ) -> None:
         self._logger = node.get_logger()
         self.clock = clock
-        self.dispatcher = Dispatcher(
-            link, dispatch_settings(settings), self._log_end, self._log_stall
-        )
+        given = dispatch_settings(settings)
+        self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
+        self.left = MotionLeft(node, clock, link, self.dispatcher, given)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
         # A timer that has not fired since it was reset would wait until its old time comes again.
@@ -56,6 +59,7 @@ class DispatchLoop:
             It is not accepted.
         """
         self.dispatcher.offer(delivery, self.clock.now())
+        self.left.note()
         self.watch()
 
     def conclude(self, delivery: Delivery, code: int, text: str) -> None:
@@ -69,6 +73,7 @@ class DispatchLoop:
 
     def _look(self) -> None:
         self.dispatcher.step(self.clock.now())
+        self.left.note()
         if not self.dispatcher.busy:
             self._timer.cancel()
 
@@ -78,6 +83,7 @@ class DispatchLoop:
         self.watch()
 
     def _log_end(self, delivery: Delivery) -> None:
+        self.left.note()
         report = delivery.report
         assert report is not None
         if report.code:

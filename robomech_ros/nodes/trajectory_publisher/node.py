@@ -11,6 +11,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.signs_of_life import SignsOfLife
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
@@ -18,6 +19,7 @@ from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLi
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.diagnostics import execution_condition
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
+from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.program_file import check_program_change
@@ -52,7 +54,9 @@ class TrajectoryPublisherNode(Node):
             self._take_result,
         )
         refusals = ControllerRefusals(self, settings.controller, self._take_result)
-        self._link = ControllerLink(self, settings.controller, clock, action, refusals)
+        action_name = f"{settings.controller}/{ExecuteGoals.name}"
+        life = SignsOfLife(self, action_name, settings.controller_lease)
+        self._link = ControllerLink(self, settings.controller, clock, action, refusals, life)
         self._loop = DispatchLoop(self, clock, self._link, settings)
         self._reader = DeliveryReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)
@@ -82,7 +86,7 @@ class TrajectoryPublisherNode(Node):
 
     def _condition(self) -> NodeCondition:
         refusal, program = self._plans.refusal, self._runner.condition
-        return execution_condition(self._loop.dispatcher, refusal, program)
+        return execution_condition(self._loop.dispatcher, refusal, program, self._loop.left)
 
     def stop(self) -> None:
         """Answer those who wait; a motion that was sent goes on."""
@@ -95,6 +99,8 @@ class TrajectoryPublisherNode(Node):
         """Destroy the node and, what rclpy leaves out, its action client."""
         if hasattr(self, "_link"):
             self._link.destroy()
+        if hasattr(self, "_loop"):
+            self._loop.left.close()
         if hasattr(self, "_programs"):
             self._programs.destroy()
         super().destroy_node()

@@ -6,6 +6,7 @@ from robomech_ros.execution.client.delivery import Transport
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.common.signs_of_life import SHORTEST_LEASE
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionGoals, AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 
@@ -91,6 +92,14 @@ class PublisherSettings(RobotSettings):
         3.0,
         "How long the controller may be absent before it counts as gone",
         0.1,
+        3600.0,
+        "s",
+    )
+    controller_lease: float = parameter(
+        1.0,
+        "How long the process of the simulated controller may show no sign of life before it "
+        "counts as dead, at once; controller_timeout is for others",
+        SHORTEST_LEASE,
         3600.0,
         "s",
     )

@@ -144,3 +144,15 @@ def test_a_subscriber_that_disappears(robot, dispatcher):
     follow(robot, dispatcher, one, 0.5, 2.7)
     assert one.report.code == 221
     assert "the controller is gone: subscriber of '/arm/joint_trajectory' dis" in one.report.text
+
+
+@pytest.mark.parametrize("transport", [Transport.TOPIC, Transport.ACTION])
+def test_a_controller_that_has_died_is_told_at_once(robot, dispatcher, transport):
+    one = delivery(transport=transport)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.3)
+    robot.died = True
+    dispatcher.step(0.35)
+    assert one.report.code == 221
+    assert one.report.text.startswith("the controller has died: its process is gone")
+    assert "at last joint 'shoulder' is at" in one.report.text

@@ -44,6 +44,18 @@ class Servant(Node):
         return response
 
 
+class Leaver(Node):
+    """Has its service go while a request waits."""
+
+    def __init__(self, **options):
+        super().__init__("leaver", **options)
+        self._service = self.create_service(SetBool, "~/switch", self._leave)
+
+    def _leave(self, request, response):
+        self.destroy_service(self._service)
+        raise RuntimeError("gone")
+
+
 @pytest.fixture(autouse=True)
 def signals_as_before():
     """Undo what bringup does with the signals of this process."""
@@ -90,6 +102,15 @@ def test_call_of_a_service_that_says_no(graph, capfd):
     code, _, err = run(capfd, "call", "servant/switch")
     assert code == 1
     assert "no success: False" in err
+
+
+def test_call_of_a_service_that_goes_before_it_answers(graph, capfd):
+    graph.start(Leaver)
+    began = time.monotonic()
+    code, _, err = run(capfd, "call", "leaver/switch", "--timeout", "600")
+    assert code == 3
+    assert "service '/leaver/switch' has gone before it answered" in err
+    assert time.monotonic() - began < 20.0
 
 
 @pytest.mark.parametrize(
