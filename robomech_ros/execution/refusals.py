@@ -24,15 +24,20 @@ def start_mismatch(
     start, present : float
         Where the trajectory starts, and where the joint is.
     apart, tolerance : float
-        Their distance, and the largest one allowed.
+        Their distance, without whole turns of a continuous joint, and the largest one allowed.
     unit : str
-        ``"rad"`` or ``"m"``; empty where it is not known.
+        ``"rad"`` or ``"m"``; empty where it is not known. With ``"rad"``, a distance of whole turns
+        is called so.
     """
-    unit = f" {unit}" if unit else ""
-    return (
-        f"the trajectory starts with joint '{joint}' at {start:.6g}{unit}, but the joint is at "
-        f"{present:.6g}{unit}: {apart:.3g}{unit} apart, allowed is {tolerance:.3g}{unit}"
+    of = f" {unit}" if unit else ""
+    text = (
+        f"the trajectory starts with joint '{joint}' at {start:.6g}{of}, but the joint is at "
+        f"{present:.6g}{of}: {apart:.3g}{of} apart, allowed is {tolerance:.3g}{of}"
     )
+    whole = round(apart / _TURN)
+    if unit == "rad" and whole and abs(apart - whole * _TURN) <= tolerance:
+        text += f" ({whole} whole turn(s), which this joint with its limits cannot skip)"
+    return text
 
 
 class TrajectoryRefusedError(RobomechError):
@@ -90,12 +95,8 @@ class StartMismatchError(TrajectoryRefusedError):
         self.present = float(present)
         self.tolerance = float(tolerance)
         self.unit = unit
-        off = self.start - self.present
-        text = start_mismatch(joint, self.start, self.present, abs(off), self.tolerance, unit)
-        whole = round(off / _TURN)
-        if unit == "rad" and whole and abs(off - whole * _TURN) <= self.tolerance:
-            text += f" ({abs(whole)} whole turn(s), which this joint with its limits cannot skip)"
-        super().__init__(text)
+        apart = abs(self.start - self.present)
+        super().__init__(start_mismatch(joint, self.start, self.present, apart, tolerance, unit))
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.joint, self.start, self.present, self.tolerance, self.unit)

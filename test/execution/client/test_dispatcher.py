@@ -50,6 +50,25 @@ def test_whole_turns(robot, dispatcher):
     )
 
 
+def test_a_start_whole_turns_away_from_a_joint_with_limits_is_said(robot, dispatcher):
+    """Encoders and planners may disagree by turns: 6.28 rad apart said nothing of that."""
+    robot.at = np.array([2.0 * math.tau, 0.0, 0.0])
+    turned, between = delivery(), delivery(start=(math.tau + 0.5, 0.0, 0.0))
+    for one in (turned, between):
+        dispatcher.offer(one, 0.0)
+    assert turned.report.code == 221
+    assert "12.6 rad apart, allowed is 0.01 rad (2 whole turn(s), which" in turned.report.text
+    assert "5.78 rad apart" in between.report.text and "turn" not in between.report.text
+    assert robot.sent == []
+
+
+def test_a_slide_has_no_turns(robot, dispatcher):
+    robot.at = np.array([0.0, math.tau, 0.0])
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    assert one.report.text.endswith("6.28 m apart, allowed is 0.01 m")
+
+
 def test_a_first_point_later_than_zero_starts_anywhere(robot, dispatcher):
     robot.at = np.array([1.0, 1.0, 1.0])
     waypoints = Waypoints(np.array([1.0]), np.zeros((1, 3)))
