@@ -13,7 +13,6 @@ from robomech_ros._kernels.dynamics.layout import (
     LINEAR_ACCELERATION,
     MASS,
     MODEL_WIDTH,
-    MOST_JOINTS,
     ROTOR,
     SURROUNDINGS,
     TIP_WRENCH,
@@ -55,11 +54,9 @@ def dynamic_model(chain: SerialChain) -> Array:
     MissingInertiaError
         Of some joints nothing is known that moves with them; their links are named.
     BadValueError
-        No body can have the numbers of one, or the joints are too many.
+        No body can have the numbers of one.
     """
     check_chain(chain)
-    if chain.n > MOST_JOINTS:
-        raise BadValueError("number of joints", chain.n, f"at most {MOST_JOINTS}")
     model = np.zeros((chain.n + 1, MODEL_WIDTH))
     model[:, :MASS] = chain.packed
     model[:-1, MASS:ROTOR] = body_parameters(chain)

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.dynamics import regressor as kernels
-from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 from robomech_ros.dynamics.model import GRAVITY, raise_outcome, surroundings
-from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_rows, as_states, check_chain
 from robomech_ros.robots.chain import SerialChain
 
@@ -62,8 +60,6 @@ def torque_regressor(
     Atkeson, An, Hollerbach, Int. J. Robotics Research 5, 1986.
     """
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
-    if chain.n > MOST_JOINTS:
-        raise BadValueError("number of joints", chain.n, f"at most {MOST_JOINTS}")
     around = surroundings(q.shape, gravity, None, base_twist, base_twist_rate)
     rows = as_rows(q)
     Y = np.empty((len(rows), chain.n, 10 * chain.n))

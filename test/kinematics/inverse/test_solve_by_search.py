@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
@@ -139,12 +138,6 @@ def test_a_redundant_answer_cut_short_says_both():
     reasons = {inverse_kinematics(chain, T, seed=q, timeout=1e-9).reason for _ in range(3)}
     # Eight samples may be found before the first look at the clock.
     assert all("form a continuum" in reason for reason in reasons)
-
-
-def test_more_than_a_hundred_joints_are_refused():
-    chain = chain_from_dh([0.1] * 101, [0.0] * 101, [0.0] * 101)
-    with pytest.raises(BadValueError, match="number of joints is 101, expected at most 100"):
-        inverse_kinematics(chain, forward_kinematics(chain, np.zeros(101)))
 
 
 COINCIDENT = {

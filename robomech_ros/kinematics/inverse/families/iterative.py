@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
-from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, reach_bound
 from robomech_ros.robots.chain import SerialChain
@@ -42,8 +41,6 @@ ITERATIVE_APART_MOST = 0.5
 Array = NDArray[np.float64]
 
 MAX_SOLUTIONS = 16
-# The work of a step grows with the cube of the joints: of more, no time limit could be kept.
-_MOST_JOINTS = 100
 
 
 @lru_cache(maxsize=64)
@@ -79,15 +76,8 @@ def iterative_data(
     -------
     ndarray
         See ``_kernels.inverse.iterative.layout``.
-
-    Raises
-    ------
-    BadValueError
-        More than a hundred joints.
     """
     n = chain.n
-    if n > _MOST_JOINTS:
-        raise BadValueError("number of joints", n, f"at most {_MOST_JOINTS} for a search")
     redundant = n > sum(task)
     if wanted is None:
         wanted = ITERATIVE_WANTED_REDUNDANT if redundant else MAX_SOLUTIONS

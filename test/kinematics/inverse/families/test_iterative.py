@@ -252,7 +252,7 @@ def test_ten_mixed_joints_inside_their_limits():
         assert result.position_error[0] < 1e-9 and result.orientation_error[0] < 1e-9
 
 
-@pytest.mark.parametrize(("joints", "attempts"), [(6, 8), (10, 8), (40, 3), (70, 1), (100, 1)])
+@pytest.mark.parametrize(("joints", "attempts"), [(6, 8), (10, 8), (40, 3), (64, 1)])
 def test_the_longer_the_chain_the_more_often_a_search_looks_at_the_clock(joints, attempts):
     """The work of an attempt grows with the cube of the joints: some ms for a hundred."""
     a = np.full(joints, 0.1)
