@@ -1,11 +1,9 @@
 """ROS domains that no other test or demonstration on this machine uses at the same time."""
 
-import fcntl
 import os
-import tempfile
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from robomech_ros.errors import RobomechError
 
@@ -24,7 +22,10 @@ class NoFreeDomainError(RobomechError):
 
 @contextmanager
 def free_domain() -> Iterator[int]:
-    """Reserve a ROS domain; a lock of the operating system frees it whatever happens.
+    """Reserve a ROS domain, among all users of this machine.
+
+    What is reserved is the name of a socket without a file: nobody can plant a link in its place,
+    and the operating system frees it however the process ends.
 
     Raises
     ------
@@ -33,10 +34,9 @@ def free_domain() -> Iterator[int]:
     """
     first = os.getpid() % len(_DOMAINS)
     for number in (*_DOMAINS[first:], *_DOMAINS[:first]):
-        path = Path(tempfile.gettempdir()) / f"robomech-domain-{os.getuid()}-{number}"
-        with path.open("w") as lock:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as reservation:
             try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                reservation.bind(f"\0robomech-domain-{number}")
             except OSError:
                 continue
             yield number
