@@ -53,13 +53,15 @@ class FrameListener:
     missing : str
         Why there is nothing to listen to; empty where tf2_msgs is installed.
     fault : str
-        What of what was heard could not be used at last; empty if all could.
+        What of what was heard could not be used at last; empty if all could, or if the same frame
+        was heard of rightly since.
     """
 
     def __init__(self, node: Node) -> None:
         self.tree = FrameTree()
         self.missing = ""
         self.fault = ""
+        self._faulty = ""
         self._clock = node.get_clock()
         self._kind: Any = None
         try:
@@ -133,7 +135,7 @@ class FrameListener:
         try:
             entries = unpack(data, self._kind).transforms
         except UnreadableMessageError as error:
-            self.fault = f"{error}, on '{self.topics[static]}'"
+            self.fault, self._faulty = f"{error}, on '{self.topics[static]}'", ""
             return
         now = self.now
         for entry in entries:
@@ -148,8 +150,10 @@ class FrameListener:
                 (place.x, place.y, place.z),
                 (turn.x, turn.y, turn.z, turn.w),
             )
-            fault = self.tree.insert(_bare(entry.child_frame_id), sample, now, static=static)
-            self.fault = fault or self.fault
+            child = _bare(entry.child_frame_id)
+            fault = self.tree.insert(child, sample, now, static=static)
+            if fault or child == self._faulty:
+                self.fault, self._faulty = fault, child if fault else ""
 
 
 def _bare(frame: str) -> str:

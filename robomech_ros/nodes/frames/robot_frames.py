@@ -17,6 +17,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.pauses import pause
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
+from robomech_ros.nodes.frames.history import WINDOW
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import Found, NoTransformError
 from robomech_ros.robots import SerialChain
@@ -29,6 +30,9 @@ Positions = Mapping[str, Any]
 
 # How often a waiting request looks whether its frame has come, s.
 _LOOK = 0.02
+# Some senders date their news ahead, so that they hold until the next ones; from farther ahead, s,
+# they would never get too old.
+_AHEAD = WINDOW / NANO
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +237,7 @@ class RobotFrames:
         return f"tf does not connect it with the robot: it hangs on {way[-1]!r}, {other}"
 
     def _carried(self, place: Place, found: Found, instant: int | None) -> Place:
-        """Add to the place of a link what tf found in it, unless that is too old."""
+        """Add to the place of a link what tf found in it, unless that is too old or to come."""
         if found.stamp is not None and instant is None:
             age = (self._listener.now - found.stamp) / NANO
             most = self._settings().frame_age
@@ -241,6 +245,11 @@ class RobotFrames:
                 raise NoTransformError(
                     f"what tf last said of {found.slowest!r} is {age:.4g} s old, expected at most "
                     f"{most:g} s, the parameter frame_age"
+                )
+            if age < -_AHEAD:
+                raise NoTransformError(
+                    f"what tf last said of {found.slowest!r} is {-age:.4g} s ahead of the time "
+                    f"here, expected at most {_AHEAD:g} s: two clocks differ"
                 )
         offset = found.pose if place.offset is None else place.offset @ found.pose
         return Place(place.chain, offset)

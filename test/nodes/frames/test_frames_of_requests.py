@@ -216,6 +216,23 @@ def test_old_news_say_how_old_they_are(kinematics):
         assert words in response.error_msg
 
 
+def test_news_from_far_ahead_are_of_another_clock(kinematics):
+    kinematics.move(transform("world", "table", np.eye(4), kinematics.now() + 20 * NANO))
+    response = solve(kinematics, np.eye(4), "table")
+    assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
+    for words in ("last said of 'table' is ", " s ahead of the time here", "10 s: two clocks"):
+        assert words in response.error_msg
+    kinematics.move(transform("world", "table", WORLD_BASE, kinematics.now() + 5 * NANO))
+    assert_solved(solve(kinematics, GOAL, "table"))
+
+
+def test_what_was_wrong_and_has_been_put_right_is_not_said(kinematics):
+    kinematics.move(transform("world", "table", np.full((4, 4), np.nan)))
+    assert "heard, but of no use" in solve(kinematics, np.eye(4), "moon").error_msg
+    kinematics.move(transform("world", "table", np.eye(4), kinematics.now()))
+    assert "heard, but" not in solve(kinematics, np.eye(4), "moon").error_msg
+
+
 def test_frames_that_are_not_connected_and_unknown_ones(kinematics):
     kinematics.fix(transform("room", "shelf", np.eye(4)))
     kinematics.move(*(transform(a, b, np.eye(4), 1) for a, b in (("a", "b"), ("b", "a"))))
