@@ -197,7 +197,8 @@ class Fingers:
     def _stalled_text(self, motion: FingerMotion) -> str:
         command, at = motion.command, self._follower.actual.position
         worst = int(np.nanargmax(np.abs(at - command.position)))
-        name = self._limits.joint_names[worst]
+        name, unit = self._limits.joint_names[worst], self._limits.units[worst]
         return (
-            f"joint '{name}' stands at {at[worst]:.4g}, its goal is {command.position[worst]:.4g}"
+            f"joint '{name}' stands at {at[worst]:.4g} {unit}, "
+            f"its goal is {command.position[worst]:.4g} {unit}"
         )

@@ -15,6 +15,7 @@ from robomech_ros.errors import (
 from robomech_ros.execution.gripper.finger_motion import FingerCommand
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.sample import FloatArray
+from robomech_ros.trajectory.tolerances import POSITION_SLACK
 
 __all__ = ["CommandReader"]
 
@@ -95,14 +96,17 @@ class CommandReader:
             raise BadValueError("name", list(names), "every joint once")
 
     def _check_goal(self, goal: FloatArray, named: Sequence[int]) -> None:
+        """Refuse a goal beyond a limit; one that rounding puts there means the limit."""
         for joint in named:
             name, value = self.limits.joint_names[joint], float(goal[joint])
             if not np.isfinite(value):
                 raise NonFiniteError(f"position of joint '{name}'", value)
             lower, upper = float(self.limits.lower[joint]), float(self.limits.upper[joint])
-            if not lower <= value <= upper:
-                limit = lower if value < lower else upper
-                raise LimitExceededError("position", name, value, limit)
+            inside = min(max(value, lower), upper)
+            if abs(inside - value) > POSITION_SLACK:
+                unit = self.limits.units[joint]
+                raise LimitExceededError("position", name, value, inside, unit)
+            goal[joint] = inside
 
     def _most(
         self, what: str, values: Sequence[float], named: Sequence[int], most: FloatArray

@@ -149,7 +149,7 @@ def test_an_object_stops_the_fingers_with_the_effort_that_was_allowed():
     np.testing.assert_array_equal(rig.position, [0.015, 0.015])
     np.testing.assert_array_equal(rig.simulated.effort, [-7.0, -7.0])
     rig.run(0.3)
-    assert rig.ends == [(FingerEnd.STALLED, "joint 'left' stands at 0.015, its goal is 0")]
+    assert rig.ends == [(FingerEnd.STALLED, "joint 'left' stands at 0.015 m, its goal is 0 m")]
     rig.run(0.5)
     np.testing.assert_array_equal(rig.simulated.effort, [-7.0, -7.0])
     assert min(np.array(rig.seen).ravel()) >= 0.015 - 1e-9
@@ -260,7 +260,7 @@ def test_a_stuck_finger_stalls():
     rig.simulated.inject(Faults(stuck=stuck, offset=np.zeros(2)))
     rig.move(0.0)
     rig.run(1.0)
-    assert rig.ends == [(FingerEnd.STALLED, "joint 'right' stands at 0.04, its goal is 0")]
+    assert rig.ends == [(FingerEnd.STALLED, "joint 'right' stands at 0.04 m, its goal is 0 m")]
     np.testing.assert_array_equal(rig.simulated.effort, [0.0, -10.0])
 
 

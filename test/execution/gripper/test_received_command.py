@@ -13,7 +13,12 @@ from robomech_ros.errors import (
 from robomech_ros.execution.gripper.received_command import CommandReader
 from robomech_ros.trajectory import Limits
 
-LIMITS = Limits(["thumb", "finger", "palm"], lower=[0.0, -1.0, None], upper=[0.04, 1.0, None])
+LIMITS = Limits(
+    ["thumb", "finger", "palm"],
+    lower=[0.0, -1.0, None],
+    upper=[0.04, 1.0, None],
+    units=["m", "rad", "rad"],
+)
 FASTEST, STRONGEST = np.array([0.2, 2.0, np.inf]), np.array([20.0, np.nan, np.nan])
 
 
@@ -52,9 +57,10 @@ def test_an_effort_without_a_limit():
         (
             ([], [0.05]),
             LimitExceededError,
-            "position of joint 'thumb' is 0.05, over its limit 0.04",
+            "position of joint 'thumb' is 0.05 m, over its limit 0.04 m by 0.01 m",
         ),
-        (([], [-0.1]), LimitExceededError, "'thumb' is -0.1, over its limit 0"),
+        (([], [-0.1]), LimitExceededError, "'thumb' is -0.1 m, over its limit 0 m"),
+        (([], [0.040002]), LimitExceededError, "by 2e-06 m"),
         (([], [np.nan]), NonFiniteError, "position of joint 'thumb'"),
         (([], [np.inf]), NonFiniteError, "position of joint 'thumb'"),
         (([], []), WrongSizeError, "position.*0.*1"),
@@ -71,6 +77,11 @@ def test_an_effort_without_a_limit():
 def test_what_is_refused(given, error, text):
     with pytest.raises(error, match=text):
         reader("thumb").read(*given)
+
+
+@pytest.mark.parametrize(("given", "limit"), [(0.0400001, 0.04), (-1e-7, 0.0), (0.01, 0.01)])
+def test_a_goal_that_rounding_puts_beyond_a_limit_means_the_limit(given, limit):
+    assert reader("thumb").read([], [given]).position[0] == limit
 
 
 def test_where_a_joint_has_to_be_named():

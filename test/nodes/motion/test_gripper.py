@@ -215,7 +215,7 @@ def test_a_parallel_command_keeps_its_velocity_and_effort(hand):
 @pytest.mark.parametrize(
     ("goal", "text"),
     [
-        ({"position": [0.05]}, "'panda_finger_joint1' is 0.05, over its limit 0.04"),
+        ({"position": [0.05]}, "'panda_finger_joint1' is 0.05 m, over its limit 0.04 m"),
         ({"position": [np.nan]}, "position of joint 'panda_finger_joint1'"),
         ({"position": []}, "position"),
         ({"names": FINGERS, "position": [0.0, 0.0]}, "'panda_finger_joint2'"),
@@ -294,7 +294,7 @@ def test_reset_and_names(hand):
         ({"parallel_gripper_controller": "gripper_controller"}, "an action has one type"),
         ({"gripper_joints": FINGERS[1]}, "'panda_finger_joint2'"),
         ({"gripper_joint": "thumb"}, "one of panda_finger_joint1, or empty"),
-        ({"gripper_object_width": 0.1}, "from 0 to 0.08 m"),
+        ({"gripper_object_width": 0.1}, "is 0.1; allowed is from 0 to 0.08 m"),
         ({"gripper_object_width": 0.01, "gripper_finger_links": "panda_hand"}, "two, one of each"),
     ],
 )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.controller.simulated_joints import Faults, SimulatedJoints
 from robomech_ros.execution.controller.trajectory_goal import TrajectoryGoal
 from robomech_ros.execution.gripper.finger_motion import (
@@ -194,9 +194,12 @@ class Gripper(CommandedJoints):
         links = listed_names(settings.gripper_finger_links) or finger_ends(description, joints)
         try:
             opening = FingerOpening(description, joints, tuple(links))
-            position = opening.position(width)
         except RobomechError as error:
             raise ParameterError("gripper_object_width", width, f"0, as {error}") from None
+        try:
+            position = opening.position(width)
+        except BadValueError as error:
+            raise ParameterError("gripper_object_width", width, error.expected) from None
         stopped = np.isin(self.joint_names, self.commanded)
         closing = np.full(len(stopped), opening.closing)
         return Contact(np.where(stopped, position, np.nan), closing)
