@@ -56,6 +56,7 @@ class SemanticSource:
     def __init__(self, node: Node, text_or_path: str, groups: Sequence[str], group: str) -> None:
         self.on_news: Callable[[], object] = lambda: None
         self._log = node.get_logger()
+        self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
         self._given = text_or_path
         self._heard = ""
         self._groups = tuple(groups)
@@ -106,7 +107,7 @@ class SemanticSource:
     def _receive(self, message: String) -> None:
         if not is_xml(message.data):
             # What comes by the topic is a document and never names a file.
-            self._log.error(f"unusable SRDF on '{SEMANTIC_TOPIC}', ignored: it is no XML")
+            self._log.error(f"unusable SRDF on '{self._place}', ignored: it is no XML")
             return
         before, self._heard = self._heard, message.data
         if self._model is None:
@@ -123,4 +124,4 @@ class SemanticSource:
     def _drop(self, error: RobomechError) -> None:
         self._heard = ""
         text = str(error)[:_LONGEST_NOTE]
-        self._log.error(f"unusable SRDF on '{SEMANTIC_TOPIC}', ignored: {text}")
+        self._log.error(f"unusable SRDF on '{self._place}', ignored: {text}")

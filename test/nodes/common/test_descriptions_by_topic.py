@@ -44,5 +44,5 @@ def test_a_path_is_no_srdf_either(graph, secret):
     graph.start(KinematicsNode, robot_description="ur5e")
     publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
     publisher.publish(String(data=secret))
-    text = logged(graph, "unusable SRDF on 'robot_description_semantic'")
+    text = logged(graph, "unusable SRDF on '/robot_description_semantic'")
     assert text.endswith("ignored: it is no XML")
