@@ -30,6 +30,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes
+from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 from robomech_ros.nodes.process.start import EXIT_CANNOT_START
 
 __all__ = ["Spinner", "run_node", "run_nodes"]
@@ -182,6 +183,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     except Exception as error:
         return _end(nodes, _start_failed(program, error))
     watch_for_namesakes(nodes)
+    watch_for_simulated_time(nodes)
     release_compiler_pages()
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()

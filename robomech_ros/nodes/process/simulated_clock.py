@@ -1,0 +1,37 @@
+"""Simulated time that does not come: nothing moves, and no error says why."""
+
+from collections.abc import Sequence
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+__all__ = ["watch_for_simulated_time"]
+
+# How long after a node's start to look, s, and again; every so many looks it is said.
+PERIOD, EVERY = 3.0, 10
+
+
+def watch_for_simulated_time(nodes: Sequence[Node]) -> None:
+    """Log, as long as it is so, that nodes with ``use_sim_time`` wait for ``/clock``."""
+    waiting = [node for node in nodes if node.get_parameter("use_sim_time").value]
+    if not waiting:
+        return
+    first, looks = waiting[0], 0
+
+    def look() -> None:
+        nonlocal looks
+        if first.get_clock().now().nanoseconds:
+            timer.cancel()
+            return
+        if looks % EVERY == 0:
+            topic = first.resolve_topic_name("/clock")
+            there = first.count_publishers(topic)
+            why = f"the time on '{topic}' is still 0" if there else f"nobody publishes '{topic}'"
+            first.get_logger().warning(
+                f"use_sim_time is true, but {why}: nothing moves, no joint states come, and what "
+                "waits for a motion gets no answer. Start the simulator, or leave use_sim_time out"
+            )
+        looks += 1
+
+    # By the machine's time, since the simulated one stands still.
+    timer = first.create_timer(PERIOD, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
