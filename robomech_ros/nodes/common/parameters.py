@@ -14,7 +14,7 @@ time, the help text, and a frozen object with the values::
 import dataclasses
 import math
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Generic, TypeVar, get_args, get_type_hints
@@ -135,9 +135,11 @@ class ParameterRow:
 
     def _checked_list(self, value: Any) -> tuple[Any, ...]:
         # An empty list comes as a list of bytes or as not set: it carries no type.
-        entries = () if value is None else tuple(value) if not isinstance(value, str) else (value,)
+        if isinstance(value, str) or not isinstance(value, Iterable | None):
+            raise ParameterError(self.name, value, self.allowed)
+        entries = tuple(value or ())
         if self.kind == _TEXTS:
-            if isinstance(value, str) or not all(isinstance(entry, str) for entry in entries):
+            if not all(isinstance(entry, str) for entry in entries):
                 raise ParameterError(self.name, value, self.allowed)
             return entries
         if any(

@@ -57,10 +57,10 @@ class TrajectoryPlannerNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("trajectory_planner", **options)
-        self._table = NodeParameters(self, PlannerSettings)
-        self._monitor = JointStateMonitor(self)
         # Plans through many points, and paths, take seconds.
         self._worker = Worker(self)
+        self._table = NodeParameters(self, PlannerSettings)
+        self._monitor = JointStateMonitor(self)
         settings = self._table.settings
         limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
         when_robot_known(self, settings, self._serve, limits.on if limits else None)

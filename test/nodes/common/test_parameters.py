@@ -80,9 +80,12 @@ def test_given_values_arrive_in_the_declared_type(graph):
         ("method", 5, "one of 'fast', 'slow'"),
         ("tolerances", [0.1, -0.1], "a list of numbers, each of at least 0"),
         ("tolerances", ["a"], "a list of numbers, each of at least 0"),
+        ("tolerances", 0.1, "a list of numbers, each of at least 0"),
         ("enabled", 1, "true or false"),
         ("names", [1.0], "a list of strings"),
         ("names", "one", "a list of strings"),
+        ("names", 5, "a list of strings"),
+        ("names", True, "a list of strings"),
     ],
 )
 def test_a_wrong_value_at_start_names_parameter_value_and_what_is_allowed(
@@ -92,6 +95,20 @@ def test_a_wrong_value_at_start_names_parameter_value_and_what_is_allowed(
         graph.start(TableNode, **{name: value})
     assert caught.value.name == name
     assert str(caught.value) == f"parameter '{name}' is {value!r}; allowed is {allowed}"
+
+
+@pytest.mark.parametrize("kind", NODES, ids=lambda kind: kind.__name__)
+def test_a_node_that_refuses_a_parameter_can_be_destroyed(graph, kind):
+    made = []
+
+    class Kept(kind):
+        def __init__(self, **options: Any) -> None:
+            made.append(self)
+            super().__init__(**options)
+
+    with pytest.raises(ParameterError):
+        graph.start(Kept, groups=5)
+    made[0].destroy_node()
 
 
 def set_parameter(graph: Any, name: str, value: Any) -> Any:
