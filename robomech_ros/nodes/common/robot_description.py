@@ -250,10 +250,13 @@ class RobotModel:
     def posture(self, way: SerialChain | FollowingChain, name: str) -> Array:
         """Find a named posture of the joints that move a link, shape (n,) (rad or m).
 
-        Where some of those mimic others, it is one of the configured chain, and the joints outside
-        it rest.
+        Where some of those mimic others, or go on behind the configured chain with no such posture
+        of their own, it is one of the configured chain, and the joints outside it rest.
         """
-        if isinstance(way, SerialChain):
+        behind = set(self.chain.joint_names) < set(way.joint_names)
+        if isinstance(way, SerialChain) and not (
+            behind and name not in self.semantic.postures(way)
+        ):
             return self.semantic.posture(way, name)
         own = self.semantic.posture(self.chain, name)
         given = dict(zip(self.chain.joint_names, own.tolist(), strict=True))

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from two_armed import SRDF, URDF, joints_of
 
-from robomech_ros.errors import RobotDescriptionError, UnknownLinkError
+from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.robots import load_description
+from robomech_ros.robots import load_description, load_srdf
 
 BRANCHED = """
 <robot name="branched">
@@ -65,3 +66,19 @@ def test_frames_fixed_to_the_base_up_and_down_the_tree(model):
     world = model.fixed_frames["world"]
     expected = np.array([[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, -1], [0, 0, 0, 1]])
     np.testing.assert_allclose(world, expected, atol=1e-15)
+
+
+def test_a_posture_of_the_arm_serves_links_of_its_hand():
+    description = load_description(URDF)
+    joints = "".join(f'<joint name="{name}" value="0.5"/>' for name in joints_of("left"))
+    state = f'<group_state name="up" group="left_arm">{joints}</group_state></robot>'
+    semantic = load_srdf(SRDF.replace("</robot>", state), description)
+    model = RobotModel(description, "left_base", "left_tool", semantic=semantic)
+    for link, q in (
+        ("left_link_2", [0.5] * 2),
+        ("left_tool", [0.5] * 6),
+        ("finger", [0.5] * 6 + [0.0]),
+    ):
+        np.testing.assert_array_equal(model.posture(model.way_to(link), "up"), q)
+    with pytest.raises(BadValueError, match="posture is 'down', expected one of home, far, up"):
+        model.posture(model.way_to("finger"), "down")
