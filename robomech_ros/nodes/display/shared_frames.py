@@ -58,18 +58,17 @@ class SharedFrames:
 
     def _decision(self, left: Collection[str], others: list[str]) -> str:
         count = len(self._publisher.moving) + len(self._publisher.fixed)
+        topic, robot = self._publisher.topic, self._robot
         if not left:
-            return (
-                f"/tf: nobody else publishes frames of {self._robot}: this node does, all {count}"
-            )
+            return f"{topic}: nobody else publishes frames of {robot}: this node does, all {count}"
         who = others[0] if len(others) == 1 else f"one or more of {_listed(others)}"
         hint = ""
         if any(name.endswith(f"/{self._node.get_name()}") for name in others):
             hint = ". If that is another robot, set frame_prefix (bringup --namespace does)"
         if len(left) == count:
-            return f"/tf: all {count} frames of {self._robot} come from {who}, not from here{hint}"
-        some = f"{len(left)} of {count} frames of {self._robot} come from {who}"
-        return f"/tf: {some}: {_listed(sorted(left))}; the others from here{hint}"
+            return f"{topic}: all {count} frames of {robot} come from {who}, not from here{hint}"
+        some = f"{len(left)} of {count} frames of {robot} come from {who}"
+        return f"{topic}: {some}: {_listed(sorted(left))}; the others from here{hint}"
 
 
 def _listed(names: list[str]) -> str:

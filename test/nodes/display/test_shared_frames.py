@@ -113,8 +113,7 @@ def test_topics_may_be_those_of_the_namespace(graph, listener):
 
     for side in ("left", "right"):
         graph.start(remapped, namespace=side, robot_description="ur5e")
-    for _ in range(2):
-        listener.until_said("/tf: nobody else publishes frames of ur5e")
+        listener.until_said(f"/{side}/tf: nobody else publishes frames of ur5e")
     for side in ("left", "right"):
         moving = graph.receive(TFMessage, f"{side}/tf", 100, lambda message: True)
         fixed = graph.receive(TFMessage, f"{side}/tf_static", LATCHED, lambda message: True)
