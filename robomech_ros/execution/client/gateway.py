@@ -18,7 +18,7 @@ class Gateway(Protocol):
 
     @property
     def died(self) -> bool:
-        """Whether the controller was there and lives no more, as far as that can be known."""
+        """Whether the controller was there and shows no sign of life any more."""
 
     def send(self, delivery: Delivery) -> None:
         """Send, instead of what was sent of this delivery before.

@@ -108,7 +108,7 @@ def join(
     kick = present.velocity - curve.sample(0.0).velocity
     push = present.acceleration - curve.sample(0.0).acceleration
     standing = bool(np.max(np.abs(present.velocity)) <= STANDING)
-    if standing:
+    if standing or remaining.times[0] > 0.0:
         push = np.zeros_like(push)
     if standing and (velocities is None or np.isnan(velocities[0]).any()):
         kick = np.zeros_like(kick)

@@ -15,6 +15,8 @@ __all__ = ["LIVELY", "SHORTEST_LEASE", "SignsOfLife"]
 
 # The shortest lease that may be asked for, and the one that is offered, s.
 SHORTEST_LEASE, _OFFERED = 0.5, 0.4
+# Bytes of a global identifier that name the participant.
+_PREFIX = 12
 
 
 def _lively(lease: float) -> QoSProfile:
@@ -52,6 +54,7 @@ class SignsOfLife:
 
     def __init__(self, node: Node, action: str, lease: float) -> None:
         self.ended = False
+        self._node = node
         self._subscription = node.create_subscription(
             GoalStatusArray,
             f"{action}/_action/status",
@@ -66,4 +69,15 @@ class SignsOfLife:
     def _take(self, change: Any) -> None:
         # The counts themselves miss a server that was alive before this subscription.
         if change.alive_count_change:
-            self.ended = change.alive_count_change < 0
+            self.ended = change.alive_count_change < 0 and not self._in_this_process()
+
+    def _in_this_process(self) -> bool:
+        """Whether a server belongs to our own participant, of which no signs of life come."""
+        node, topic = self._node, self._subscription.topic_name
+        own = {
+            bytes(info.endpoint_gid[:_PREFIX])
+            for info in node.get_subscriptions_info_by_topic(topic)
+            if (info.node_name, info.node_namespace) == (node.get_name(), node.get_namespace())
+        }
+        servers = node.get_publishers_info_by_topic(topic)
+        return any(bytes(info.endpoint_gid[:_PREFIX]) in own for info in servers)

@@ -87,7 +87,7 @@ class ControllerLink:
 
     @property
     def died(self) -> bool:
-        """Whether the controller was there and lives no more, as far as that can be known."""
+        """Whether the controller was there and shows no sign of life any more."""
         return self._life.ended
 
     def positions(self, names: Sequence[str]) -> NDArray[np.float64] | None:

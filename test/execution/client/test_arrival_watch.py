@@ -152,7 +152,13 @@ def test_a_controller_that_has_died_is_told_at_once(robot, dispatcher, transport
     dispatcher.offer(one, 0.0)
     follow(robot, dispatcher, one, 0.0, 0.3)
     robot.died = True
-    dispatcher.step(0.35)
+    # As long as there are joint states, somebody moves the robot.
+    follow(robot, dispatcher, one, 0.3, 0.6)
+    assert one.report is None
+    robot.talks = 0
+    dispatcher.step(0.7)
+    assert one.report is None
+    dispatcher.step(0.9)
     assert one.report.code == 221
     assert one.report.text.startswith("the controller has died: its process is gone")
     assert "at last joint 'shoulder' is at" in one.report.text

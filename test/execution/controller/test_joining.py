@@ -65,20 +65,6 @@ def test_a_difference_in_acceleration_alone_is_smoothed_out():
     np.testing.assert_allclose(curve.sample(0.0).acceleration, present.acceleration, atol=1e-12)
 
 
-@pytest.mark.parametrize("fields", ["velocities", "positions"])
-def test_a_late_first_point_is_reached_with_the_present_acceleration(fields):
-    """Cubics and lines do not have it: the acceleration made a step of 0.36 rad/s^2."""
-    begin = to_rest((0.5, 0.2, -0.1), 2.0).curve.sample(0.4)
-    present = State(begin.position, begin.velocity, begin.acceleration)
-    points = np.array([[0.3, 0.1, -0.05], [0.5, 0.2, -0.1]])
-    rates = [[0.2, 0.1, 0.0], [0.0] * 3] if fields == "velocities" else None
-    curve = joined(Waypoints([0.8, 1.6], points, rates), present)
-    if rates is not None:  # lines have corners
-        assert_smooth(curve, present)
-    np.testing.assert_allclose(curve.sample(0.0).acceleration, present.acceleration, atol=1e-12)
-    np.testing.assert_allclose(curve.sample(1.6).position, points[1], atol=1e-12)
-
-
 def test_a_robot_that_accelerates_at_its_speed_limit_still_follows_the_plan():
     along = np.array([VELOCITY, 0.0, 0.0])
     cruise = Waypoints([0.0, 0.2], [[0.0] * 3, 0.2 * along], [along, along])
