@@ -26,7 +26,7 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
-from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
+from robomech_ros._kernels.inverse.polishing import call_polish, largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import (
     LINF,
     Ranked,
@@ -63,6 +63,9 @@ BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
+
+# Steps that bring a posture beside a singular one onto its pose.
+POLISH_STEPS = 10
 
 NONE_EXISTS = -1
 # Typed, since numba compiles a function anew for a literal.
@@ -254,6 +257,13 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
             for i in range(n):
                 locked[i] = placed[i]
             found, _ = approach(packed, T, lower, upper, seed, metric, bounded, locked)
+            if found >= distance + NEARER_BY:
+                # Beside a singular posture no step leads nearer, but one to the pose itself does.
+                for i in range(n):
+                    locked[i] = placed[i]
+                call_polish(packed, T, locked, POLISH_STEPS)
+                if place(turns, lower, upper, seed, bounded, locked, locked):
+                    found = distance_from(locked, seed, metric)
             if found < distance + NEARER_BY:
                 distance = found
                 for i in range(n):
