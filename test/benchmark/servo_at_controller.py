@@ -6,7 +6,7 @@ One row for each robot, speed and kind of delay of the messages: none, one that 
 100 ms, and random ones up to 80 ms as on a busy machine. Distance from the line (mm), and the
 largest velocity, acceleration and jerk of a joint over its limit, by differences of what the
 controller commands; then how many drives stand at a singularity, or at a joint limit, before they
-are told to stop.
+are told to stop, and how many end early because a message that comes late leaves no way onto it.
 """
 
 import sys
@@ -19,6 +19,7 @@ from approaches import random_start
 from late_streams import LateStream
 from servo_drives import TIMEOUT
 
+from robomech_ros.errors import LimitExceededError
 from robomech_ros.servo.commands import TwistCommand
 from robomech_ros.servo.report import ServoCondition
 
@@ -36,7 +37,7 @@ DELAYS = {
 def row(robot: str, speed: float, delay: str, count: int) -> str:
     """Drive from the same random postures at one speed."""
     rng = np.random.default_rng(1)
-    worst, ends = np.zeros(4), {"singular": 0, "limit": 0}
+    worst, ends = np.zeros(4), {"singular": 0, "limit": 0, "refused": 0}
     for _ in range(count):
         q, direction = random_start(robot, rng)
         rates = np.concatenate((np.zeros(3), speed * direction))
@@ -44,7 +45,11 @@ def row(robot: str, speed: float, delay: str, count: int) -> str:
         def command(now: float, rates: np.ndarray = rates) -> TwistCommand:
             return TwistCommand(rates, lambda q: None, now + TIMEOUT)
 
-        stream = LateStream(robot, q, command, DELAYS[delay], seconds=SECONDS)
+        try:
+            stream = LateStream(robot, q, command, DELAYS[delay], seconds=SECONDS)
+        except LimitExceededError:
+            ends["refused"] += 1
+            continue
         moved = np.ptp(stream.positions, axis=0).max() > 0.0
         off = stream.off_line() if moved else 0.0
         worst = np.maximum(worst, (1e3 * off, *stream.excess(), stream.jerk()))
@@ -64,7 +69,7 @@ def main() -> None:
     print(
         f"{'robot':14s} {'m/s':>5s} {'delay':8s}",
         *(f"{word:>9s}" for word in head),
-        "singular    limit",
+        "singular    limit  refused",
     )
     for robot in sorted({path.stem for path in ROBOTS.iterdir()}):
         for speed in SPEEDS:
