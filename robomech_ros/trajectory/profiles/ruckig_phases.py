@@ -98,8 +98,11 @@ def rest_to_rest(rise: FloatArray, limits: Limits, shortest: float) -> Any:
     Returns
     -------
     ruckig.Trajectory or None
-        None where Ruckig cannot do it, or not well enough, in units of s, rad and m.
+        None where Ruckig cannot do it, or not well enough, in units of s, rad and m, or where there
+        are no joints.
     """
+    if not len(rise):
+        return None
     spare = limits.tools  # those that are not at work, in this thread or another
     try:
         solver = spare.pop()
@@ -170,6 +173,9 @@ def jerk_phases(
     BadValueError
         If Ruckig fails; the message names the joint.
     """
+    if not len(rise):
+        # Ruckig itself reads memory that is not there.
+        return Phases(np.array([0.0, shortest]), np.zeros((4, 1, 0)), np.zeros(0))
     final = np.zeros_like(rise) if final_velocity is None else final_velocity
     way = np.abs(rise) + (np.abs(velocity) + np.abs(final)) * _starting_time(limits)
     least = max(shortest, _rough_duration(way, limits))
