@@ -18,17 +18,18 @@ __all__ = ["FramePublisher"]
 # As tf2_ros has them.
 _DEPTH = 100
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-# So many stamps are kept for who looks less often than frames are published.
-_STAMPS = 1000
+# So many messages are noted for who looks less often than frames are published.
+_SENT = 1000
 _NANO = 1_000_000_000
 
 
 class _Moving(NamedTuple):
-    """The frames that move: names of their joints, poses, and the message to be written."""
+    """The frames that move: names of their joints, poses, the message to be written, its frames."""
 
     names: list[str]
     poses: JointPoses
     message: Any
+    children: frozenset[str]
 
 
 class FramePublisher:
@@ -56,8 +57,8 @@ class FramePublisher:
         Full names of the topics.
     turns : int
         How many times frames were due so far.
-    stamps : deque of int
-        ROS times (ns) of the latest messages on /tf.
+    sent : deque of tuple of int and frozenset of str
+        The latest messages on /tf: ROS time (ns) and frames.
     kind : type
         Of the messages.
     at_rest : TFMessage or None
@@ -80,7 +81,7 @@ class FramePublisher:
         self._latched = node.create_publisher(message, "/tf_static", _LATCHED)
         self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
         self.turns = 0
-        self.stamps: deque[int] = deque(maxlen=_STAMPS)
+        self.sent: deque[tuple[int, frozenset[str]]] = deque(maxlen=_SENT)
         self.at_rest: Any = None
         # Replaced as a whole: frames are published in another thread.
         self._frames: _Moving | None = None
@@ -100,7 +101,9 @@ class FramePublisher:
         self._latched.publish(self.at_rest)
         joints = [joint for frame, joint in self._of_moving.items() if frame in moving]
         message = self.kind(transforms=self._transforms(joints))
-        chosen = _Moving([joint.name for joint in joints], JointPoses(joints), message)
+        children = frozenset(entry.child_frame_id for entry in message.transforms)
+        names = [joint.name for joint in joints]
+        chosen = _Moving(names, JointPoses(joints), message, children)
         self._frames = chosen if joints else None
 
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
@@ -119,7 +122,7 @@ class FramePublisher:
             return
         at = np.array([positions[name] for name in frames.names])
         _put(frames.message, frames.poses, at, stamp)
-        self.stamps.append(stamp[0] * _NANO + stamp[1])
+        self.sent.append((stamp[0] * _NANO + stamp[1], frames.children))
         self._publisher.publish(frames.message)
 
     def _transforms(self, joints: Sequence[Joint]) -> list[TransformStamped]:

@@ -20,6 +20,8 @@ SILENCE, BY_CHANCE = 3.0, 1.0
 # As many messages of /tf are read in a look, the latest: to unpack one takes 0.1 ms, in which the
 # robot may have to move.
 _DEPTH = 40
+# So many of its own messages may still be on their way to itself.
+_AWAITED = 500
 # As tf2_ros has it.
 _FIXED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _NANO = 1_000_000_000
@@ -28,8 +30,8 @@ _NANO = 1_000_000_000
 class MovingFrames:
     """Frames that others publish on /tf.
 
-    While nobody else publishes there, nothing is read.  Messages do not say who sent them: of each
-    stamp as many as the node itself has sent are its own.
+    While nobody else publishes there, nothing is read.  Messages do not say who sent them: of those
+    with a stamp and frames of its own, as many as the node itself has sent are its own.
 
     Parameters
     ----------
@@ -49,7 +51,7 @@ class MovingFrames:
         self._silence = max(2, round(silence * rate))
         # When a frame was heard of last, in turns of the publisher: simulated time may stand.
         self._heard: dict[str, int] = {}
-        self._own: Counter[int] = Counter()
+        self._own: Counter[tuple[int, frozenset[str]]] = Counter()
         self._inbox: Inbox | None = None
 
     def look(self) -> frozenset[str]:
@@ -61,31 +63,32 @@ class MovingFrames:
             kind, topic = self._publisher.kind, self._publisher.topic
             self._inbox = Inbox(self._node, kind, topic, _DEPTH, lambda: None)
             self._inbox.attend(False)
-            self._publisher.stamps.clear()
         # In this order: what arrived was sent, and noted, before.
         self._listen([*self._inbox.take()], self._newly_sent())
         turn = self._publisher.turns
         return frozenset(f for f, heard in self._heard.items() if turn - heard < self._silence)
 
-    def _newly_sent(self) -> Counter[int]:
-        stamps = self._publisher.stamps
-        return Counter(stamps.popleft() for _ in range(len(stamps)))
+    def _newly_sent(self) -> Counter[tuple[int, frozenset[str]]]:
+        sent = self._publisher.sent
+        return Counter(sent.popleft() for _ in range(len(sent)))
 
-    def _listen(self, messages: list[Any], sent: Counter[int]) -> None:
-        """Note what others have said, given the stamps of what was sent since the last look."""
+    def _listen(self, messages: list[Any], sent: Counter[tuple[int, frozenset[str]]]) -> None:
+        """Note what others have said, given what was sent since the last look."""
         own = self._own + sent
         for message in messages:
-            frames = self._frames & _children(message)
+            children = frozenset(_children(message))
+            frames = self._frames & children
             if not frames:
                 continue
             stamp = message.transforms[0].header.stamp
-            nanoseconds = stamp.sec * _NANO + stamp.nanosec
-            if own[nanoseconds] > 0:
-                own[nanoseconds] -= 1
+            what = stamp.sec * _NANO + stamp.nanosec, children
+            if own[what] > 0:
+                own[what] -= 1
             else:
                 self._heard.update(dict.fromkeys(frames, self._publisher.turns))
-        # What is older will not arrive any more.
-        self._own = Counter({stamp: n for stamp, n in own.items() if n > 0 and stamp in sent})
+        # What is older will not arrive any more, even on a busy machine.
+        waiting = [(what, n) for what, n in own.items() if n > 0]
+        self._own = Counter(dict(waiting[-_AWAITED:]))
 
 
 class FixedFrames:
