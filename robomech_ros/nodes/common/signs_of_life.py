@@ -3,6 +3,7 @@
 One that is killed stays in the graph for 20 s; the lease of its liveliness ends sooner.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from action_msgs.msg import GoalStatusArray
@@ -45,16 +46,12 @@ class SignsOfLife:
         Name of the action.
     lease : float
         How long there may be no sign of life, s.
-
-    Attributes
-    ----------
-    ended : bool
-        Whether it was there, and has gone or shows no sign of life any more.
     """
 
     def __init__(self, node: Node, action: str, lease: float) -> None:
-        self.ended = False
         self._node = node
+        # Whether each server lives, by its participant, in the order in which they came.
+        self._lives: dict[bytes, bool] = {}
         self._subscription = node.create_subscription(
             GoalStatusArray,
             f"{action}/_action/status",
@@ -66,18 +63,64 @@ class SignsOfLife:
             ),
         )
 
+    @property
+    def ended(self) -> bool:
+        """Whether a server was there, and has gone or shows no sign of life any more."""
+        return bool(self._lives) and not self._living()
+
+    def reads(self, topic: str, *, no_mangle: bool = False) -> bool:
+        """Say whether a server that lives subscribes to a topic; True where that is not known.
+
+        The subscriptions of a killed one stay in the graph, and what is sent to them is lost.
+
+        Parameters
+        ----------
+        topic : str
+            Its name, as the middleware has it where names are not mangled.
+        no_mangle : bool
+            As `Node.get_subscriptions_info_by_topic` has it.
+        """
+        if not self._lives:
+            return True
+        readers = _participants(self._node.get_subscriptions_info_by_topic(topic, no_mangle))
+        return not readers or not self._living().isdisjoint(readers)
+
     def _take(self, change: Any) -> None:
         # The counts themselves miss a server that was alive before this subscription.
-        if change.alive_count_change:
-            self.ended = change.alive_count_change < 0 and not self._in_this_process()
+        count = change.alive_count_change
+        if not count or self._in_this_process():
+            return
+        there = self._servers()
+        for each in there:
+            self._lives.setdefault(each, True)
+        living = [each for each, lives in self._lives.items() if lives]
+        if count < 0:
+            # Those that have left, then those that came first: they were restarted.
+            living.sort(key=there.__contains__)
+            self._lives.update(dict.fromkeys(living[:-count], False))
+        elif not self._living():
+            # None of them is new: it stood still for a while.
+            self._lives.update(dict.fromkeys(there[-count:], True))
+
+    def _living(self) -> set[bytes]:
+        """Give the participants of those servers that are there and live."""
+        return {each for each in self._servers() if self._lives.get(each, True)}
+
+    def _servers(self) -> list[bytes]:
+        """Give the participants of all servers in the graph, also of those that were killed."""
+        topic = self._subscription.topic_name
+        return _participants(self._node.get_publishers_info_by_topic(topic))
 
     def _in_this_process(self) -> bool:
         """Whether a server belongs to our own participant, of which no signs of life come."""
         node, topic = self._node, self._subscription.topic_name
-        own = {
-            bytes(info.endpoint_gid[:_PREFIX])
+        own = _participants(
+            info
             for info in node.get_subscriptions_info_by_topic(topic)
             if (info.node_name, info.node_namespace) == (node.get_name(), node.get_namespace())
-        }
-        servers = node.get_publishers_info_by_topic(topic)
-        return any(bytes(info.endpoint_gid[:_PREFIX]) in own for info in servers)
+        )
+        return not set(own).isdisjoint(self._servers())
+
+
+def _participants(endpoints: Iterable[Any]) -> list[bytes]:
+    return [bytes(info.endpoint_gid[:_PREFIX]) for info in endpoints]

@@ -14,7 +14,7 @@ from robomech_ros.execution.verdict import Verdict
 from robomech_ros.nodes.common.deep_queues import ask_action
 from robomech_ros.outcomes import Code
 
-__all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult"]
+__all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult", "request_topic"]
 
 OnResult = Callable[[Delivery, int, str], None]
 Moved = Callable[[], bool]
@@ -37,6 +37,11 @@ class AskedTolerances:
     path: float = 0.0
     goal: float = 0.0
     goal_time: float = 0.0
+
+
+def request_topic(action: str) -> str:
+    """Name the middleware's topic on which a server of an action takes goals."""
+    return f"rq{action}/_action/send_goalRequest"
 
 
 class ActionGoals(Protocol):

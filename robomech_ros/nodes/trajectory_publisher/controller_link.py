@@ -14,7 +14,7 @@ from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.signs_of_life import SignsOfLife
-from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
+from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink, request_topic
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery
 from robomech_ros.trajectory.sample import FloatArray
@@ -81,9 +81,12 @@ class ControllerLink:
         if self.died:
             return "the process of the controller"
         if transport.answers:
-            return "" if self._action.ready else f"action '{self._action.name}'"
-        there = self._publisher.get_subscription_count() > 0
-        return "" if there else f"subscriber of '{self._publisher.topic_name}'"
+            name = self._action.name
+            there = self._action.ready and self._life.reads(request_topic(name), no_mangle=True)
+            return "" if there else f"action '{name}'"
+        topic = self._publisher.topic_name
+        there = self._publisher.get_subscription_count() > 0 and self._life.reads(topic)
+        return "" if there else f"subscriber of '{topic}'"
 
     @property
     def died(self) -> bool:

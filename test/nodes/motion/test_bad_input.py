@@ -137,7 +137,7 @@ def test_two_trajectory_publishers_at_once(graph):
 @pytest.mark.slow
 def test_a_controller_that_dies_in_mid_motion_and_comes_back(graph, process):
     controllers = [process(JointTrajectoryControllerNode, robot_description=ROBOT)]
-    arm = Suite(graph, with_controller=False, controller_timeout=1.0)
+    arm = Suite(graph, with_controller=False, controller_timeout=TIMEOUT)
     arm.until(lambda: arm.states)
     lost = arm.start_execute(arm.trajectory(0.0, 5 * MOVE, duration=20.0))
     queued = arm.start_execute(arm.trajectory(5 * MOVE, 0.0, duration=1.0))
