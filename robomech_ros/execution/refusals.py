@@ -1,8 +1,9 @@
 """Why a trajectory that is well formed is not executed."""
 
-from robomech_ros.errors import RobomechError, WrongSizeError
+from robomech_ros.errors import LimitExceededError, RobomechError, WrongSizeError
 
 __all__ = [
+    "AccelerationRefusedError",
     "JointMismatchError",
     "StartMismatchError",
     "TrajectoryOverError",
@@ -100,3 +101,35 @@ class StartMismatchError(TrajectoryRefusedError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.joint, self.start, self.present, self.tolerance, self.unit)
+
+
+class AccelerationRefusedError(LimitExceededError):
+    """The curve through the points accelerates a joint by many times its limit.
+
+    Parameters
+    ----------
+    said : str
+        What is wrong, with joint, time, value and limit.
+    joint : str
+    value, limit : float
+        The acceleration and its limit, rad/s^2 or m/s^2.
+    allowed : float
+        How many times the limit is allowed.
+    unit : str, optional
+        That of the acceleration; empty where it is not known.
+    """
+
+    def __init__(
+        self, said: str, joint: str, value: float, limit: float, allowed: float, unit: str = ""
+    ) -> None:
+        super().__init__("acceleration", joint, value, limit, unit)
+        self.said = said
+        self.allowed = float(allowed)
+        text = f"{said}; at most {self.allowed:g} times is accepted (max_acceleration_ratio)"
+        RobomechError.__init__(self, text)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (
+            type(self),
+            (self.said, self.joint, self.value, self.limit, self.allowed, self.unit),
+        )

@@ -10,6 +10,7 @@ from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
     "acceleration_steps",
+    "highest_accelerations",
     "paced",
     "part_from",
     "peak_accelerations",
@@ -151,10 +152,33 @@ def acceleration_steps(curve: PiecewisePolynomial) -> FloatArray:
     return steps
 
 
+def highest_accelerations(curve: PiecewisePolynomial) -> tuple[FloatArray, FloatArray]:
+    """Find when on each piece of a curve, a quintic at the most, each joint first accelerates most.
+
+    Returns
+    -------
+    values : ndarray, shape (s, n)
+        The accelerations there, with their signs, rad/s^2 or m/s^2.
+    times : ndarray, shape (s, n)
+        When that is, s.
+    """
+    values, times = _extremes(curve, 2)
+    high = np.abs(values) >= np.abs(values).max(axis=0) * (1.0 - _ROUNDING)
+    first = np.where(high, times, np.inf).argmin(axis=0)[None]
+    value, time = (np.take_along_axis(part, first, 0)[0] for part in (values, times))
+    return value, curve.breaks[:-1, None] + time
+
+
 def _peaks(curve: PiecewisePolynomial, rate: int) -> FloatArray:
     """Give the largest magnitudes of a rate, which is a cubic at the most."""
     if len(curve.breaks) < 2:
         return np.zeros(curve.joints)
+    peaks: FloatArray = np.abs(_extremes(curve, rate)[0]).max(axis=(0, 1))
+    return peaks
+
+
+def _extremes(curve: PiecewisePolynomial, rate: int) -> tuple[FloatArray, FloatArray]:
+    """Give a rate at both ends of every piece and where it turns, and those times, (k, s, n)."""
     spans = np.diff(curve.breaks)[:, None]
     given = curve.derivative(rate)
     c = np.zeros((4, *given.shape[1:]))
@@ -168,6 +192,4 @@ def _peaks(curve: PiecewisePolynomial, rate: int) -> FloatArray:
             root = np.sqrt(c[2] * c[2] - 3.0 * c[3] * c[1])
             turns += [(-c[2] - root) / (3.0 * c[3]), (root - c[2]) / (3.0 * c[3])]
     times = np.clip(np.nan_to_num(turns), 0.0, spans)
-    values = c[0] + times * (c[1] + times * (c[2] + times * c[3]))
-    peaks: FloatArray = np.abs(values).max(axis=(0, 1))
-    return peaks
+    return c[0] + times * (c[1] + times * (c[2] + times * c[3])), times

@@ -14,6 +14,7 @@ from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.saturation import saturation_text
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.controller.smoothing import braking_time
+from robomech_ros.execution.controller.strain import STREAM, strain_of
 from robomech_ros.execution.controller.supervision import verdict
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.controller.way_onto import Way, way_onto
@@ -102,6 +103,7 @@ class Follower:
         delay: float = 0.0,
         on_end: Callable[[GoalResult], None] = lambda result: None,
         by: str = "a newer trajectory",
+        streamed: bool = False,
     ) -> TrajectoryGoal:
         """Accept a trajectory, which then replaces whatever is being done, or refuse it.
 
@@ -120,6 +122,8 @@ class Follower:
             Called once, with the result.
         by : str
             Who sends it, for the text of the trajectory that it replaces.
+        streamed : bool
+            Whether it may be one of a stream, whose accelerations are not judged if it is short.
 
         Returns
         -------
@@ -136,16 +140,19 @@ class Follower:
         self.advance(now)
         late = max(-delay, 0.0)
         delay = max(delay, 0.0)
+        streamed = streamed and waypoints.times[-1] <= STREAM
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
         way = self._way_onto(waypoints, present, late)
+        remark = "" if streamed else self._strain(waypoints, present, late)
         if way.blocked:
             delay, late = _AGAIN, late + _AGAIN
         begin = self.now + delay
-        goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, belt=way.belt)
+        goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, remark=remark)
+        goal.belt = way.belt
         if self.settings.interpolate and waypoints.velocities is not None:
             goal.braking = braking_time(waypoints.velocities[-1], self.joints)
         self._drop_waiting(f"replaced by {by}")
@@ -179,7 +186,7 @@ class Follower:
         """
         if self.active is not None and abs(by) > _REMARKABLE:
             how = "forward" if by > 0.0 else "back"
-            self.active.remark = (
+            self.active.note(
                 f"the clock jumped {how} by {abs(by):.4g} s on the way, and the robot went on from "
                 "where it was"
             )
@@ -233,6 +240,16 @@ class Follower:
     def _way_onto(self, waypoints: Waypoints, present: State, late: float) -> Way:
         before = self._belt() if late > 0.0 else None
         return way_onto(waypoints, present, self.joints, self.settings, late, before)
+
+    def _strain(self, waypoints: Waypoints, present: State, late: float) -> str:
+        """Refuse what is far too hard on a joint, and say what is a little so."""
+        if not self.settings.interpolate:
+            return ""
+        strain = strain_of(waypoints, present, self.joints, late)
+        if strain is None or not strain.remarkable:
+            return ""
+        strain.require(self.settings.max_acceleration_ratio)
+        return str(strain)
 
     def _belt(self) -> Belt | None:
         """Give what is followed on a clock that is 0 now; None for nothing, or at another pace."""

@@ -19,6 +19,9 @@ class FollowerSettings:
         How long after its end a trajectory may be under way, s; 0 = any time.
     interpolate : bool
         Whether the joints move from point to point; else each point is commanded at its time.
+    max_acceleration_ratio : float
+        How many times its acceleration limit a joint may accelerate on the curve through points
+        with velocities; 0 = any.
     wait_for_stamp : bool
         Whether the present motion goes on until a later one begins; else that one replaces it when
         it comes, and its first point is reached at the time that its stamp gives.
@@ -29,3 +32,4 @@ class FollowerSettings:
     command_timeout: float = 0.0
     interpolate: bool = True
     wait_for_stamp: bool = True
+    max_acceleration_ratio: float = 4.0

@@ -23,7 +23,7 @@ from robomech_ros.trajectory.plans.violations import Violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["completed", "join", "join_in_steps", "without_turns"]
+__all__ = ["STANDING", "approached", "completed", "join", "join_in_steps", "without_turns"]
 
 # A moving joint may be off the start by the way it covers in this time (s): the client has seen
 # the joint states some time ago.
@@ -100,7 +100,7 @@ def join(
             remaining.times, positions, remaining.velocities, remaining.accelerations
         )
     else:
-        curve = _approached(remaining, positions, present)
+        curve = approached(remaining, positions, present)
     velocities = remaining.velocities
     if velocities is not None:
         curve = with_braking(curve, velocities[-1], joints)
@@ -188,7 +188,7 @@ def _remaining(waypoints: Waypoints, present: State, joints: Joints, late: float
     for k in range(min(_PASSED_OVER, near)):
         point = _part(left, slice(k, k + 1))
         place = _turned(point, present, joints, 0.0)
-        if _violation(_approached(point, place, present), joints) is None:
+        if _violation(approached(point, place, present), joints) is None:
             return _part(left, slice(k, None))
         if _violation(interpolant([0.0], place), joints) is not None:
             break  # Nobody should be there at any time.
@@ -220,7 +220,7 @@ def _require_near(start: FloatArray, present: State, joints: Joints, tolerance: 
         )
 
 
-def _approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
+def approached(waypoints: Waypoints, positions: FloatArray, present: State) -> PiecewisePolynomial:
     """Put the present state before the first point."""
     velocities, accelerations = waypoints.velocities, waypoints.accelerations
     return interpolant(

@@ -88,6 +88,10 @@ class TrajectoryGoal:
     remark: str = ""
     belt: Belt | None = None
 
+    def note(self, remark: str) -> None:
+        """Have the result say something more."""
+        self.remark = f"{self.remark}; {remark}" if self.remark else remark
+
     @property
     def last_position(self) -> FloatArray:
         """Where it ends, rad or m, shape (n,)."""

@@ -107,6 +107,7 @@ class CommandedJoints:
         by: str,
         on_end: Callable[[GoalResult], None],
         tolerances: Callable[[Tolerances], Tolerances] = lambda default: default,
+        streamed: bool = False,
     ) -> TrajectoryGoal:
         """Execute a trajectory from now on, or from its stamp on.
 
@@ -120,6 +121,8 @@ class CommandedJoints:
             Called once, with the result.
         tolerances : callable, optional
             Makes the tolerances of the motion from those that hold by default.
+        streamed : bool
+            Whether it may be one of a stream.
 
         Returns
         -------
@@ -141,7 +144,9 @@ class CommandedJoints:
             with self.lock:
                 now = self._clock.now()
                 delay = self._clock.until(trajectory.header.stamp, now)
-                start = partial(self.follower.start, waypoints, held_to, now, delay, end, by)
+                start = partial(
+                    self.follower.start, waypoints, held_to, now, delay, end, by, streamed
+                )
                 goal = self._begin(start, by)
                 self.counts.accept()
                 return goal

@@ -102,8 +102,9 @@ class GoalServer(ServedAction[TrajectoryGoal]):
 
         by = "a newer goal of the action"
         goal = self._robot.execute(message.trajectory, by, end, tolerances)
-        if notes[0]:
-            self._node.get_logger().warning(notes[0])
+        for text in (notes[0], goal.remark):
+            if text:
+                self._node.get_logger().warning(text)
         return goal, notes[0]
 
     def _log_refusal(self, error: Exception) -> None:

@@ -105,6 +105,13 @@ class ControllerSettings(GripperSettings):
         False,
         "Whether a trajectory may end moving; the robot then brakes beyond its last point",
     )
+    max_acceleration_ratio: float = parameter(
+        4.0,
+        "How many times its acceleration limit a joint may accelerate on the curve through points "
+        "with velocities, which is refused beyond that; 0 = any. From 1 on the log says so",
+        0.0,
+        1e6,
+    )
     max_points: int = parameter(
         10_000, "Most points of a trajectory; longer ones are refused", 1, 1_000_000, "points"
     )
@@ -257,6 +264,7 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
         command_timeout=settings.cmd_timeout,
         interpolate=settings.interpolation_method == SPLINES,
         wait_for_stamp=settings.allow_trajectory_replacement,
+        max_acceleration_ratio=settings.max_acceleration_ratio,
     )
 
 

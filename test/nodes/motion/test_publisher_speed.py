@@ -86,12 +86,16 @@ def test_pause_and_resume(suite, transport, robot):
     assert trigger(arm, "resume") == (False, "nothing to resume: not paused")
 
 
+def waiting(status):
+    return next(entry.value for entry in status.values if entry.key == "waiting")
+
+
 def test_pause_makes_the_queue_wait(suite):
     arm = suite()
     assert trigger(arm, "pause") == (True, "nothing is under way; what comes waits for resume")
     arm.plan(0.0, 0.5 * MOVE, duration=0.5)
     arm.plan(0.5 * MOVE, MOVE, duration=0.5)
-    assert arm.value("waiting", lambda status: "paused" in status.message) == "2"
+    arm.condition(lambda status: "paused" in status.message and waiting(status) == "2")
     assert stays(arm)
     assert trigger(arm, "resume") == (True, "the robot moves on")
     arm.until_at(arm.home + MOVE)
