@@ -1,6 +1,16 @@
-"""Linear and nonlinear systems with as many, more or fewer equations than unknowns."""
+"""Systems with as many, more or fewer equations than unknowns; curves of those in two unknowns."""
 
 from robomech_ros.numerics.linear import least_squares, minimum_norm
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss, newton_raphson
+from robomech_ros.numerics.two_unknowns import Bivariate, bivariate, refine_root
 
-__all__ = ["Iteration", "least_squares", "minimum_norm", "newton_gauss", "newton_raphson"]
+__all__ = [
+    "Bivariate",
+    "Iteration",
+    "bivariate",
+    "least_squares",
+    "minimum_norm",
+    "newton_gauss",
+    "newton_raphson",
+    "refine_root",
+]

@@ -46,12 +46,15 @@ class Iteration:
     converged : bool
         Whether the last step was shorter than asked for, or the residual is normal to the columns
         of the derivative up to rounding, so that no shorter step can be computed.
+    path : ndarray, shape (iterations + 1, n)
+        All points, from the start to the last.
     """
 
     x: Array
     residual: Array
     iterations: int
     converged: bool
+    path: Array
 
 
 def newton_raphson(
@@ -189,20 +192,21 @@ def newton_gauss(
         raise BadValueError("iterations", iterations, "a positive integer")
     if iterations < 1:
         raise BadValueError("iterations", iterations, "a positive integer")
-    residual, shortest = _residual(f, point), np.inf
-    for count in range(iterations):
+    residual, shortest, path = _residual(f, point), np.inf, [point]
+    while len(path) <= iterations:
         slope = np.asarray(jacobian(point))
         step, _ = least_squares(slope, -residual)
         length = float(np.linalg.norm(step))
         if length < tolerance:
-            return Iteration(point, residual, count, True)
+            return _ended(path, residual, True)
         if np.linalg.norm(slope @ step) <= _UNSEEN * np.linalg.norm(residual):
             # The error cannot show the difference any more; steps that still get shorter do.
             if length >= shortest:
-                return Iteration(point, residual, count, _is_normal(slope, residual))
+                return _ended(path, residual, _is_normal(slope, residual))
             shortest = length
             point = point + step
             residual = _residual(f, point)
+            path.append(point)
             continue
         for _ in range(_HALVINGS):
             trial = point + step
@@ -211,9 +215,14 @@ def newton_gauss(
                 break
             step = 0.5 * step
         else:
-            return Iteration(point, residual, count, _is_normal(slope, residual))
+            return _ended(path, residual, _is_normal(slope, residual))
         point, residual = trial, found
-    return Iteration(point, residual, iterations, False)
+        path.append(point)
+    return _ended(path, residual, False)
+
+
+def _ended(path: list[Array], residual: Array, converged: bool) -> Iteration:
+    return Iteration(path[-1], residual, len(path) - 1, converged, np.array(path))
 
 
 def _is_normal(slope: Array, residual: Array) -> bool:

@@ -21,6 +21,7 @@ from robomech_ros.kinematics.forward_uncompiled import tip_poses
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
 from robomech_ros.numerics import newton_gauss
+from robomech_ros.numerics.two_unknowns import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
@@ -96,7 +97,7 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
     angles, minors = contours(equations, steps)
     half = np.pi / steps
     found: list[Intersection] = []
-    for i, j in zip(*np.nonzero(_changes(minors[0]) & _changes(minors[1])), strict=True):
+    for i, j in zip(*np.nonzero(shared_cells(*minors, wrap=True)), strict=True):
         start = _start(equations, float(angles[i]) + half, float(angles[j]) + half)
         end = _refined(equations, start)
         if end is None:
@@ -106,13 +107,6 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
             continue
         found.append(_measured(equations, q))
     return sorted(found, key=lambda crossing: float(crossing.q[2]))
-
-
-def _changes(values: Array) -> NDArray[np.bool_]:
-    """Tell which cells of a periodic grid, and their neighbours, a contour may run through."""
-    corners = [np.roll(values, (-a, -b), (0, 1)) for a in (-1, 0, 1, 2) for b in (-1, 0, 1, 2)]
-    result: NDArray[np.bool_] = (np.min(corners, 0) <= 0.0) & (np.max(corners, 0) >= 0.0)
-    return result
 
 
 def _start(equations: ClosureEquations, q4: float, q5: float) -> Array:
