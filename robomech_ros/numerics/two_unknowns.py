@@ -180,7 +180,8 @@ def refine_root(
         return values
 
     def slope(x: Array) -> Array:
-        return _slopes(equations, x[None], _STEP)[0]
+        slopes: Array = _slopes(equations, x[None], _STEP)[0]
+        return slopes
 
     return newton_gauss(value, slope, start, tolerance=tolerance, iterations=iterations)
 
