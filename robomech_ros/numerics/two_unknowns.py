@@ -17,7 +17,7 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss
 
-__all__ = ["Bivariate", "bivariate", "refine_root", "shared_cells"]
+__all__ = ["Bivariate", "bivariate", "refine_root", "shared_cells", "zero_curves"]
 
 Array = NDArray[np.float64]
 Equations = Callable[[Array, Array], ArrayLike]
@@ -186,6 +186,27 @@ def refine_root(
     return newton_gauss(value, slope, start, tolerance=tolerance, iterations=iterations)
 
 
+def zero_curves(x: Array, y: Array, values: Array) -> tuple[Array, ...]:
+    """Follow the curves on which an equation vanishes, by its values on a grid.
+
+    Parameters
+    ----------
+    x, y : ndarray, shapes (n,) and (m,)
+        The grid's coordinates, increasing.
+    values : ndarray, shape (n, m)
+        The equation at (x_i, y_j).
+
+    Returns
+    -------
+    tuple of ndarray, shape (k, 2)
+        Points (x, y) of each piece.
+    """
+    from contourpy import LineType, contour_generator
+
+    lines = contour_generator(x, y, values.T, line_type=LineType.Separate).lines(0.0)
+    return tuple(np.asarray(line, float) for line in lines)
+
+
 def shared_cells(first: Array, second: Array, *, wrap: bool) -> NDArray[np.bool_]:
     """Tell which cells of a grid, or their neighbours, two curves may both run through.
 
@@ -279,16 +300,7 @@ class _Problem:
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
         """Follow the two curves on the grid."""
-        from contourpy import LineType, contour_generator
-
-        x, y = self.axes
-        drawn = []
-        for k in self.pair:
-            lines = contour_generator(x, y, self.values[k].T, line_type=LineType.Separate).lines(
-                0.0
-            )
-            drawn.append(tuple(np.asarray(line, float) for line in lines))
-        return tuple(drawn)
+        return tuple(zero_curves(*self.axes, self.values[k]) for k in self.pair)
 
     def starts(self) -> Array:
         """Give the middles of the cells that both curves may run through, shape (n, 2)."""

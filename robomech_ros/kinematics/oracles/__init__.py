@@ -4,6 +4,14 @@ They share no code with it: neither equations nor elimination, roots or refineme
 """
 
 from robomech_ros.kinematics.oracles.bivariate import Intersection, solve_bivariate
+from robomech_ros.kinematics.oracles.posture_contours import Crossing, PostureContours
 from robomech_ros.kinematics.oracles.univariate import UnivariateSolutions, solve_univariate
 
-__all__ = ["Intersection", "UnivariateSolutions", "solve_bivariate", "solve_univariate"]
+__all__ = [
+    "Crossing",
+    "Intersection",
+    "PostureContours",
+    "UnivariateSolutions",
+    "solve_bivariate",
+    "solve_univariate",
+]

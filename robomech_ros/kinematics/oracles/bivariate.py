@@ -25,7 +25,7 @@ from robomech_ros.numerics.two_unknowns import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["Intersection", "contours", "solve_bivariate"]
+__all__ = ["PAIR", "Intersection", "measured", "minors", "solve_bivariate"]
 
 Array = NDArray[np.float64]
 
@@ -36,6 +36,8 @@ _APART = 1e-6
 _ONE_POSTURE = 1e-3
 _BETWEEN = 1e-9
 _FEWEST_STEPS = 8
+# Rows of the two minors whose contours are followed.
+PAIR = ((0, 1, 2), (3, 4, 5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +59,23 @@ class Intersection:
     crossing: float
 
 
-def contours(equations: ClosureEquations, steps: int) -> tuple[Array, Array]:
-    """Give angles (steps,) and two minors over them, shape (2, steps, steps), for plotting."""
-    angles = -np.pi + 2.0 * np.pi * np.arange(steps) / steps
-    basis = np.array([np.cos(angles), np.sin(angles), np.ones(steps)])
-    G = np.einsum("eijk,jm,kn->mnei", equations.free, basis, basis)
-    return angles, np.array([np.linalg.det(G[:, :, :3]), np.linalg.det(G[:, :, 3:])])
+def minors(equations: ClosureEquations, q4: ArrayLike, q5: ArrayLike, rows: ArrayLike) -> Array:
+    """Give determinants of three rows of G each.
+
+    Parameters
+    ----------
+    equations : ClosureEquations
+    q4, q5 : array_like, shape (...)
+        Joints 4 and 5 (rad).
+    rows : array_like of int, shape (m, 3)
+        Of G.
+
+    Returns
+    -------
+    ndarray, shape (m, ...)
+    """
+    G = np.einsum("eijk,j...,k...->...ei", equations.free, circle(q4), circle(q5))
+    return np.moveaxis(np.linalg.det(G[..., np.asarray(rows), :]), -1, 0)
 
 
 def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> list[Intersection]:
@@ -94,10 +107,11 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
         raise BadValueError("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
     equations = ClosureEquations.of(chain, as_targets(T)[0])
     steps = int(count)
-    angles, minors = contours(equations, steps)
+    angles = -np.pi + 2.0 * np.pi * np.arange(steps) / steps
+    values = minors(equations, angles[:, None], angles[None, :], PAIR)
     half = np.pi / steps
     found: list[Intersection] = []
-    for i, j in zip(*np.nonzero(shared_cells(*minors, wrap=True)), strict=True):
+    for i, j in zip(*np.nonzero(shared_cells(*values, wrap=True)), strict=True):
         start = _start(equations, float(angles[i]) + half, float(angles[j]) + half)
         end = _refined(equations, start)
         if end is None:
@@ -105,7 +119,7 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
         q = posture_of(equations, *(float(x) for x in end))
         if q is None or any(_is_same(equations, q, other.q) for other in found):
             continue
-        found.append(_measured(equations, q))
+        found.append(measured(equations, q))
     return sorted(found, key=lambda crossing: float(crossing.q[2]))
 
 
@@ -138,20 +152,15 @@ def _refined(equations: ClosureEquations, start: Array) -> Array | None:
     return end.x if np.abs(end.residual).max() < _ACCEPTED else None
 
 
-def _measured(equations: ClosureEquations, q: Array) -> Intersection:
+def measured(equations: ClosureEquations, q: Array) -> Intersection:
+    """Measure how well a posture (6,) is conditioned."""
     q4, q5 = float(q[3]), float(q[4])
     G = np.einsum("eijk,j,k->ei", equations.free, circle(q4), circle(q5))
     step = 1e-6
-    slopes = []
-    for rows in (slice(0, 3), slice(3, 6)):
-        around = [
-            np.linalg.det(
-                np.einsum("eijk,j,k->ei", equations.free[rows], circle(q4 + u), circle(q5 + v))
-            )
-            for u, v in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step))
-        ]
-        slopes.append(((around[0] - around[1]), (around[2] - around[3])))
-    (a, b), (c, d) = slopes
+    around = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)]
+    four, five = (np.array([q4, q5])[:, None] + np.array(around).T).tolist()
+    values = minors(equations, four, five, PAIR)
+    (a, b), (c, d) = values[:, [0, 2]] - values[:, [1, 3]]
     crossing = float(np.arctan2(abs(a * d - b * c), abs(a * c + b * d)))
     return Intersection(q, float(np.linalg.cond(G[:, :2])), crossing)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.forward_uncompiled import tip_poses
@@ -86,9 +86,9 @@ class ClosureEquations:
         return cls(chain, T, left, right, free)
 
 
-def circle(angle: float) -> Array:
-    """Give (cos, sin, 1)."""
-    return np.array([np.cos(angle), np.sin(angle), 1.0])
+def circle(angle: ArrayLike) -> Array:
+    """Give (cos, sin, 1) of angles (...) in rad, shape (3, ...)."""
+    return np.array([np.cos(angle), np.sin(angle), np.ones_like(angle, dtype=float)])
 
 
 def _turn(angle: float) -> Array:
