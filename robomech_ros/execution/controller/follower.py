@@ -147,11 +147,11 @@ class Follower:
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
         way = self._way_onto(waypoints, present, late)
-        remark = "" if streamed else self._strain(waypoints, present, late)
+        strain = "" if streamed else self._strain(waypoints, present, late)
         if way.blocked:
             delay, late = _AGAIN, late + _AGAIN
         begin = self.now + delay
-        goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, remark=remark)
+        goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, strain=strain)
         goal.belt = way.belt
         if self.settings.interpolate and waypoints.velocities is not None:
             goal.braking = braking_time(waypoints.velocities[-1], self.joints)
@@ -186,7 +186,7 @@ class Follower:
         """
         if self.active is not None and abs(by) > _REMARKABLE:
             how = "forward" if by > 0.0 else "back"
-            self.active.note(
+            self.active.remark = (
                 f"the clock jumped {how} by {abs(by):.4g} s on the way, and the robot went on from "
                 "where it was"
             )

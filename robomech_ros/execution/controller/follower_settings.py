@@ -32,4 +32,4 @@ class FollowerSettings:
     command_timeout: float = 0.0
     interpolate: bool = True
     wait_for_stamp: bool = True
-    max_acceleration_ratio: float = 4.0
+    max_acceleration_ratio: float = 5.0

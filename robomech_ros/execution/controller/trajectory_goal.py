@@ -71,6 +71,8 @@ class TrajectoryGoal:
         Whether it was where it should be when the trajectory was over.
     remark : str
         What else the result is to say.
+    strain : str
+        By how much it is over the limits of acceleration; empty if it is not.
     belt : Belt or None
         Where the trajectory is, if it came late and the robot catches up with it.
     """
@@ -86,11 +88,8 @@ class TrajectoryGoal:
     braking: float = 0.0
     arrived: bool = False
     remark: str = ""
+    strain: str = ""
     belt: Belt | None = None
-
-    def note(self, remark: str) -> None:
-        """Have the result say something more."""
-        self.remark = f"{self.remark}; {remark}" if self.remark else remark
 
     @property
     def last_position(self) -> FloatArray:

@@ -62,8 +62,8 @@ class TrajectoryTopic:
             by = "a trajectory on the topic joint_trajectory"
             goal = self._joints.execute(trajectory, by, self._log_end, streamed=True)
             self._goals.append(goal)
-            if goal.remark:
-                self._logger.warning(goal.remark, throttle_duration_sec=_SELDOM)
+            if goal.strain:
+                self._logger.warning(goal.strain, throttle_duration_sec=_SELDOM)
         except RobomechError as error:
             code = code_of(error)
             self._logger.error(f"trajectory refused ({code} {name_of(code)}): {error}")

@@ -102,7 +102,7 @@ class GoalServer(ServedAction[TrajectoryGoal]):
 
         by = "a newer goal of the action"
         goal = self._robot.execute(message.trajectory, by, end, tolerances)
-        for text in (notes[0], goal.remark):
+        for text in (notes[0], goal.strain):
             if text:
                 self._node.get_logger().warning(text)
         return goal, notes[0]

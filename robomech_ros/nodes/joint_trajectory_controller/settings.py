@@ -106,7 +106,7 @@ class ControllerSettings(GripperSettings):
         "Whether a trajectory may end moving; the robot then brakes beyond its last point",
     )
     max_acceleration_ratio: float = parameter(
-        4.0,
+        5.0,
         "How many times its acceleration limit a joint may accelerate on the curve through points "
         "with velocities, which is refused beyond that; 0 = any. From 1 on the log says so",
         0.0,

@@ -99,7 +99,7 @@ CASES = {
     "nanoseconds only": (nanoseconds(1), 221, "the trajectory ended"),
     "empty name": (names("", *JOINTS[1:]), 102, "unknown joint ''; available: waist"),
     "endless name": (names("w" * 100_000, *JOINTS[1:]), 102, "(100002 characters); available"),
-    "acceleration limit": (time(1, 0.05), 213, "times its limit 8 rad/s^2; at most 4"),
+    "acceleration limit": (time(1, 0.05), 213, "times its limit 8 rad/s^2; at most 5"),
     "velocity limit": (time(1, 0.03), 213, "velocity of joint 'waist' is 3.125"),
     "position limit": (all_points("positions", 4, 1.75), 221, "'wrist_bend'"),
     "position limit on the way": (first_joint(1, "positions", 3.0), 213, "joint 'waist' is 3"),
