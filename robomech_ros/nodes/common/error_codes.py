@@ -17,6 +17,7 @@ __all__ = [
     "FrameUnavailableError",
     "NoStateError",
     "RobotMovesError",
+    "ShutdownError",
     "answer",
     "code_of",
     "guarded",
@@ -74,6 +75,14 @@ class RobotMovesError(NoStateError):
         )
 
 
+class ShutdownError(RobomechError):
+    """A node ends before it has answered."""
+
+    def __init__(self, node: str) -> None:
+        self.node = node
+        super().__init__(f"the node {node} shuts down")
+
+
 # Searched along the bases of the error's class, so that a subclass finds its parent's code.
 _CODES: dict[type[BaseException], Code] = {
     errors.UnknownLinkError: Code.UNKNOWN_LINK,
@@ -89,6 +98,7 @@ _CODES: dict[type[BaseException], Code] = {
     errors.LimitExceededError: Code.LIMIT,
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,
+    ShutdownError: Code.REJECTED,
     RobomechError: Code.BAD_VALUE,
 }
 

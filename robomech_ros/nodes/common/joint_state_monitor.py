@@ -28,8 +28,6 @@ _DEPTH = 50
 _QOS = QoSProfile(
     depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT
 )
-# How often a waiting request looks for the first state, s.
-_LOOK = 0.02
 # Joints that are remembered, whoever publishes them.
 _MOST_JOINTS = 1000
 _MOST_LISTED = 10
@@ -156,7 +154,7 @@ class JointStateMonitor:
             known = self.positions(joint_names) is not None
             if known and self._fastest(joint_names)[1] <= tolerance:
                 return
-            await pause(self._node, _LOOK)
+            await pause(self._node)
 
     def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
         """Find the fastest of joints that are known, and its speed (rad/s or m/s).

@@ -5,49 +5,57 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Generator
-from contextlib import suppress
 from typing import Any, TypeVar
 
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-__all__ = ["Turns", "Worker", "beside", "pause", "wake"]
+__all__ = ["Turns", "Worker", "pause", "wake"]
 
 _T = TypeVar("_T")
 
 _STEADY = ClockType.STEADY_TIME
-# How often it is looked whether work done beside is over, s.
-_LOOK = 0.02
+# How long a pause takes, s.
+_PAUSE = 0.02
 # How long abandoned work may go on at the end, s.
 _LAST_WORK = 1.0
 # Others are served after so long at the most, s, and one step of the work.
 _TURN = 0.005
 
 
-async def pause(node: Node, seconds: float) -> None:
-    """Let others be served for a while, by the machine's clock: simulated time may stand still."""
-    over: Future = Future()
-    timer = node.create_timer(
-        seconds,
-        lambda: over.done() or over.set_result(None),
-        clock=Clock(clock_type=_STEADY),
-    )
-    await over
-    node.destroy_timer(timer)
+class _Pauses:
+    """All pauses of a node: they end together, since a timer for each of a thousand is too slow."""
+
+    def __init__(self, node: Node) -> None:
+        self._over: Future = Future()
+        # By the machine's clock: simulated time may stand still.
+        clock = Clock(clock_type=_STEADY)
+        self._timer = node.create_timer(
+            _PAUSE, self._end, ReentrantCallbackGroup(), clock, autostart=False
+        )
+
+    def begin(self) -> Future:
+        """Give what is done when the pause is over."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+        return self._over
+
+    def _end(self) -> None:
+        self._timer.cancel()
+        ended, self._over = self._over, Future()
+        ended.set_result(None)
 
 
-async def beside(node: Node, work: Callable[[], object]) -> None:
-    """Do work in a thread of its own while others are served; what it raises is lost."""
-    thread = threading.Thread(target=_quietly, args=(work,), daemon=True)
-    thread.start()
-    while thread.is_alive():
-        await pause(node, _LOOK)
+_pauses: weakref.WeakKeyDictionary[Node, _Pauses] = weakref.WeakKeyDictionary()
 
 
-def _quietly(work: Callable[[], object]) -> None:
-    with suppress(Exception):  # a later request asks again and gets the error
-        work()
+async def pause(node: Node) -> None:
+    """Let others be served for up to 20 ms."""
+    if node not in _pauses:
+        _pauses[node] = _Pauses(node)
+    await _pauses[node].begin()
 
 
 def wake(node: Node) -> None:

@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 # Joint name to position (rad or m), or to positions, shape (...), in as many states.
 Positions = Mapping[str, Any]
 
-# How often a waiting request looks whether its frame has come, s.
-_LOOK = 0.02
 # Some senders date their news ahead, so that they hold until the next ones; from farther ahead, s,
 # they would never get too old.
 _AHEAD = WINDOW / NANO
@@ -140,7 +138,7 @@ class RobotFrames:
             except NoTransformError as error:
                 if not error.may_come or time.monotonic() >= deadline:
                     raise self._unavailable(frame, error) from None
-            await pause(self._node, _LOOK)
+            await pause(self._node)
 
     async def in_base(
         self,

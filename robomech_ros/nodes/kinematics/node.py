@@ -1,6 +1,8 @@
 """The node that answers kinematic questions: poses, joint positions, Jacobians, singularities."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -18,19 +20,19 @@ from robomech_interfaces.srv import (
     SolveIK,
     SolveIKBatch,
 )
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError, RobomechError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.nodes.common.deep_queues import serve
-from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.link_poses import poses_along
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pauses import Turns, beside
+from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.common.pose_messages import (
     linear_rows_first,
     matrices_from_pose_rows,
@@ -92,11 +94,22 @@ class KinematicsNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("kinematics", **options)
+        # What is found once for a robot takes seconds.
+        self._worker = Worker(self)
         self._table = NodeParameters(self, KinematicsSettings)
         self._monitor = JointStateMonitor(self)
         self._points = SolutionPoints()
         self._measured: set[SerialChain] = set()
         when_robot_known(self, self._table.settings, self._serve)
+
+    def stop(self) -> None:
+        """Answer those who wait for what takes long."""
+        self._worker.give_up(ShutdownError(self.get_name()))
+
+    def destroy_node(self) -> None:
+        """Take leave of ROS, and of the thread for long work."""
+        self._worker.close()
+        super().destroy_node()
 
     def _serve(self, model: RobotModel) -> None:
         self._model = model
@@ -115,7 +128,7 @@ class KinematicsNode(Node):
             (QueryWorkspace, "~/query_workspace", self._query_workspace),
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
-        self._space = SpaceFinder(self, chain)
+        self._space = SpaceFinder(self._worker, chain)
         self._markers = MarkerPublisher(self, model.base_frame, self._show_boundary)
         self._cloud = self.create_publisher(PointCloud2, "~/workspace", LATCHED)
         moveit = add_moveit_services(
@@ -194,7 +207,7 @@ class KinematicsNode(Node):
         chain, q, point = asked.chain, asked.q, asked.point
         if chain not in self._measured:
             # The first report finds the characteristic length, which takes a second or two.
-            await beside(self, lambda: posture_report(chain, q))
+            await self._worker.do(partial(posture_report, chain, q))
             self._measured.add(chain)
         report = posture_report(chain, q, point=point)
         frame = self._model.full_frame(request.reference_frame)
@@ -211,7 +224,7 @@ class KinematicsNode(Node):
         T = await poses_in_base(self._frames, request.poses, patience)
         mask = tuple(bool(entry) for entry in request.task_mask)
         query = WorkspaceQuery(chain, T, mask, await self._known_space())
-        done = await query.work(self, allowed)
+        done = await query.work(self, self._worker, allowed)
         query.fill(response)
         if len(T):
             cloud = workspace_cloud(self._model.base_frame, T, query.count, query.distance)
@@ -238,7 +251,8 @@ class KinematicsNode(Node):
     async def _show_boundary(self) -> None:
         """Find and show the boundary when the first subscriber of the markers comes."""
         if self._table.settings.publish_markers and self._model.chain.n:
-            await self._known_space()
+            with suppress(RobomechError):  # who asks for it by a request gets the error
+                await self._known_space()
 
     def _moving_chain(self, link: str) -> SerialChain:
         """Give the chain to a link, "" being the configured tip, that joints move."""

@@ -2,11 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinetostatics import (
@@ -16,7 +14,7 @@ from robomech_ros.kinetostatics import (
 )
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
-from robomech_ros.nodes.common.pauses import beside
+from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.robots import SerialChain
 
 __all__ = ["ReachableSpace", "SpaceFinder"]
@@ -67,24 +65,24 @@ class SpaceFinder:
 
     Parameters
     ----------
-    node : Node
-        Serves others meanwhile.
+    worker : Worker
+        Of the node, which serves others meanwhile.
     chain : SerialChain
         Of one joint or more.
     """
 
-    def __init__(self, node: Node, chain: SerialChain) -> None:
-        self._node, self._chain = node, chain
+    def __init__(self, worker: Worker, chain: SerialChain) -> None:
+        self._worker, self._chain = worker, chain
         self._found: ReachableSpace | None = None
-        self._lock = Lock()
 
     async def get(self) -> ReachableSpace:
         """Give the space; the first call takes some seconds."""
         if self._found is None:
-            await beside(self._node, self._find)
-        return self._found or self._find()
+            return await self._worker.do(self._find)
+        return self._found
 
     def _find(self) -> ReachableSpace:
-        with self._lock:
-            self._found = self._found or reachable_space(self._chain)
-            return self._found
+        # Others may have asked while the worker was busy with the first request.
+        found = self._found or reachable_space(self._chain)
+        self._found = found
+        return found

@@ -13,7 +13,7 @@ from robomech_ros.kinematics import inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinetostatics import condition_number
 from robomech_ros.nodes.common.message_fields import append_numbers
-from robomech_ros.nodes.common.pauses import Turns, beside
+from robomech_ros.nodes.common.pauses import Turns, Worker
 from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import SerialChain
@@ -49,10 +49,10 @@ class WorkspaceQuery:
         self.condition = np.full(len(T), np.inf)
         self.distance = np.full(len(T), np.nan)
 
-    async def work(self, node: Node, allowed: float) -> int:
+    async def work(self, node: Node, worker: Worker, allowed: float) -> int:
         """Judge the poses in turns with others; give how many were, in the time allowed (s)."""
         if self._space.boundary is not None and len(self._T):
-            await beside(node, self._measure)
+            await worker.do(self._measure)
         turns, began, done = Turns(node), time.monotonic(), 0
         fast = self._mask is None and family_of(self._chain).closed_form
         size = _PORTION if fast else _PORTION_SEARCHED
