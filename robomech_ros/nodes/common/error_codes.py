@@ -37,7 +37,7 @@ class FrameUnavailableError(RobomechError):
         listed = ", ".join(self.known[:_MOST_LISTED])
         more = len(self.known) - _MOST_LISTED
         listed += f" and {more} more" if more > 0 else ""
-        super().__init__(f"frame {frame[:200]!r}: {why}; usable frames: {listed}")
+        super().__init__(f"frame {frame[:200]!r}: {why}; known frames: {listed}")
 
 
 class NoStateError(RobomechError):

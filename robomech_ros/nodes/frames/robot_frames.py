@@ -220,16 +220,26 @@ class RobotFrames:
         others = [*way, *fixed] if instant is None else [*fixed, *way]
         for other in dict.fromkeys([*others, *tree.frames]):
             place = self._place_in_tf(other)
-            if place is None or other not in tree or tree.way_up(other, instant)[-1] != way[-1]:
+            if place is None or self._root_of(other, instant) != way[-1]:
                 continue
             return self._carried(place, tree.between(other, frame, instant), instant)
         raise NoTransformError(self._not_connected(way))
 
+    def _root_of(self, frame: str, instant: int | None = None) -> str | None:
+        """Give the frame on which another one hangs in tf; None for what tf lacks, or a circle."""
+        try:
+            return self._listener.tree.way_up(frame, instant)[-1]
+        except NoTransformError:
+            return None
+
     def _not_connected(self, way: list[str]) -> str:
         """Say why a frame of tf leads to no link of the robot."""
-        tree, base = self._listener.tree, self._model.base_frame
-        if base in tree:
-            other = f"the base {base!r} hangs on {tree.way_up(base)[-1]!r}"
+        base = self._model.base_frame
+        root = self._root_of(base)
+        if root is not None:
+            other = f"the base {base!r} hangs on {root!r}"
+        elif base in self._listener.tree:
+            other = f"the base {base!r} is on a circle"
         else:
             other = "tf has no link of the robot"
         return f"tf does not connect it with the robot: it hangs on {way[-1]!r}, {other}"

@@ -244,8 +244,25 @@ def test_frames_that_are_not_connected_and_unknown_ones(kinematics):
     ):
         response = solve(kinematics, np.eye(4), frame)
         assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
-        for word in (f"frame '{frame}'", *words, "usable frames: base_link", "shelf, world"):
+        for word in (f"frame '{frame}'", *words, "known frames: base_link", "shelf, world"):
             assert word in response.error_msg
+    assert_solved(solve(kinematics, GOAL, ""))
+
+
+def test_links_on_a_circle_do_not_keep_others_from_being_found(kinematics):
+    """Another sender has the hand and a stray frame hang on each other: world was not found."""
+    hand = (("tool0", "stray"), ("stray", "tool0"))
+    kinematics.move(*(transform(a, b, np.eye(4), 1) for a, b in hand))
+    assert "goes round in a circle" in solve(kinematics, np.eye(4), "stray").error_msg
+    assert_solved(solve(kinematics, WORLD_BASE @ GOAL, "world"))
+    kinematics.fix(transform("room", "shelf", np.eye(4)))
+    assert "hangs on 'room'" in solve(kinematics, np.eye(4), "shelf").error_msg
+
+
+def test_a_base_on_a_circle_is_said(kinematics):
+    kinematics.fix(transform("room", "shelf", np.eye(4)))
+    kinematics.move(transform("base_link", "world", np.eye(4), kinematics.now()))
+    assert "'base_link' is on a circle" in solve(kinematics, np.eye(4), "shelf").error_msg
     assert_solved(solve(kinematics, GOAL, ""))
 
 
@@ -388,4 +405,4 @@ def test_without_tf2_msgs_it_is_said(graph, monkeypatch):
     request = SolveIK.Request(target=stamped_pose(GOAL, "world"))
     response = graph.call(SolveIK, "kinematics/solve_ik", request)
     assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
-    assert "the package tf2_msgs is not installed; usable frames: base_link" in response.error_msg
+    assert "the package tf2_msgs is not installed; known frames: base_link" in response.error_msg

@@ -72,7 +72,7 @@ IK_REFUSALS = {
     "unknown frame": (
         {"target": pose(frame="camera")},
         ErrorCode.FRAME_UNAVAILABLE,
-        ("frame 'camera': the robot has no such link", "usable frames: base_link"),
+        ("frame 'camera': the robot has no such link", "known frames: base_link"),
     ),
     "a link that joints move, of a robot that is not heard of": (
         {"target": pose(frame="link_3")},
