@@ -162,6 +162,10 @@ class SemanticDescription:
         inside: NDArray[np.float64] = np.clip(q, chain.lower, chain.upper)
         return inside
 
+    def gives(self, chain: SerialChain, name: str) -> bool:
+        """Whether a state of a group with all joints of a chain has a name."""
+        return any(name in self.states[group] for group in self._groups_of(chain))
+
     def postures(self, chain: SerialChain) -> tuple[str, ...]:
         """List the names of the postures of a chain, of which some may be unusable."""
         found = [name for group in self._groups_of(chain) for name in self.states[group]]

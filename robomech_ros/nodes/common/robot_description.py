@@ -23,6 +23,7 @@ from robomech_ros.robots import (
 )
 from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
+from robomech_ros.robots.semantic import HOME
 
 __all__ = [
     "LATCHED",
@@ -251,14 +252,19 @@ class RobotModel:
         """Find a named posture of the joints that move a link, shape (n,) (rad or m).
 
         Where some of those mimic others, or go on behind the configured chain with no such posture
-        of their own, it is one of the configured chain, and the joints outside it rest.
+        of their own, it is one of the configured chain, and the joints outside it rest, or are at
+        their own ``home``.
         """
         behind = set(self.chain.joint_names) < set(way.joint_names)
-        if isinstance(way, SerialChain) and not (
-            behind and name not in self.semantic.postures(way)
-        ):
+        if isinstance(way, SerialChain) and not (behind and not self.semantic.gives(way, name)):
             return self.semantic.posture(way, name)
         own = self.semantic.posture(self.chain, name)
+        if isinstance(way, SerialChain) and name == HOME:
+            at_home = dict(zip(way.joint_names, way.home().tolist(), strict=True))
+            at_home |= self.semantic.home() | dict(zip(self.chain.joint_names, own, strict=True))
+            q = np.array([at_home[joint] for joint in way.joint_names])
+            inside: Array = np.clip(q, way.lower, way.upper)
+            return inside
         given = dict(zip(self.chain.joint_names, own.tolist(), strict=True))
         positions = self.description.joint_positions(given)
         return np.array([positions[joint] for joint in way.joint_names])

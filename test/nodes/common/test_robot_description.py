@@ -82,3 +82,17 @@ def test_a_posture_of_the_arm_serves_links_of_its_hand():
         np.testing.assert_array_equal(model.posture(model.way_to(link), "up"), q)
     with pytest.raises(BadValueError, match="posture is 'down', expected one of home, far, up"):
         model.posture(model.way_to("finger"), "down")
+
+
+@pytest.mark.parametrize("by_topic", [False, True])
+def test_home_of_an_srdf_serves_links_behind_the_arm_wherever_it_comes_from(by_topic):
+    """By topic, the arm was at the robot's own home for a finger, at the SRDF's for the tip."""
+    description = load_description(URDF)
+    semantic = load_srdf(SRDF, description)
+    known = None if by_topic else semantic
+    model = RobotModel(description, "left_base", "left_tool", semantic=known)
+    model.learn(semantic)
+    tip = model.posture(model.way_to("left_tool"), "home")
+    np.testing.assert_array_equal(tip, semantic.posture(model.chain, "home"))
+    finger = model.posture(model.way_to("finger"), "home")
+    np.testing.assert_array_equal(finger, [*tip, 0.02])
