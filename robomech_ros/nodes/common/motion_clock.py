@@ -65,6 +65,11 @@ class MotionClock:
             # Steps are reported as long as this is kept.
             self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_step)
 
+    @property
+    def runs(self) -> bool:
+        """Whether there is time: simulated time is 0 until the first message on ``/clock``."""
+        return not self.simulated or bool(self._ros.now().nanoseconds)
+
     def on_jump(self, listener: Callable[[float], None]) -> None:
         """Report every jump of simulated time, in s, negative where it jumped back."""
         self._listeners.append(listener)

@@ -5,10 +5,18 @@ from collections.abc import Sequence
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-__all__ = ["watch_for_simulated_time"]
+__all__ = ["missing_time", "watch_for_simulated_time"]
 
 # How long after a node's start to look, s, and again; every so many looks it is said.
 PERIOD, EVERY = 3.0, 10
+
+
+def missing_time(node: Node) -> str:
+    """Say why a node with ``use_sim_time``, whose time is still 0, has none."""
+    topic = node.resolve_topic_name("/clock")
+    there = node.count_publishers(topic)
+    why = f"the time on '{topic}' is still 0" if there else f"nobody publishes '{topic}'"
+    return f"use_sim_time is true, but {why}"
 
 
 def watch_for_simulated_time(nodes: Sequence[Node]) -> None:
@@ -24,12 +32,9 @@ def watch_for_simulated_time(nodes: Sequence[Node]) -> None:
             timer.cancel()
             return
         if looks % EVERY == 0:
-            topic = first.resolve_topic_name("/clock")
-            there = first.count_publishers(topic)
-            why = f"the time on '{topic}' is still 0" if there else f"nobody publishes '{topic}'"
             first.get_logger().warning(
-                f"use_sim_time is true, but {why}: nothing moves, no joint states come, and what "
-                "waits for a motion gets no answer. Start the simulator, or leave use_sim_time out"
+                f"{missing_time(first)}: nothing moves, and no joint states come. Start the "
+                "simulator, or leave use_sim_time out"
             )
         looks += 1
 

@@ -1,10 +1,12 @@
 """Lets a dispatcher check the robot periodically, by the clock of a node."""
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.process.simulated_clock import missing_time
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.motion_left import MotionLeft
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, dispatch_settings
@@ -40,13 +42,17 @@ class DispatchLoop:
     def __init__(
         self, node: Node, clock: MotionClock, link: ControllerLink, settings: PublisherSettings
     ) -> None:
-        self._logger = node.get_logger()
+        self._node, self._logger = node, node.get_logger()
         self.clock = clock
         given = dispatch_settings(settings)
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
         self.left = MotionLeft(node, clock, link, self.dispatcher, given)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
+        # By the machine's time: the simulated one may never begin.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._begin = node.create_timer(given.controller_timeout, self._require_time, clock=steady)
+        self._begin.cancel()
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(self._take_jump)
 
@@ -70,12 +76,20 @@ class DispatchLoop:
         """Look at the robot again and again while there is something to see."""
         if self.dispatcher.busy:
             self._timer.reset()
+            if not self.clock.runs and self._begin.is_canceled():
+                self._begin.reset()
 
     def _look(self) -> None:
         self.dispatcher.step(self.clock.now())
         self.left.note()
         if not self.dispatcher.busy:
             self._timer.cancel()
+
+    def _require_time(self) -> None:
+        """Give up all that waits where there is no time in which anything could move."""
+        self._begin.cancel()
+        if not self.clock.runs:
+            self.dispatcher.close(missing_time(self._node))
 
     def _take_jump(self, by: float) -> None:
         """Have what waits for its stamp watched by the new time (s)."""

@@ -3,6 +3,7 @@
 import time
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -77,7 +78,7 @@ class ReceivedPlans:
         timer = self._node.create_timer(
             _ON_ITS_WAY,
             lambda: arrived.done() or arrived.set_result(None),
-            clock=self._loop.clock.clock,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         await arrived
         self._node.destroy_timer(timer)
