@@ -1,7 +1,8 @@
 """Options for all nodes of a robot, and the command line of each."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from importlib import import_module
 from pathlib import Path
 
 from robomech_ros.nodes.process.process_group import node_command
@@ -9,6 +10,9 @@ from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import robot_folders
 
 __all__ = ["LaunchOptions", "config_file"]
+
+# What the words that give a parameter begin with.
+_PARAMETER = ("-p", "--param")
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,26 @@ class LaunchOptions:
             result += ["-p", f"joint_trajectory_controller:publish_rate:={float(self.rate)}"]
         if self.dynamic:
             result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
-        return [*result, *self.ros_args]
+        return [*result, *self._addressed()]
+
+    def _addressed(self) -> list[str]:
+        """Give the other arguments, with parameters addressed to the nodes that have them.
+
+        The other nodes would warn of each.  What none has, such as use_sim_time, goes to all.
+        """
+        result, words = list[str](), iter(self.ros_args)
+        for word in words:
+            value = next(words, None) if word in _PARAMETER else None
+            if value is None:
+                result.append(word)
+                continue
+            name, assigned, rest = value.partition(":=")
+            owners = [node for node in self.nodes if name in _parameter_names(node)]
+            if not assigned or len(owners) in (0, len(self.nodes)):
+                result += [word, value]
+            for node in owners if len(owners) < len(self.nodes) else ():
+                result += [word, f"{node}:{name}:={rest}"]
+        return result
 
     def _frame_prefix(self) -> str:
         if self.frame_prefix is not None:
@@ -103,6 +126,18 @@ class LaunchOptions:
     def _robot(self) -> str:
         is_path = bool(Path(self.robot).suffix) or "/" in self.robot
         return _absolute(self.robot) if self.robot and is_path else self.robot
+
+
+def _parameter_names(node: str) -> set[str]:
+    """Name the parameters in the table of a node."""
+    settings = NODE_MODULES[node].rpartition(".")[0] + ".settings"
+    module = import_module(settings)
+    tables = [
+        value
+        for value in vars(module).values()
+        if getattr(value, "__module__", "") == settings and is_dataclass(value)
+    ]
+    return {row.name for row in fields(tables[0])}
 
 
 def config_file(node: str) -> list[str]:

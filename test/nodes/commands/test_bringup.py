@@ -10,6 +10,7 @@ import yaml
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.commands import bringup
 from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.process import launch_options
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.start import NODE_MODULES
 
@@ -97,6 +98,27 @@ def test_ros_arguments_go_to_every_node():
     for command in commands("--robot", "ur5e", "--rate", "50", "--ros-args", *given).values():
         assert command[-len(given) :] == [*given]
         assert command.count("--ros-args") == 1
+
+
+def test_a_parameter_goes_to_the_nodes_that_have_it():
+    """Every other node warned of it."""
+    given = ("-p", "publish_frames:=never", "--param", "state_timeout:=2.0", "-p", "no:=1")
+    words = commands("--ros-args", *given)["kinematics"]
+    assert "publish_frames:=never" not in words
+    assert words[-10:] == [
+        "-p",
+        "joint_trajectory_controller:publish_frames:=never",
+        *("--param", "kinematics:state_timeout:=2.0"),
+        *("--param", "dynamics:state_timeout:=2.0"),
+        *("--param", "trajectory_planner:state_timeout:=2.0"),
+        *("-p", "no:=1"),
+    ]
+
+
+@pytest.mark.parametrize("node", sorted(NODE_MODULES))
+def test_the_parameters_of_a_node_are_those_of_its_table(node):
+    names = {row.name for row in table_rows(bringup._factory(node).SETTINGS)}
+    assert launch_options._parameter_names(node) == names
 
 
 def test_launch_may_append_nothing():
