@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz plans moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -99,6 +99,10 @@ test-long: compat ## what takes minutes a test: random motions by the thousand
 
 fuzz: compat ## attack the suite: random requests, goals, messages and bytes; COUNT=100000 SEED=0 ROBOT=puma560
 	$(BIN)/python test/fuzz --count "$(or $(COUNT),100000)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
+
+plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PROFILE=double_s
+	$(BIN)/python test/many_plans --count "$(or $(COUNT),1000000)" --seed "$(or $(SEED),0)" \
+	    --profile "$(PROFILE)"
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

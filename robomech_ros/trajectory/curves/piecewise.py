@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robomech_ros.trajectory.sample import FloatArray, Sample, checked_times, held_outside
 
-__all__ = ["PiecewisePolynomial"]
+__all__ = ["PiecewisePolynomial", "lasting_pieces"]
 
 # Derivative d of x^i is _FACTORS[d, i] x^_POWERS[d, i], for d = 0..3 and i = 0..5.
 _MAX_ORDER = 9
@@ -77,7 +77,7 @@ class PiecewisePolynomial:
         """Give the same curve over a time longer by a factor, from the same instant on."""
         powers = factor ** np.arange(len(self.coefficients))
         breaks = self.breaks[0] + factor * (self.breaks - self.breaks[0])
-        return PiecewisePolynomial(breaks, self.coefficients / powers[:, None, None])
+        return lasting_pieces(breaks, self.coefficients / powers[:, None, None])[0]
 
     def sample(self, t: npt.ArrayLike) -> Sample:
         """Sample positions and derivatives.
@@ -121,6 +121,32 @@ class PiecewisePolynomial:
         if inside != t:
             rates[1:] = 0.0
         return Sample(*rates)
+
+
+def lasting_pieces(
+    breaks: FloatArray, coefficients: FloatArray
+) -> tuple[PiecewisePolynomial, npt.NDArray[np.bool_]]:
+    """Leave out pieces that begin and end at the same instant, since rounding has joined these.
+
+    Parameters
+    ----------
+    breaks : ndarray, shape (s + 1,)
+        Instants in s, not decreasing; the last is later than the first.
+    coefficients : ndarray, shape (d + 1, s, n)
+        As those of `PiecewisePolynomial`.
+
+    Returns
+    -------
+    pieces : PiecewisePolynomial
+        With strictly increasing breaks.
+    lasting : ndarray of bool, shape (s,)
+        Which pieces are left.
+    """
+    lasting = breaks[1:] > breaks[:-1]
+    if lasting.all():
+        return PiecewisePolynomial(breaks, coefficients), lasting
+    kept = np.append(breaks[:-1][lasting], breaks[-1])
+    return PiecewisePolynomial(kept, coefficients[:, lasting]), lasting
 
 
 def _differentiated(coefficients: FloatArray) -> FloatArray:

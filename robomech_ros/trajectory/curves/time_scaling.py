@@ -15,6 +15,8 @@ __all__ = ["checked_duration", "fitted", "stretch_needed"]
 
 # Longest duration (s) that may be asked for: some thirty years, and half of what a message holds.
 LONGEST_DURATION = 1e9
+# An excess over limits, as a part by which the curve would have to be slower, that does not matter.
+_ROUNDING = 1e-10
 
 
 def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, int, Rate]:
@@ -66,7 +68,10 @@ def fitted(
         shortest = max(shortest, duration)
     if factor == 0.0:
         return PiecewisePolynomial(np.array([0.0, shortest]), curve.coefficients[:1, :1].copy())
-    return curve.stretched(shortest / curve.duration)
+    slower = curve.stretched(shortest / curve.duration)
+    # Short segments last longer or shorter by the rounding of their breaks.
+    left = stretch_needed(slower, limits)[0] - 1.0
+    return slower.stretched(1.0 + 2.0 * left) if left > _ROUNDING else slower
 
 
 def checked_duration(duration: float | None) -> float | None:

@@ -11,12 +11,12 @@ import numpy as np
 import ruckig
 
 from robomech_ros.errors import LimitExceededError, RobomechError
+from robomech_ros.trajectory.curves.joining import joined
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits
-from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited, curve_of
-from robomech_ros.trajectory.profiles.ruckig_phases import jerk_phases
+from robomech_ros.trajectory.profiles.jerk_limited import JerkLimited, planned_between
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.time_optimal_motions import time_optimal_through
 
@@ -187,13 +187,8 @@ def _joined(
     places: FloatArray, velocities: FloatArray, accelerations: FloatArray, limits: Limits
 ) -> tuple[PiecewisePolynomial, FloatArray]:
     """Plan all pieces and put them one behind the other; give the knots (m,), too."""
-    breaks, coefficients, knots = [np.zeros(1)], [], [0.0]
+    pieces = []
     for k in range(len(places) - 1):
         begin, end = (velocities[k], accelerations[k]), (velocities[k + 1], accelerations[k + 1])
-        phases = jerk_phases(places[k + 1] - places[k], *begin, limits, 0.0, *end)
-        piece = curve_of(phases, places[k], places[k + 1], velocities[k + 1])
-        breaks.append(piece.breaks[1:] + knots[-1])
-        coefficients.append(piece.coefficients)
-        knots.append(float(breaks[-1][-1]))
-    curve = PiecewisePolynomial(np.concatenate(breaks), np.concatenate(coefficients, axis=1))
-    return curve, np.array(knots)
+        pieces.append(planned_between(places[k], places[k + 1], limits, 0.0, begin, end)[1])
+    return joined(pieces), np.cumsum([0.0, *(piece.duration for piece in pieces)])

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, DurationTooShortError
 from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.trajectory.curves.joining import joined
 from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest, check_positions
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
@@ -209,7 +210,7 @@ def along_joint_path(
     allowed.require(*timing.required)
     others = checked_list("speed_limits", speed_limits, SpeedLimit)
     slow = (*_speed_limits(path, speeds), *others)
-    curve = _joined(
+    curve = joined(
         [
             timing.timed(PathSection(joints, low, high, allowed, slow))
             for low, high in _edges(joints, timing.needs_smooth)
@@ -274,18 +275,6 @@ def _speed_limits(path: PosePath, most: TipSpeeds | None) -> list[SpeedLimit]:
         for what, speed, part in kinds
         if not (isinstance(speed, float) and speed == np.inf)
     ]
-
-
-def _joined(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
-    """Put motions one after another."""
-    ends = np.cumsum([0.0, *(curve.duration for curve in curves)])
-    breaks = [curve.breaks[1:] + begin for curve, begin in zip(curves, ends, strict=False)]
-    order = max(len(curve.coefficients) for curve in curves)
-    padded = [
-        np.pad(curve.coefficients, ((0, order - len(curve.coefficients)), (0, 0), (0, 0)))
-        for curve in curves
-    ]
-    return PiecewisePolynomial(np.concatenate([[0.0], *breaks]), np.concatenate(padded, axis=1))
 
 
 def _check_wanted(seconds: float, curve: PiecewisePolynomial, limits: Limits) -> None:

@@ -109,6 +109,8 @@ def sampled_motion(
     RobomechError
         As the planner, `discretise` and `verify` do.
     """
+    if not callable(planner) or isinstance(planner, type):
+        raise BadValueError("planner", planner, "a function of limits that gives a motion")
     known = Limits.of(limits)
     first = known.with_margin if free else known
     factors = np.ones((3, len(known.joint_names)))

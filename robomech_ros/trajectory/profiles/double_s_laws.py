@@ -19,9 +19,8 @@ def unit_double_s(ramp: float, rounding: float) -> PiecewisePolynomial:
     rounding : float
         Part of half a ramp in which the jerk acts at each of its ends, above 0 and up to 1.
     """
-    lengths, jerks = _unit_phases(np.array([ramp]), np.array([rounding]))
-    phases = zip(lengths[0].tolist(), jerks[0].tolist(), strict=True)
-    return along_line(np.zeros(1), np.ones(1), [phase for phase in phases if phase[0] > 0.0], 3)
+    step = 0.5 * ramp * rounding
+    return along_line(np.zeros(1), np.ones(1), (step, ramp - 2.0 * step), 1.0)
 
 
 def unit_double_s_samples(

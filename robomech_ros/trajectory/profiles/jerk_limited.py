@@ -25,11 +25,14 @@ from robomech_ros.trajectory.profiles.ruckig_phases import (
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, LIMIT_SLACK, SHORTEST_TRAJECTORY
 
-__all__ = ["JerkLimited", "binding_rates", "check_state", "curve_of"]
+__all__ = ["JerkLimited", "binding_rates", "check_state", "curve_of", "planned_between"]
 
 # Power k of x + c is _SHIFTS[i, k] c^_SHIFTED[i, k] times power i of x, summed; for k = 3, 4, 5.
 _SHIFTS = np.array([[math.comb(k, i) for k in range(3, 6)] for i in range(6)], float)
 _SHIFTED = np.array([[max(k - i, 0) for k in range(3, 6)] for i in range(6)])
+# The excess over a jerk limit, in parts of it, that is rounding; with more the motion is planned
+# again, at most so often, within a limit that is lower by so many times the excess.
+_EXCESS, _ROUNDS, _ROOM = 1e-10, 4, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,15 +115,16 @@ class JerkLimited:
         moving = bool(velocity.any() or acceleration.any())
         if moving and duration is not None:
             least = max(least, duration)
-        phases = jerk_phases(goal - start, velocity, acceleration, limits, least)
+        begin, end = (velocity, acceleration), (rest, rest)
+        phases, pieces = planned_between(start, goal, limits, least, begin, end)
         planned = cls(start, goal, limits, phases)
         if duration is not None:
             planned._check_duration(duration, phases.alone, limits)
             if not moving and duration > planned.duration:
                 planned = cls(start, goal, limits, phases.slowed(duration / planned.duration))
         if moving:
-            check_rates(planned.pieces, limits)
-            check_positions(planned.pieces, start, limits)
+            check_rates(pieces, limits)
+            check_positions(pieces, start, limits)
         return planned
 
     @property
@@ -200,23 +204,64 @@ def check_state(end: str, limits: Limits, velocity: FloatArray, acceleration: Fl
             raise LimitExceededError(f"{end} {rate}", name, value, limit, unit)
 
 
+def planned_between(
+    start: FloatArray,
+    goal: FloatArray,
+    limits: Limits,
+    least: float,
+    begin: tuple[FloatArray, FloatArray],
+    end: tuple[FloatArray, FloatArray],
+) -> tuple[Phases, PiecewisePolynomial]:
+    """Plan from state to state, with room for what makes up for a goal that Ruckig misses.
+
+    Parameters
+    ----------
+    start, goal : ndarray, shape (n,)
+        Joint values in rad or m.
+    limits : Limits
+        Velocity, acceleration and jerk limits of every joint.
+    least : float
+        Least duration in s.
+    begin, end : tuple of ndarray, shape (n,)
+        Velocity and acceleration at both ends.
+
+    Returns
+    -------
+    phases : Phases
+    pieces : PiecewisePolynomial
+        Their curve, as `curve_of` gives it.
+
+    Raises
+    ------
+    BadValueError
+        If Ruckig fails.
+    """
+    allowed = limits
+    for _ in range(_ROUNDS):
+        phases = jerk_phases(goal - start, *begin, allowed, least, *end)
+        pieces = curve_of(phases, start, goal, end[0])
+        low, high = extremes(pieces)
+        excess = np.maximum(-low, high)[3] / limits.jerk - 1.0
+        if not (excess > _EXCESS).any():
+            break
+        allowed = allowed.scaled(jerk=1.0 / (1.0 + _ROOM * np.maximum(excess, 0.0)))
+    return phases, pieces
+
+
 def curve_of(
     phases: Phases, start: FloatArray, goal: FloatArray, final_velocity: FloatArray
 ) -> PiecewisePolynomial:
     """Let the phases begin at the start and end at the goal exactly.
 
-    Ruckig misses it by a part in 1e8 of the way at most.  What is missing is made up by a quintic
-    over the whole duration, where it is nothing; in the last step alone it would be a jump of
-    the jerk.
+    Ruckig misses it by a part in 1e8 of the way at most, and the velocity there by less.  What is
+    missing is made up by a quintic over the whole duration, where it is nothing; in the last step
+    alone it would be a jump of the jerk.
     """
     breaks, given = phases.breaks, phases.coefficients
     span = breaks[-1] - breaks[-2]
     powers = np.array([1.0, span, span * span, span * span * span])
     missing = goal - start - powers @ given[:, -1]
-    # At rest the next piece does not go on with what rounding has left of the velocity.
-    faster = np.zeros_like(goal)
-    if final_velocity.any():
-        faster = final_velocity - np.array([1.0, 2.0 * span, 3.0 * span**2]) @ given[1:, -1]
+    faster = final_velocity - np.array([1.0, 2.0 * span, 3.0 * span**2]) @ given[1:, -1]
     coefficients = np.zeros((6, *given.shape[1:]))
     coefficients[:4] = given
     coefficients[0] += start

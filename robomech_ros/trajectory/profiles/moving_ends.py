@@ -15,8 +15,11 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
 from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, JointLimits, Limits
-from robomech_ros.trajectory.profiles.jerk_limited import binding_rates, check_state, curve_of
-from robomech_ros.trajectory.profiles.ruckig_phases import jerk_phases
+from robomech_ros.trajectory.profiles.jerk_limited import (
+    binding_rates,
+    check_state,
+    planned_between,
+)
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.tolerances import DURATION_ROUNDING, SHORTEST_TRAJECTORY
 
@@ -153,8 +156,7 @@ def state_to_state(
     check_state("final", allowed, *end)
     wanted = checked_duration(duration)
     least = max(wanted or 0.0, SHORTEST_TRAJECTORY)
-    phases = jerk_phases(goal - start, *begin, allowed, least, *end)
-    pieces = curve_of(phases, start, goal, end[0])
+    phases, pieces = planned_between(start, goal, allowed, least, begin, end)
     if wanted is not None and pieces.duration > least + DURATION_ROUNDING * (1 + least):
         joint = int(np.argmax(phases.alone))
         names = binding_rates(pieces, allowed, joint)

@@ -32,7 +32,7 @@ _MISS_JERK = 60.0
 # By how much Ruckig lets itself miss a goal at most, in its unit of length.
 _RUCKIG_MISS = 1e-8
 # Breaks nearer to each other than this, in parts of the duration, are one.
-_SAME_BREAK = 1e-12
+_SAME_BREAK = 2e-15
 # What rounding may add to the peaks of a joint whose limits another joint's course just meets.
 _SAME_LIMIT = 1e-12
 
@@ -268,6 +268,8 @@ def _refuse(reason: str, limits: Limits) -> NoReturn:
 
 def _miss(phases: Phases, rise: FloatArray) -> FloatArray:
     """Jerk (n,) of the 3-4-5 polynomial that makes up for missing the goal."""
+    if not phases.duration > 0.0:
+        return np.where(rise == 0.0, 0.0, np.inf)
     span = phases.breaks[-1] - phases.breaks[-2]
     end = span ** np.arange(4.0) @ phases.coefficients[:, -1]
     jerk: FloatArray = _MISS_JERK * np.abs(end - rise) / phases.breaks[-1] ** 3
@@ -333,7 +335,11 @@ def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatAr
         joints = [joint for joint, (own, _) in enumerate(phases) if id(own) == course]
         states = np.stack([phases[joint][1] for joint in joints], axis=2)
         phase = np.searchsorted(begin, middle, side="right") - 1
-        elapsed = (breaks[:-1] - begin[phase])[:, None]
+        # Where each phase really begins: at the break that stands for the beginnings near to it.
+        at = breaks[np.searchsorted(breaks, begin, side="right") - 1]
+        at[begin >= duration - same] = duration
+        states[:-1, 3] = _gentler(states, np.diff(at))
+        elapsed = (breaks[:-1] - at[phase])[:, None]
         position, velocity, acceleration, jerk = states[phase].transpose(1, 0, 2)
         coefficients[0, :, joints] = (
             position + elapsed * (velocity + elapsed * (acceleration / 2.0 + elapsed * jerk / 6.0))
@@ -342,6 +348,19 @@ def _common_phases(phases: list[_JointPhases], duration: float) -> tuple[FloatAr
         coefficients[2, :, joints] = (acceleration + elapsed * jerk).T / 2.0
         coefficients[3, :, joints] = jerk.T / 6.0
     return breaks, coefficients
+
+
+def _gentler(states: FloatArray, spans: FloatArray) -> FloatArray:
+    """Lower jerks (p, n) that would lead beyond the next of the states (p + 1, 4, n).
+
+    Phases last longer or shorter by the rounding of their instants; where these are short beside
+    the duration, that shows.
+    """
+    acceleration, jerk = states[:, 2], states[:-1, 3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        enough = np.abs(np.diff(acceleration, axis=0)) / spans[:, None]
+    gentler: FloatArray = np.copysign(np.fmin(np.abs(jerk), enough), jerk)
+    return gentler
 
 
 def _phases(profile: Any) -> _JointPhases:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from itertools import accumulate
 from typing import ClassVar, TypeVar
 
 import numpy as np
@@ -26,8 +27,9 @@ __all__ = ["DoubleS", "Trapezoidal", "along_line"]
 
 _M = TypeVar("_M", bound="_Straight")
 
-# Durations of phases, and the highest derivative (of order 2 or 3) in each.
-Phases = list[tuple[float, float]]
+# How long the phases of a ramp from rest to full speed are, without the last one of a ramp whose
+# ends are rounded, which is as long as the first: (ramp,), or (rounding, constant acceleration).
+Ramp = tuple[float, ...]
 
 
 class _Straight(MotionToRest, StraightMotion):
@@ -35,31 +37,39 @@ class _Straight(MotionToRest, StraightMotion):
 
     @staticmethod
     @abstractmethod
-    def phases(*rates: float) -> tuple[Phases, Rate]:
-        """Give the phases over a way of 1 within limits of its rates, and which limit binds."""
+    def shape(*rates: float) -> tuple[Ramp, float, Rate]:
+        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
 
     @classmethod
-    def _fastest(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[float, Phases]:
+    def _fastest(
+        cls, start: FloatArray, goal: FloatArray, limits: Limits
+    ) -> tuple[float, tuple[Ramp, float] | None]:
         shares = (np.abs(goal - start) * limits.inverses).max(axis=1, initial=0.0).tolist()
         if not any(shares):
-            return 0.0, []
-        phases, _ = cls.phases(*(1.0 / share for share in shares[: len(cls.REQUIRED)]))
-        return sum(length for length, _ in phases), phases
+            return 0.0, None
+        ramp, duration, _ = cls.shape(*(1.0 / share for share in shares[: len(cls.REQUIRED)]))
+        return duration, (ramp, duration)
 
     @classmethod
     def _binding(cls, start: FloatArray, goal: FloatArray, limits: Limits) -> tuple[Rate, int]:
         shares = np.abs(goal - start) * limits.inverses
-        _, rate = cls.phases(*(1.0 / share for share in shares.max(axis=1)[: len(cls.REQUIRED)]))
+        largest = shares.max(axis=1)[: len(cls.REQUIRED)]
+        _, _, rate = cls.shape(*(1.0 / share for share in largest))
         return rate, int(np.argmax(shares[RATES.index(rate)]))
 
     @classmethod
     def _lasting(
-        cls: type[_M], start: FloatArray, goal: FloatArray, duration: float, shape: Phases
+        cls: type[_M],
+        start: FloatArray,
+        goal: FloatArray,
+        duration: float,
+        shape: tuple[Ramp, float] | None,
     ) -> _M:
-        order = len(cls.REQUIRED)
-        slower = duration / sum(length for length, _ in shape) if shape else 1.0
-        slow = [(length * slower, value / slower**order) for length, value in shape]
-        return cls(goal, along_line(start, goal - start, slow or [(duration, 0.0)], order))
+        if shape is None:
+            return cls(goal, PiecewisePolynomial(np.array([0.0, duration]), start[None, None]))
+        ramp, shortest = shape
+        slow = tuple(length * (duration / shortest) for length in ramp)
+        return cls(goal, along_line(start, goal - start, slow, duration))
 
 
 class Trapezoidal(_Straight):
@@ -71,15 +81,15 @@ class Trapezoidal(_Straight):
     ACCELERATION_STEPS: ClassVar[bool] = True
 
     @staticmethod
-    def phases(*rates: float) -> tuple[Phases, Rate]:
-        """Give the phases over a way of 1 within limits of velocity and acceleration."""
+    def shape(*rates: float) -> tuple[Ramp, float, Rate]:
+        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
         velocity, acceleration = rates
         ramp = velocity / acceleration
         cruise = 1.0 / velocity - ramp
         if cruise <= 0.0:
             ramp = math.sqrt(1.0 / acceleration)
-            return [(ramp, acceleration), (ramp, -acceleration)], "acceleration"
-        return [(ramp, acceleration), (cruise, 0.0), (ramp, -acceleration)], "velocity"
+            return (ramp,), 2.0 * ramp, "acceleration"
+        return (ramp,), 2.0 * ramp + cruise, "velocity"
 
 
 class DoubleS(_Straight):
@@ -88,8 +98,8 @@ class DoubleS(_Straight):
     REQUIRED: ClassVar[tuple[Rate, ...]] = ("velocity", "acceleration", "jerk")
 
     @staticmethod
-    def phases(*rates: float) -> tuple[Phases, Rate]:
-        """Give the phases over a way of 1 within limits of velocity, acceleration and jerk."""
+    def shape(*rates: float) -> tuple[Ramp, float, Rate]:
+        """Give ramp, duration and the limit that binds, for a way of 1 within limits of rates."""
         velocity, acceleration, jerk = rates
         binding: Rate = "velocity"
         step = min(acceleration / jerk, math.sqrt(velocity / jerk))
@@ -102,21 +112,29 @@ class DoubleS(_Straight):
             if ramp < 2.0 * step:
                 step, binding = (0.5 / jerk) ** (1.0 / 3.0), "jerk"
                 ramp = 2.0 * step
-        even = ramp - 2.0 * step
-        up = [(step, jerk), (even, 0.0), (step, -jerk)]
-        down = [(step, -jerk), (even, 0.0), (step, jerk)]
-        return [phase for phase in [*up, (cruise, 0.0), *down] if phase[0] > 0.0], binding
+        return (step, ramp - 2.0 * step), 2.0 * ramp + cruise, binding
 
 
 def along_line(
-    start: FloatArray, rise: FloatArray, phases: Phases, order: int
+    start: FloatArray, rise: FloatArray, ramp: Ramp, duration: float
 ) -> PiecewisePolynomial:
-    """Integrate a way from 0 to 1 from rest, and lay it on the line from `start` along `rise`."""
-    lengths = np.array([length for length, _ in phases])
-    taylor = np.zeros((order + 1, len(phases)))
+    """Lay a motion from rest to rest over a duration (s) on the line from `start` along `rise`.
+
+    The highest derivative, of an order above the number of phases in `ramp` by one, is constant in
+    each phase.  All breaks are whole multiples of the least step of numbers as large as the
+    duration, so that phases last exactly as long as their polynomials say, however short they are.
+    """
+    up, order = _rounded(ramp, duration), len(ramp) + 1
+    rising = [0.0, *up, *([sum(up)] if order == 3 else [])]
+    breaks = np.array([*rising, *(duration - instant for instant in reversed(rising))])
+    value = 1.0 / (math.prod(up) * (duration - sum(up)))
+    signs = [1.0, 0.0, -1.0] if order == 2 else [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0]
+    lasting = np.diff(breaks) > 0.0
+    lengths = np.diff(breaks)[lasting].tolist()
+    taylor = np.zeros((order + 1, len(lengths)))
     state = [0.0] * order
-    for k, (length, value) in enumerate(phases):
-        known = [*state, value]
+    for k, (length, sign) in enumerate(zip(lengths, np.array(signs)[lasting], strict=True)):
+        known = [*state, sign * value]
         taylor[:, k] = [rate / math.factorial(d) for d, rate in enumerate(known)]
         state = [
             sum(rate * length**i / math.factorial(i) for i, rate in enumerate(known[d:]))
@@ -124,4 +142,15 @@ def along_line(
         ]
     coefficients = taylor[:, :, None] * rise
     coefficients[0] += start
-    return PiecewisePolynomial(np.concatenate([[0.0], np.cumsum(lengths)]), coefficients)
+    return PiecewisePolynomial(np.append(breaks[:-1][lasting], duration), coefficients)
+
+
+def _rounded(ramp: Ramp, duration: float) -> list[float]:
+    """Round the instants of a ramp up, which lowers the derivatives; both ramps must have room."""
+    unit = math.ulp(duration)
+    half = math.floor(0.5 * duration / unit) * unit
+    up = [math.ceil(instant / unit) * unit for instant in accumulate(ramp)]
+    if sum(up) > half:
+        first = min(up[0], math.floor(half / (len(up) * unit)) * unit)
+        up = [first, half - first][: len(up)]
+    return up

@@ -104,8 +104,8 @@ def _double_s(path: PiecewisePolynomial, limits: PathLimits, jerk: FloatArray) -
     start, slope = path.coefficients[:2, 0]
     way = np.abs(slope) * path.duration
     kinds = (limits.velocity, limits.acceleration, jerk)
-    phases, _ = DoubleS.phases(*(1.0 / float((way / limit).max()) for limit in kinds))
-    law = along_line(path.breaks[:1], path.breaks[-1:] - path.breaks[:1], phases, 3)
+    ramp, duration, _ = DoubleS.shape(*(1.0 / float((way / limit).max()) for limit in kinds))
+    law = along_line(path.breaks[:1], path.breaks[-1:] - path.breaks[:1], ramp, duration)
     coefficients = np.zeros((6, len(law.spans), path.joints))
     coefficients[:4] = law.coefficients * slope
     coefficients[0] += start - path.breaks[0] * slope

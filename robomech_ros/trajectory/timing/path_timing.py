@@ -30,7 +30,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import check_positions
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.sample import FloatArray, Sample
 from robomech_ros.trajectory.timing.jerk_smoothing import smoothed
@@ -209,14 +209,19 @@ def _joined(motions: list[Timed], curve: PiecewisePolynomial) -> TimeOptimal:
         return TimeOptimal(pieces, curve.breaks[[0, -1]], np.zeros(2))
     starts: FloatArray = np.cumsum([0.0, *(motion.pieces.duration for motion in motions)])
     instants = [m.pieces.breaks[:-1] + start for m, start in zip(motions, starts, strict=False)]
-    pieces = PiecewisePolynomial(
+    pieces, lasting = lasting_pieces(
         np.append(np.concatenate(instants), starts[-1]),
         np.concatenate([m.pieces.coefficients for m in motions], axis=1),
     )
-    coordinates = np.concatenate(
-        [*(m.coordinates[:-1] for m in motions), motions[-1].coordinates[-1:]]
+    end = motions[-1].coordinates[-1], motions[-1].speeds[-1]
+    coordinates, speeds = (
+        np.append(np.concatenate(values)[lasting], last)
+        for values, last in zip(
+            ([m.coordinates[:-1] for m in motions], [m.speeds[:-1] for m in motions]),
+            end,
+            strict=True,
+        )
     )
-    speeds = np.concatenate([*(m.speeds[:-1] for m in motions), motions[-1].speeds[-1:]])
     joined = Timed(pieces, coordinates, speeds)
     slower = max(SHORTEST_TRAJECTORY / float(starts[-1]), 1.0)
     joined = joined.stretched(slower)

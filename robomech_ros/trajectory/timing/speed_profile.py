@@ -9,16 +9,17 @@ import numpy.typing as npt
 
 from robomech_ros._kernels.timing import peaks as time_peaks
 from robomech_ros._kernels.timing import pieces as time_pieces
-from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial, lasting_pieces
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.timing.path_limits import SpeedLimit, TorqueLimits
-from robomech_ros.trajectory.tolerances import LIMIT_SLACK
 
 __all__ = ["Bound", "PathLimits", "SpeedProfile", "Timed"]
 
 # Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
 # their pieces in time may miss, it is less than LIMIT_SLACK.
 TIMING_MARGIN = 2e-7
+# What is over a limit by less, in parts of it, counts as rounding.
+_ROUNDING = 1e-10
 
 
 Bound = Callable[[FloatArray], FloatArray]
@@ -115,8 +116,9 @@ class SpeedProfile:
         coefficients = np.empty((6, total, self.local.shape[1]))
         given = self.local, self.spans, self.bends, self.squares
         time_pieces.write_pieces(*given, counts, times, coordinates, speeds, coefficients)
-        pieces = PiecewisePolynomial(times, coefficients)
-        return Timed(pieces, coordinates + self.nodes[0], speeds)
+        kept = np.ones(total + 1, bool)
+        pieces, kept[:-1] = lasting_pieces(times, coefficients)
+        return Timed(pieces, coordinates[kept] + self.nodes[0], speeds[kept])
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,23 +140,22 @@ class Timed:
     def within(self, *limits: FloatArray) -> "Timed":
         """Stretch the time until velocity, acceleration (and jerk) keep to limits (n,) each.
 
-        All peaks are found between the samples as well; what is over by less than half of
-        `LIMIT_SLACK` counts as rounding.
+        All peaks are found between the samples as well.
         """
-        slower, floor = 1.0, 1.0 + 0.5 * LIMIT_SLACK
+        slower, floor = 1.0, 1.0 + _ROUNDING
         for order, limit in enumerate(limits, 1):
             given = self.pieces.breaks, self.pieces.coefficients, 1.0 / limit
             peak = float(time_peaks.peak_above(*given, order, floor))
             if peak > floor:
-                slower = max(slower, peak ** (1.0 / order))
+                slower = max(slower, (peak + _ROUNDING) ** (1.0 / order))
         return self.stretched(slower)
 
     def stretched(self, factor: float) -> "Timed":
         """Take longer by a factor, everywhere."""
         if factor == 1.0:
             return self
-        pieces = self.pieces
-        powers = factor ** -np.arange(len(pieces.coefficients), dtype=float)
-        slower = pieces.coefficients * powers[:, None, None]
-        pieces = PiecewisePolynomial(pieces.breaks * factor, slower)
-        return Timed(pieces, self.coordinates, self.speeds / factor)
+        breaks, kept = self.pieces.breaks * factor, np.ones(len(self.coordinates), bool)
+        powers = factor ** -np.arange(len(self.pieces.coefficients), dtype=float)
+        slower = self.pieces.coefficients * powers[:, None, None]
+        pieces, kept[:-1] = lasting_pieces(breaks, slower)
+        return Timed(pieces, self.coordinates[kept], self.speeds[kept] / factor)

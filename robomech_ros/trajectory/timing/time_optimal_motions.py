@@ -18,6 +18,7 @@ from robomech_ros.trajectory.curves.motion_to_rest import (
     check_positions,
 )
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.curves.sums import summed
 from robomech_ros.trajectory.curves.time_scaling import fitted
 from robomech_ros.trajectory.limits import Limits, Rate
 from robomech_ros.trajectory.profiles.velocity_profiles import DoubleS
@@ -36,10 +37,12 @@ __all__ = [
 _RAMP = 0.02
 # Points nearer to each other than this (rad or m, and in parts of the largest) are one: rounding
 # would take the way between them for a zigzag.
-_SAME = 1e-7
+_SAME = 1e-9
 # A segment of the path's parameter is at least this part of its neighbours: the spline would take a
 # bend between them in no time otherwise.
 _SHORTEST_BESIDE = 0.03
+# What via points may be missed by (rad, m) before they are made up for: rounding.
+_MISSED = 1e-12
 # Corrections of the instants at which via points are passed; convergence is quadratic.
 _CORRECTIONS = 4
 
@@ -144,7 +147,7 @@ def time_optimal_through(
     parameters, path = _path_through(places, limits)
     timed = time_optimal(path, smooth, jerk_smoothing=True)
     knots = _passed(timed, parameters, places)
-    pieces = with_fewer_pieces(timed.pieces, smooth)
+    pieces = _exactly_through(places, knots, with_fewer_pieces(timed.pieces, smooth))
     exact = fitted(pieces, smooth, duration)
     check_positions(exact, places[0], limits)
     knots = knots * (exact.duration / pieces.duration)
@@ -228,3 +231,13 @@ def _passed(timed: TimeOptimal, parameters: FloatArray, places: FloatArray) -> F
         instants = np.clip(instants, earliest, latest)
     instants[[0, -1]] = 0.0, timed.duration
     return instants
+
+
+def _exactly_through(
+    places: FloatArray, knots: FloatArray, curve: PiecewisePolynomial
+) -> PiecewisePolynomial:
+    """Add to a curve what it misses places (m, n) by at the knots (m,), by a spline."""
+    missed = places - curve.sample(knots).position
+    if np.abs(missed).max() <= _MISSED or not (np.diff(knots) > 0.0).all():
+        return curve
+    return summed(curve, cubic_spline(knots, missed, "rest"))

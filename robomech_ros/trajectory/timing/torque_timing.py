@@ -179,7 +179,7 @@ class _Model:
         """
         rates = np.abs(hull(self.path, 1)).max(axis=0)
         slowest = (rates / velocity).max(axis=1)
-        slowest = np.maximum(slowest, _SLOWEST * slowest.max() + np.finfo(float).tiny)
+        slowest = np.maximum(slowest, _SLOWEST * slowest.max()) if slowest.any() else slowest + 1.0
         middles = 0.5 * (self.path.breaks[1:] + self.path.breaks[:-1])
         speed = _FIRST_SPEED / slowest
         for _ in range(_HALVINGS if self.friction is not None else 0):

@@ -1,0 +1,1 @@
+"""Random plans by the thousand or the million: `make plans`."""
