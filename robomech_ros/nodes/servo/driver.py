@@ -26,6 +26,8 @@ __all__ = ["Driver"]
 
 # How long the robot is left alone after it did not follow (s).
 _LEFT_ALONE = 0.5
+# After so long (s) without a look the commands that wait may be of somebody who has let go since.
+_HELD_UP = 0.5
 # A joint that is slower than this part of its limit stands.
 _STANDING = 0.01
 
@@ -64,6 +66,8 @@ class Driver:
         self._fault: Fault | None = None
         # Until when at least the robot is left alone, and it is looked for commands (s).
         self._left_alone_until = self._awake_until = 0.0
+        # When it was looked for commands last, or for what to tell (s).
+        self._looked_at = clock.now()
         frames = RobotFrames(node, model, monitor, settings)
         self._stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         lead = self._stream.lead
@@ -97,6 +101,7 @@ class Driver:
         if self._timer.is_canceled():
             self._intake.attend(False)
             self._timer.reset()
+            self._looked_at = self._clock.now()
             self._tick()
 
     def pause(self, paused: bool) -> None:
@@ -111,8 +116,16 @@ class Driver:
         self._intake.choose(kind)
         self.wake()
 
+    def _after_hold_up(self, now: float, most: float) -> None:
+        """Pass over what waited where this process was held up for longer than `most` (s)."""
+        if now > self._looked_at + most:
+            self._intake.clear()
+            self._joints.excuse(now)
+        self._looked_at = now
+
     def _tick(self) -> None:
         now = self._clock.now()
+        self._after_hold_up(now, _HELD_UP)
         if self._intake.take(now):
             self._awake_until = now + REPEATED
         if not self._servo.active and not self._begin(now):
@@ -190,7 +203,9 @@ class Driver:
     def _tell_at_rest(self) -> None:
         """Publish the status from time to time also where nothing has happened for long."""
         if self._timer.is_canceled():
-            self._publish_idle(self._clock.now())
+            now = self._clock.now()
+            self._after_hold_up(now, REPEATED + _HELD_UP)
+            self._publish_idle(now)
 
     def _publish_idle(self, now: float) -> None:
         position = self._joints.position()

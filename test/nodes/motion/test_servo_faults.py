@@ -118,6 +118,29 @@ def test_a_signal_on_the_way_brakes_the_robot(drive, graph, process, number):
     assert np.abs(np.diff(velocities, axis=0)).max() < 0.5 * np.abs(velocities).max()
 
 
+@pytest.mark.slow
+def test_commands_from_a_time_when_the_servo_was_held_up_move_nothing(drive, graph, process):
+    """Who sent them may have let go since."""
+    child = []
+
+    def start(node, **parameters):
+        child.append(process(node, **parameters))
+
+    hand = Operator(drive(initial_positions=START), graph, start=start)
+    send = hand.speeds(["waist"], [0.8])
+    hand.repeat(send, lambda: hand.arm.velocity[0] > 0.7)
+    child[0].send_signal(signal.SIGSTOP)
+    stopped = time.monotonic()
+    hand.repeat(send, lambda: not hand.arm.velocity.any() and time.monotonic() > stopped + 1.0)
+    place, told = hand.arm.position, len(hand.statuses)
+    child[0].send_signal(signal.SIGCONT)
+    hand.wait_for(lambda: len(hand.statuses) > told + 3)
+    hand.until_still()
+    np.testing.assert_allclose(hand.arm.position, place, atol=1e-6)
+    hand.repeat(send, lambda: hand.arm.position[0] > place[0] + 0.1)
+    hand.until_still()
+
+
 def test_a_pause_in_full_motion_brakes_within_limits(operator):
     hand = operator()
     limits = hand.arm.chain
