@@ -84,7 +84,8 @@ class ArrivalWatch:
         positions = gateway.positions(delivery.names)
         self._progress.look(now, positions, gateway.heard(delivery.names))
         if positions is None:
-            self.off = f"no joint states of {', '.join(delivery.names)}"
+            # What was seen at last says more.
+            self.off = self.off or f"no joint states of {', '.join(delivery.names)}"
         else:
             kinds = gateway.kinds(delivery.names)
             tolerance, moved = self._settings.goal_tolerance, self._progress.moved

@@ -84,6 +84,12 @@ class JointStateMonitor:
         """
         return min((self._heard_in.get(name, 0) for name in joint_names), default=0)
 
+    def forget(self) -> None:
+        """Know no joint until it is heard of anew: whoever published them may be gone."""
+        for _ in self._waiting():
+            pass
+        self._states.clear()
+
     def require(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
         """Give the present positions (rad or m), shape (n,).
 

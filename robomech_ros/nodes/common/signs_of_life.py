@@ -3,7 +3,7 @@
 One that is killed stays in the graph for 20 s; the lease of its liveliness ends sooner.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from action_msgs.msg import GoalStatusArray
@@ -46,10 +46,14 @@ class SignsOfLife:
         Name of the action.
     lease : float
         How long there may be no sign of life, s.
+    on_end : callable
+        Called when a server has gone or shows no sign of life any more.
     """
 
-    def __init__(self, node: Node, action: str, lease: float) -> None:
-        self._node = node
+    def __init__(
+        self, node: Node, action: str, lease: float, on_end: Callable[[], None] = lambda: None
+    ) -> None:
+        self._node, self._on_end = node, on_end
         # Whether each server lives, by its participant, in the order in which they came.
         self._lives: dict[bytes, bool] = {}
         self._subscription = node.create_subscription(
@@ -98,6 +102,7 @@ class SignsOfLife:
             # Those that have left, then those that came first: they were restarted.
             living.sort(key=there.__contains__)
             self._lives.update(dict.fromkeys(living[:-count], False))
+            self._on_end()
         elif not self._living():
             # None of them is new: it stood still for a while.
             self._lives.update(dict.fromkeys(there[-count:], True))

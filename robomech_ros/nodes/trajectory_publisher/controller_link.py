@@ -41,6 +41,8 @@ class ControllerLink:
         What the controller says of trajectories sent by topic.
     life : SignsOfLife
         Whether the controller lives.
+    monitor : JointStateMonitor
+        Where the joints are.
     """
 
     def __init__(
@@ -51,11 +53,12 @@ class ControllerLink:
         action: ActionLink,
         refusals: ControllerRefusals,
         life: SignsOfLife,
+        monitor: JointStateMonitor,
     ) -> None:
         self._action = action
         self._life = life
         self._refusals = refusals
-        self._monitor = JointStateMonitor(node)
+        self._monitor = monitor
         self._publisher = node.create_publisher(
             JointTrajectory, f"{controller}/joint_trajectory", _DEPTH
         )

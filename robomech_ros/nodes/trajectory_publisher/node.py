@@ -6,6 +6,7 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.execution.client.delivery import Delivery
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
@@ -55,8 +56,12 @@ class TrajectoryPublisherNode(Node):
         )
         refusals = ControllerRefusals(self, settings.controller, self._take_result)
         action_name = f"{settings.controller}/{ExecuteGoals.name}"
-        life = SignsOfLife(self, action_name, settings.controller_lease)
-        self._link = ControllerLink(self, settings.controller, clock, action, refusals, life)
+        monitor = JointStateMonitor(self)
+        # What a controller has said of its joints says nothing of those of the next.
+        life = SignsOfLife(self, action_name, settings.controller_lease, monitor.forget)
+        self._link = ControllerLink(
+            self, settings.controller, clock, action, refusals, life, monitor
+        )
         self._loop = DispatchLoop(self, clock, self._link, settings)
         self._reader = DeliveryReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)

@@ -110,6 +110,21 @@ def test_a_publisher_that_was_killed_tells_what_became_of_the_motion(graph, proc
     assert arm.execute(arm.trajectory(there, goal)).error_code == 0
 
 
+@pytest.mark.slow
+def test_a_motion_from_home_while_the_controller_starts_again_there(graph, process):
+    """What the process before has said of the joints does not count: it was elsewhere."""
+    arm = Suite(graph, with_controller=False, controller_timeout=TIMEOUT)
+    controller = process(JointTrajectoryControllerNode, robot_description=ROBOT)
+    assert arm.execute(arm.trajectory(0.0, MOVE, duration=1.0)).error_code == 0
+    controller.send_signal(signal.SIGTERM)
+    assert controller.wait(TIMEOUT) == 0
+    waiting = arm.start_execute(arm.trajectory(0.0, 0.5 * MOVE, duration=1.0))
+    process(JointTrajectoryControllerNode, robot_description=ROBOT)
+    answer = graph.wait_for(waiting)
+    assert (answer.error_code, answer.error_msg) == (0, "")
+    arm.until_at(arm.home + 0.5 * MOVE)
+
+
 def reported(graph, text):
     """Wait until the publisher tells of the time before its start, with a text in it."""
 

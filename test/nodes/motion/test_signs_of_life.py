@@ -67,7 +67,7 @@ def test_a_successor_that_comes_before_the_death_is_noticed_lives(life, start):
     first.kill()
     until(lambda: list(life._lives.values()) == [False, True])
     assert not life.ended
-    assert reads(life) == (True, True)
+    until(lambda: reads(life) == (True, True))
     second.send_signal(signal.SIGSTOP)
     until(lambda: life.ended)
     second.send_signal(signal.SIGCONT)
