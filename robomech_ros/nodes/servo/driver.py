@@ -117,10 +117,14 @@ class Driver:
         self.wake()
 
     def _after_hold_up(self, now: float, most: float) -> None:
-        """Pass over what waited where this process was held up for longer than `most` (s)."""
+        """End what was under way where this process was held up for longer than `most` (s).
+
+        The robot has braked by the plan of the last message.
+        """
         if now > self._looked_at + most:
+            self._servo.end()
+            self._servo.forget()
             self._intake.clear()
-            self._joints.excuse(now)
         self._looked_at = now
 
     def _tick(self) -> None:

@@ -98,10 +98,6 @@ class JointWatch:
         self._waits_from = None
         self._heard, self._heard_at = self._monitor.heard(self._names), now
 
-    def excuse(self, now: float) -> None:
-        """Count from now on (s) how long no state comes: nobody was there to hear any."""
-        self._heard_at = now
-
     def tell(self, time: float, position: Array) -> None:
         """Note the commanded positions at a time (s)."""
         self._tracking.tell(time, position)
