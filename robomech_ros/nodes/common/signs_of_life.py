@@ -56,6 +56,9 @@ class SignsOfLife:
         self._node, self._on_end = node, on_end
         # Whether each server lives, by its participant, in the order in which they came.
         self._lives: dict[bytes, bool] = {}
+        # Who died, in that order, and whether the last change was that somebody came or came back.
+        self._died: list[bytes] = []
+        self._gained = False
         self._subscription = node.create_subscription(
             GoalStatusArray,
             f"{action}/_action/status",
@@ -101,15 +104,22 @@ class SignsOfLife:
         if count < 0:
             # Those that have left, then those that came first: they were restarted.
             living.sort(key=there.__contains__)
+            self._died += living[:-count]
             self._lives.update(dict.fromkeys(living[:-count], False))
             self._on_end()
-        elif not self._living():
-            # None of them is new: it stood still for a while.
-            self._lives.update(dict.fromkeys(there[-count:], True))
+        elif not any(self._lives[each] for each in there):
+            # None of them is new: it stood still for a while, most likely the last one that died.
+            back = [each for each in reversed(self._died) if each in there][:count]
+            self._died = [each for each in self._died if each not in back]
+            self._lives.update(dict.fromkeys(back, True))
+        self._gained = count > 0
 
     def _living(self) -> set[bytes]:
         """Give the participants of those servers that are there and live."""
-        return {each for each in self._servers() if self._lives.get(each, True)}
+        there = self._servers()
+        living = {each for each in there if self._lives.get(each, True)}
+        # Where somebody else came back than was thought, those that are left may be it.
+        return living or set(there if self._gained else ())
 
     def _servers(self) -> list[bytes]:
         """Give the participants of all servers in the graph, also of those that were killed."""

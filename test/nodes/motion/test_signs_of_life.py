@@ -74,3 +74,18 @@ def test_a_successor_that_comes_before_the_death_is_noticed_lives(life, start):
     until(lambda: not life.ended)
     second.terminate()
     until(lambda: life.ended)
+
+
+@pytest.mark.slow
+def test_one_that_stood_still_comes_back_and_not_one_that_was_killed(life, start):
+    """Both are in the graph, and the killed one for 20 s only."""
+    first = start()
+    first.kill()
+    until(lambda: life.ended)
+    second = start()
+    second.send_signal(signal.SIGSTOP)
+    until(lambda: life.ended)
+    second.send_signal(signal.SIGCONT)
+    until(lambda: list(life._lives.values()) == [False, True])
+    until(lambda: reads(life) == (True, True))
+    assert not life.ended
