@@ -9,6 +9,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel, RobotSettings
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
+from robomech_ros.nodes.common.sparing_log import PERIOD, SparingLog
 from robomech_ros.robots import RobotDescription, load_description
 from robomech_ros.robots.library import is_document
 
@@ -77,6 +78,7 @@ class _WaitingNode:
         begin: Callable[[str], None],
     ) -> None:
         self._node = node
+        self._complaints = SparingLog(node.get_logger())
         self._source = source
         self._begin = begin
         self._done = False
@@ -108,7 +110,7 @@ class _WaitingNode:
     def _receive(self, message: String) -> None:
         if self._done:
             text = "a new robot description is ignored; restart the node to change its robot"
-            self._node.get_logger().warning(text)
+            self._node.get_logger().warning(text, throttle_duration_sec=PERIOD)
             return
         self._robot = message.data
         self._try()
@@ -129,7 +131,7 @@ class _WaitingNode:
             self._begin(self._robot)
         except RobomechError as error:
             text = f"unusable robot on '{self._place}': {error}"
-            self._node.get_logger().error(text)
+            self._complaints.error(text)
             self._readiness.wait_for(text)
             return
         self._done = True

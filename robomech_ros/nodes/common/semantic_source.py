@@ -9,6 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, semantics_of
 from robomech_ros.robots.guarded_xml import is_xml
 
@@ -56,6 +57,7 @@ class SemanticSource:
     def __init__(self, node: Node, text_or_path: str, groups: Sequence[str], group: str) -> None:
         self.on_news: Callable[[], object] = lambda: None
         self._log = node.get_logger()
+        self._complaints = SparingLog(self._log)
         self._place = node.resolve_topic_name(SEMANTIC_TOPIC)
         self._given = text_or_path
         self._heard = ""
@@ -107,7 +109,9 @@ class SemanticSource:
     def _receive(self, message: String) -> None:
         if not is_xml(message.data):
             # What comes by the topic is a document and never names a file.
-            self._log.error(f"unusable SRDF on '{self._place}', ignored: it is no XML")
+            self._complain("it is no XML")
+            return
+        if self._model is not None and message.data == self._heard:
             return
         before, self._heard = self._heard, message.data
         if self._model is None:
@@ -123,5 +127,7 @@ class SemanticSource:
 
     def _drop(self, error: RobomechError) -> None:
         self._heard = ""
-        text = str(error)[:_LONGEST_NOTE]
-        self._log.error(f"unusable SRDF on '{self._place}', ignored: {text}")
+        self._complain(str(error)[:_LONGEST_NOTE])
+
+    def _complain(self, why: str) -> None:
+        self._complaints.error(f"unusable SRDF on '{self._place}', ignored: {why}")

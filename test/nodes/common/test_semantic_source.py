@@ -51,6 +51,28 @@ def test_an_srdf_of_another_robot_is_said_and_the_one_before_stays(graph):
     assert posture(graph, "there").error_code == 0
 
 
+def test_an_unusable_srdf_that_is_repeated_is_said_once(graph, capfd):
+    graph.start(KinematicsNode, **OPTIONS)
+    publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
+    bad = [SRDF.replace("left_joint_1", "joint_1"), "no document"]
+    for document in bad:
+        publisher.publish(String(data=document))
+        said(graph, "ignored: it is no XML" if document == bad[1] else "ignored: SRDF string")
+    for _ in range(20):
+        for document in bad:
+            publisher.publish(String(data=document))
+            # The answer comes behind what was heard before.
+            graph.call(Trigger, "kinematics/ready", Trigger.Request())
+    known = SRDF.replace('name="far"', 'name="there"').replace('"3.5"', '"0.5"')
+    publisher.publish(String(data=known))
+    for _ in range(1000):
+        if not posture(graph, "there").error_code:
+            break
+    assert posture(graph, "there").error_code == 0
+    # Each once in ten seconds, however long this takes; without that there are 42.
+    assert capfd.readouterr().err.count("unusable SRDF") < 21
+
+
 @pytest.mark.parametrize("first", ["robot_description", "robot_description_semantic"])
 def test_robot_and_groups_may_both_come_by_topics_in_any_order(graph, first):
     graph.start(KinematicsNode, group="right_arm")
