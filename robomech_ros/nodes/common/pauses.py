@@ -11,8 +11,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.timer import Timer
 
-__all__ = ["Turns", "Worker", "pause", "wake"]
+__all__ = ["Turns", "Worker", "ended_within", "passing_timer", "pause", "wake"]
 
 _T = TypeVar("_T")
 
@@ -56,6 +57,24 @@ async def pause(node: Node) -> None:
     if node not in _pauses:
         _pauses[node] = _Pauses(node)
     await _pauses[node].begin()
+
+
+async def ended_within(node: Node, done: Future, seconds: float) -> None:
+    """Wait for a future, or for a while by the machine's clock, after which its result is None."""
+    clock = Clock(clock_type=_STEADY)
+    timer = passing_timer(node, seconds, lambda: done.done() or done.set_result(None), clock)
+    await done
+    node.destroy_timer(timer)
+
+
+def passing_timer(
+    node: Node, seconds: float, callback: Callable[[], object], clock: Clock
+) -> Timer:
+    """Create a timer that will be destroyed.
+
+    Its callback group goes with it: that of the node would keep a trace of every timer there was.
+    """
+    return node.create_timer(seconds, callback, ReentrantCallbackGroup(), clock)
 
 
 def wake(node: Node) -> None:

@@ -4,11 +4,13 @@ import random
 from collections import Counter
 from typing import Any
 
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.common.polled_subscription import Inbox
 from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.common.sparing_log import PERIOD
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
 
@@ -117,12 +119,13 @@ class FixedFrames:
         if self._subscription is not None and not self.others.one_left:
             return frozenset(self._heard)
         # Which frames went with who left, the latched messages of those who are there will tell.
+        # The callback group of the node would keep a trace of every subscription there was.
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
         self._heard.clear()
         kind, topic = self._publisher.kind, self._publisher.fixed_topic
         self._subscription = self._node.create_subscription(
-            kind, topic, self._take, _FIXED, raw=True
+            kind, topic, self._take, _FIXED, callback_group=ReentrantCallbackGroup(), raw=True
         )
         return None
 
@@ -131,7 +134,8 @@ class FixedFrames:
             message = unpack(data, self._publisher.kind)
         except UnreadableMessageError as error:
             self._node.get_logger().warning(
-                f"passed over on '{self._publisher.fixed_topic}': {error}"
+                f"passed over on '{self._publisher.fixed_topic}': {error}",
+                throttle_duration_sec=PERIOD,
             )
             return
         if message != self._publisher.at_rest:

@@ -11,6 +11,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.pauses import passing_timer
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.sample import FloatArray
@@ -122,9 +123,8 @@ class ProgramRunner:
         self.condition = f"program, cycle {cycle + 1}, step {index + 1}: {what}"
         self._done += 1
         if not step.posture:
-            self._timer = self._node.create_timer(
-                max(step.wait, 1e-3), self._waited, clock=self._clock.clock
-            )
+            wait = max(step.wait, 1e-3)
+            self._timer = passing_timer(self._node, wait, self._waited, self._clock.clock)
             return
         try:
             delivery = self._delivery(self._plan(step, self._chain, self._position))

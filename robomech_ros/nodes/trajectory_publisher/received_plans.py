@@ -3,7 +3,6 @@
 import time
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
@@ -13,6 +12,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.pauses import ended_within
 from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
@@ -74,14 +74,7 @@ class ReceivedPlans:
         """Wait a moment for a plan that was made before a request but has not arrived."""
         if self._next is None or self._next.done():
             self._next = Future()
-        arrived = self._next
-        timer = self._node.create_timer(
-            _ON_ITS_WAY,
-            lambda: arrived.done() or arrived.set_result(None),
-            clock=Clock(clock_type=ClockType.STEADY_TIME),
-        )
-        await arrived
-        self._node.destroy_timer(timer)
+        await ended_within(self._node, self._next, _ON_ITS_WAY)
 
     def _listen(self, planner_topic: str) -> str:
         """Subscribe to plans, to none twice; returns the topics in words."""
