@@ -29,6 +29,7 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
+from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 from robomech_ros.nodes.process.start import EXIT_CANNOT_START
@@ -173,6 +174,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     if rest:
         return _refuse(program, f"unknown argument {rest[0]!r}; see --help")
     signals = _Signals()
+    bound_memory()
     nodes: list[Node] = []
     try:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
@@ -185,6 +187,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     watch_for_namesakes(nodes)
     watch_for_simulated_time(nodes)
     release_compiler_pages()
+    give_back_regularly()
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()
     spinner = Spinner(nodes)

@@ -1,0 +1,66 @@
+"""The memory of a node's process: bounded, and given back when nobody uses it any more."""
+
+import ctypes
+import threading
+from contextlib import suppress
+
+__all__ = ["LARGEST_DATA", "PERIOD", "bound_memory", "give_back_regularly"]
+
+# Largest size of a process's data, bytes; all nodes in one process have 1 GB.
+LARGEST_DATA = 3_000_000_000
+# How often memory is given back, s.  It takes about 1 ms of processor time, without the
+# interpreter's lock.
+PERIOD = 15.0
+
+
+def bound_memory(largest: int = LARGEST_DATA) -> None:
+    """Let the system refuse more memory to this process; a lower bound of the user's stays.
+
+    Fast CDR believes the length of a list in a request: a few corrupt bytes announce 93 million
+    poses, for which a node took all memory of the machine, silent for minutes.  Such a list is
+    refused by the bound, and the bytes are passed over.
+
+    Parameters
+    ----------
+    largest : int, optional
+        Of the data of the process (bytes).
+    """
+    try:
+        import resource
+    except ImportError:
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    if soft == resource.RLIM_INFINITY or soft > largest:
+        with suppress(OSError, ValueError):
+            resource.setrlimit(resource.RLIMIT_DATA, (largest, hard))
+
+
+def give_back_regularly(period: float = PERIOD) -> threading.Event:
+    """Trim all heaps of this process again and again, in a thread of its own.
+
+    Every thread that allocates has a heap, and a burst of large requests leaves holes in several;
+    the GNU C library returns none of them by itself.  Other C libraries are left alone.
+
+    Parameters
+    ----------
+    period : float, optional
+        Time between two trims (s).
+
+    Returns
+    -------
+    threading.Event
+        Set it to end the thread.
+    """
+    over = threading.Event()
+    try:
+        trim = ctypes.CDLL(None).malloc_trim
+    except (OSError, AttributeError):
+        return over
+    trim.argtypes = (ctypes.c_size_t,)
+
+    def work() -> None:
+        while not over.wait(period):
+            trim(0)
+
+    threading.Thread(target=work, name="trim", daemon=True).start()
+    return over
