@@ -24,6 +24,7 @@ COMMANDS = {
     "symbolic": (_HERE, "print closed forms of a robot's kinematics and dynamics"),
     "export-urdf": (_HERE, "write a robot as a URDF in which all of it can be seen"),
     "groups": (_HERE, "list a robot's groups of joints and named postures, by an SRDF"),
+    "security-policies": (_WITH_ROS, "write what SROS2 has to allow the nodes of a robot"),
     "robots": (_HERE, "list the robots that are known by name"),
     "warmup": (_HERE, "compile the numeric kernels, once"),
     "doctor": (_HERE, "say what is missing on this machine, and how to fix it"),

@@ -19,7 +19,7 @@ from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import load_description, main_chain, semantics_of
 
-__all__ = ["add_arguments", "launch_options", "run"]
+__all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
 
 EXIT_CHILD_FAILED = 1
 
@@ -30,6 +30,20 @@ _NAME_OF_ALL = re.compile(r"__(node|name):=")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.add_argument(
+        "--localhost",
+        action="store_true",
+        help="let this machine alone discover the nodes; default: ROS_AUTOMATIC_DISCOVERY_RANGE, "
+        "or the whole subnet",
+    )
+    parser.add_argument(
+        "--in-one-process", action="store_true", help="all nodes in one process and one executor"
+    )
+    add_launch_arguments(parser)
+
+
+def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say which nodes there are, and of which robot."""
     parser.add_argument(
         "--robot",
         default="",
@@ -64,16 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="drives move the simulated robot, through mass, friction and effort limits",
     )
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
-    parser.add_argument(
-        "--localhost",
-        action="store_true",
-        help="let this machine alone discover the nodes; default: ROS_AUTOMATIC_DISCOVERY_RANGE, "
-        "or the whole subnet",
-    )
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
-    parser.add_argument(
-        "--in-one-process", action="store_true", help="all nodes in one process and one executor"
-    )
     parser.add_argument(
         "--ros-args",
         nargs=argparse.REMAINDER,
@@ -85,7 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
-    _check(args)
+    check(args)
     if args.robot:
         _load(args)
     if args.localhost:
@@ -132,11 +137,17 @@ def _run_here(options: LaunchOptions) -> int:
 
     files = [argument for node in options.nodes for argument in config_file(node)]
     arguments = ["robomech", "--ros-args", *files, *options.ros_arguments()]
-    return run_nodes([_factory(node) for node in options.nodes], arguments)
+    return run_nodes([node_class(node) for node in options.nodes], arguments)
 
 
-def _check(args: argparse.Namespace) -> None:
-    """Refuse here, once, what every node would refuse in the middleware's words."""
+def check(args: argparse.Namespace) -> None:
+    """Refuse here, once, what every node would refuse in the middleware's words.
+
+    Raises
+    ------
+    BadValueError
+        It names the option.
+    """
     for path in args.params_file:
         if not Path(path).is_file():
             raise BadValueError("--params-file", path, "a YAML file that exists")
@@ -170,8 +181,8 @@ def _check_ros_args(words: list[str]) -> None:
         raise BadValueError("--ros-args", " ".join(words), expected) from None
 
 
-def _factory(node: str) -> Any:
-    """Find the node's class in its module: the one that has a table of parameters."""
+def node_class(node: str) -> Any:
+    """Find the class of a node in its module: the one that has a table of parameters."""
     module = import_module(NODE_MODULES[node])
     return next(
         value

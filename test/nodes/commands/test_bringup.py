@@ -117,7 +117,7 @@ def test_a_parameter_goes_to_the_nodes_that_have_it():
 
 @pytest.mark.parametrize("node", sorted(NODE_MODULES))
 def test_the_parameters_of_a_node_are_those_of_its_table(node):
-    names = {row.name for row in table_rows(bringup._factory(node).SETTINGS)}
+    names = {row.name for row in table_rows(bringup.node_class(node).SETTINGS)}
     assert launch_options._parameter_names(node) == names
 
 
@@ -166,7 +166,7 @@ def test_what_no_node_could_use_is_refused_once(option, value):
 def test_file_of_each_node_gives_the_defaults_of_its_table(node):
     values = yaml.safe_load((CONFIG / f"{node}.yaml").read_text(encoding="utf-8"))
     given = values["/**"][node]["ros__parameters"]
-    rows = {row.name: row for row in table_rows(bringup._factory(node).SETTINGS)}
+    rows = {row.name: row for row in table_rows(bringup.node_class(node).SETTINGS)}
     assert given.keys() <= rows.keys()
     for name, value in given.items():
         assert (tuple(value) if isinstance(value, list) else value) == rows[name].default, name
@@ -186,7 +186,7 @@ def documented(node):
 def test_every_parameter_is_documented_with_its_default(node):
     shown = {"''": '""', "True": "true", "False": "false", "()": "empty"}
     expected = {}
-    for row in table_rows(bringup._factory(node).SETTINGS):
+    for row in table_rows(bringup.node_class(node).SETTINGS):
         unit = f" {row.unit}" if row.unit in ("s", "Hz") else ""
         value = list(row.default) if row.default and type(row.default) is tuple else row.default
         default = shown.get(repr(value), str(value))
@@ -196,4 +196,4 @@ def test_every_parameter_is_documented_with_its_default(node):
 
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_node_is_found_and_has_its_name(node, graph):
-    assert graph.start(bringup._factory(node), robot_description="scara").get_name() == node
+    assert graph.start(bringup.node_class(node), robot_description="scara").get_name() == node

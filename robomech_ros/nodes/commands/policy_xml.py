@@ -1,0 +1,109 @@
+"""What nodes publish, hear, offer and use, as an access policy of SROS2."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from rclpy.action import (
+    get_action_client_names_and_types_by_node,
+    get_action_server_names_and_types_by_node,
+)
+from rclpy.node import Node
+
+__all__ = ["NodeRights", "policy_xml", "rights_of"]
+
+# Of the format, as `ros2 security` writes it.
+_VERSION = "0.2.0"
+# Services and topics that an action consists of.
+_PART_OF_ACTION = "/_action/"
+# Element of the entries, their name, and the rights to them.
+_KINDS = (
+    ("topics", "topic", ("publish", "subscribe")),
+    ("services", "service", ("reply", "request")),
+    ("actions", "action", ("execute", "call")),
+)
+
+
+@dataclass(frozen=True)
+class NodeRights:
+    """What one node may do, each a tuple of full names in alphabetical order.
+
+    Attributes
+    ----------
+    name, namespace : str
+        Of the node.
+    publish, subscribe : tuple of str
+        Topics.
+    reply, request : tuple of str
+        Services that it offers, and those that it calls.
+    execute, call : tuple of str
+        Actions likewise.
+    """
+
+    name: str
+    namespace: str
+    publish: tuple[str, ...]
+    subscribe: tuple[str, ...]
+    reply: tuple[str, ...]
+    request: tuple[str, ...]
+    execute: tuple[str, ...]
+    call: tuple[str, ...]
+
+
+def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
+    """Give the rights that a node of the graph makes use of.
+
+    Parameters
+    ----------
+    observer : Node
+        Who looks; may be the node itself.
+    name, namespace : str
+        Of the node.
+    """
+    at = name, namespace
+    return NodeRights(
+        name,
+        namespace,
+        _names(observer.get_publisher_names_and_types_by_node(*at)),
+        _names(observer.get_subscriber_names_and_types_by_node(*at)),
+        _names(observer.get_service_names_and_types_by_node(*at)),
+        _names(observer.get_client_names_and_types_by_node(*at)),
+        _names(get_action_server_names_and_types_by_node(observer, *at)),
+        _names(get_action_client_names_and_types_by_node(observer, *at)),
+    )
+
+
+def _names(found: Iterable[tuple[str, list[str]]]) -> tuple[str, ...]:
+    return tuple(sorted(name for name, _ in found if _PART_OF_ACTION not in name))
+
+
+def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
+    """Write the policy of nodes that share an enclave, for ``ros2 security create_permission``.
+
+    Parameters
+    ----------
+    rights : iterable of NodeRights
+    enclave : str
+        Its path, such as ``/robomech``.
+    """
+    policy = ElementTree.Element("policy", version=_VERSION)
+    enclaves = ElementTree.SubElement(policy, "enclaves")
+    one = ElementTree.SubElement(enclaves, "enclave", path=enclave)
+    profiles = ElementTree.SubElement(one, "profiles")
+    for node in rights:
+        profile = ElementTree.SubElement(profiles, "profile", ns=node.namespace, node=node.name)
+        profile.extend(_rules(node))
+    ElementTree.indent(policy)
+    return ElementTree.tostring(policy, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _rules(node: NodeRights) -> Iterator[ElementTree.Element]:
+    """Give one element for each right that the node makes use of."""
+    for element, entry, ways in _KINDS:
+        for way in ways:
+            names = getattr(node, way)
+            if names:
+                rule = ElementTree.Element(element, {way: "ALLOW"})
+                for name in names:
+                    ElementTree.SubElement(rule, entry).text = name
+                yield rule
