@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz plans moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz plans soak moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -77,7 +77,7 @@ test: compat ## everything: lint, all tests, colcon, the other distribution
 	@echo "test: robots move while lint, the other distribution and what computes take the rest"
 	@$(AT_ONCE) moving beside
 	$(PYTEST) $(ANSWERING)
-	$(PYTEST) $(INSTALLED)
+	$(PYTEST) $(CHOSEN) $(INSTALLED)
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
 	@$(AT_ONCE) CHOSEN='-q -m "not slow"' moving computing
@@ -96,6 +96,7 @@ beside:
 
 test-long: compat ## what takes minutes a test: random motions by the thousand
 	$(PYTEST) -m long $(COMPUTING)
+	$(PYTEST) -m long test/installed
 
 fuzz: compat ## attack the suite: random requests, goals, messages and bytes; COUNT=100000 SEED=0 ROBOT=puma560
 	$(BIN)/python test/fuzz --count "$(or $(COUNT),100000)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
@@ -103,6 +104,9 @@ fuzz: compat ## attack the suite: random requests, goals, messages and bytes; CO
 plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PROFILE=double_s
 	$(BIN)/python test/many_plans --count "$(or $(COUNT),1000000)" --seed "$(or $(SEED),0)" \
 	    --profile "$(PROFILE)"
+
+soak: compat ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 ROBOT=puma560
+	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

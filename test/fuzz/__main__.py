@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -22,18 +20,16 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "nodes")]
+sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "nodes")]
 
 from attack import Attack, Outcome  # noqa: E402
 from messages import MessageMaker  # noqa: E402
+from running_suite import RunningSuite, running_suite  # noqa: E402
 
 from robomech_interfaces.srv import Execute, PlanJoint, SetSpeed  # noqa: E402
-from robomech_ros.nodes.process.free_domain import free_domain  # noqa: E402
-from robomech_ros.nodes.process.reach import stay_on_this_machine  # noqa: E402
 from robomech_ros.nodes.process.start import NODE_MODULES  # noqa: E402
 from robomech_ros.robots import SerialChain, load_robot  # noqa: E402
 
-START = 60.0
 # Rounding of positions and times in messages.
 ROUNDING = 1e-6
 
@@ -104,45 +100,27 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0)")
     parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
     arguments = parser.parse_args()
-    stay_on_this_machine()
-    with free_domain() as domain:
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        return attacked(arguments.robot, arguments.count, arguments.seed)
+    with running_suite(arguments.robot, log=os.environ.get("FUZZ_LOG", os.devnull)) as suite:
+        faults = attack_suite(suite, load_robot(arguments.robot), arguments.count, arguments.seed)
+    if suite.exit_code:
+        print(f"FAULT bringup ended with exit code {suite.exit_code}")
+    return 1 if faults or suite.exit_code else 0
 
 
-def attacked(robot: str, count: int, seed: int) -> int:
-    """Bring the suite up, attack it, and take it down."""
-    command = [str(Path(sys.executable).parent / "robomech"), "bringup", "--robot", robot]
-    with open(os.environ.get("FUZZ_LOG", os.devnull), "w", encoding="utf-8") as log:
-        suite = subprocess.Popen(command, stdout=log, stderr=log)
-        try:
-            faults = attack_suite(suite, load_robot(robot), count, seed)
-        finally:
-            suite.send_signal(signal.SIGINT)
-            code = suite.wait(START)
-    if code:
-        print(f"FAULT bringup ended with exit code {code}")
-    return 1 if faults or code else 0
-
-
-def attack_suite(suite: subprocess.Popen[bytes], chain: SerialChain, count: int, seed: int) -> bool:
+def attack_suite(suite: RunningSuite, chain: SerialChain, count: int, seed: int) -> bool:
     """Attack a running suite; says whether something was wrong."""
     rng = np.random.default_rng(seed)
     rclpy.init(args=[])
     node = Node("attacker")
-    deadline = time.monotonic() + START
-    while not set(NODE_MODULES) <= set(node.get_node_names()):
-        assert time.monotonic() < deadline, "the suite does not come up"
-        time.sleep(0.1)
-    time.sleep(3.0)
+    suite.wait_until_ready(node)
     watch = Watch(node, chain)
     maker = MessageMaker(rng, chain)
-    attack = Attack(node, list(NODE_MODULES), maker, rng, lambda: suite.poll() is None)
+    attack = Attack(node, list(NODE_MODULES), maker, rng, suite.alive)
     began = time.monotonic()
     attack.run(count)
     if watch.fault:
         attack.outcome.faults.append(watch.fault)
-    if suite.poll() is None and (why := why_it_does_not_move(attack, chain)):
+    if suite.alive() and (why := why_it_does_not_move(attack, chain)):
         attack.outcome.faults.append(f"no motion is possible afterwards: {why}")
     report(attack.outcome, time.monotonic() - began)
     node.destroy_node()

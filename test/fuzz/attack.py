@@ -147,9 +147,19 @@ class Attack:
 
     def call(self, service: str, kind: Any, request: Any) -> Any:
         """Call one service and give its answer; None where none comes."""
-        future = ask(self._node, kind, service).call_async(request)
-        self._executor.spin_until_future_complete(future, PATIENCE)
+        client = ask(self._node, kind, service)
+        future = client.call_async(request)
+        self.wait_for(future)
+        self._node.destroy_client(client)
         return future.result()
+
+    def wait_for(self, future: Future) -> None:
+        """Go on until an answer is there, or for as long as one may take."""
+        self._executor.spin_until_future_complete(future, PATIENCE)
+
+    def spin_once(self, seconds: float) -> None:
+        """Wait for one event, for so long at the most."""
+        self._executor.spin_once(seconds)
 
     def _spin(self, most: int) -> None:
         self._executor.spin_once(0.0)

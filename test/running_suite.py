@@ -1,0 +1,102 @@
+"""The installed suite as processes, in a domain of its own, for programs that work against it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from robomech_ros.nodes.common.deep_queues import ask
+from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.reach import stay_on_this_machine
+from robomech_ros.nodes.process.start import NODE_MODULES
+
+__all__ = ["RunningSuite", "running_suite"]
+
+PATIENCE = 60.0
+# The last service that the suite offers: the servo computes a while before it serves.
+_LAST = "/servo/pause_servo"
+
+
+class RunningSuite:
+    """All nodes of one robot, started by `robomech bringup`.
+
+    Parameters
+    ----------
+    process : subprocess.Popen
+        The command that started them.
+
+    Attributes
+    ----------
+    exit_code : int or None
+        Of the command, when the suite has been taken down.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self._process = process
+        self.exit_code: int | None = None
+
+    def alive(self) -> bool:
+        """Say whether all nodes run: the command ends with the first of them."""
+        return self._process.poll() is None
+
+    def processes(self) -> dict[str, int]:
+        """Give the process of each node."""
+        pid, found = self._process.pid, {}
+        for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+            words = Path(f"/proc/{child}/cmdline").read_bytes().decode().split("\0")
+            found.update({node: int(child) for node in NODE_MODULES if node in words})
+        return found
+
+    def wait_until_ready(self, node: Node) -> None:
+        """Wait until every node serves, seen by somebody in the same domain whom nobody spins."""
+        deadline = time.monotonic() + PATIENCE
+        for name in NODE_MODULES:
+            client = ask(node, Trigger, f"{name}/ready")
+            while not client.service_is_ready():
+                assert self.alive() and time.monotonic() < deadline, f"{name} does not come up"
+                time.sleep(0.1)
+            answer = client.call_async(Trigger.Request())
+            rclpy.spin_until_future_complete(node, answer, timeout_sec=PATIENCE)
+            assert answer.done() and answer.result().success, f"{name} does not serve"
+            node.destroy_client(client)
+        while _LAST not in dict(node.get_service_names_and_types()):
+            assert self.alive() and time.monotonic() < deadline, f"no {_LAST}"
+            time.sleep(0.1)
+
+    def take_down(self) -> None:
+        """End all nodes as Ctrl-C does."""
+        if self.alive():
+            self._process.send_signal(signal.SIGINT)
+        self.exit_code = self._process.wait(PATIENCE)
+
+
+@contextmanager
+def running_suite(robot: str, *, log: str = os.devnull) -> Iterator[RunningSuite]:
+    """Bring the suite up in a free domain, which this process is put into, and take it down.
+
+    Parameters
+    ----------
+    robot : str
+        As for ``robomech bringup --robot``.
+    log : str
+        File for what the nodes say.
+    """
+    stay_on_this_machine()
+    command = [str(Path(sys.executable).parent / "robomech"), "bringup", "--robot", robot]
+    with free_domain() as domain, open(log, "w", encoding="utf-8") as stream:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        suite = RunningSuite(subprocess.Popen(command, stdout=stream, stderr=stream))
+        try:
+            yield suite
+        finally:
+            suite.take_down()
