@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,6 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial.arrays import listed
 from robomech_ros.spatial.poses import as_pose, pose_error
 from robomech_ros.trajectory import (
     JointLimits,
@@ -102,8 +100,6 @@ def follow_path(
     start: ArrayLike,
     *,
     bounds: PathBounds | None = None,
-    waypoints: ArrayLike | None = None,
-    checks: Sequence[PathCheck] = (),
     limits: JointLimits | Any = None,
 ) -> FollowedPath:
     """Follow a pose path with the joints of a chain as far as they can.
@@ -117,11 +113,7 @@ def follow_path(
     start : array_like, shape (n,)
         Joint values (rad or m) that choose the branch: those at the start of the path, or near.
     bounds : PathBounds, optional
-        Condition number and jumps that end the path.
-    waypoints : array_like, shape (m, 4, 4), optional
-        Poses (m) by which `StopReason.index` counts; without them the path's own parts.
-    checks : sequence of PathCheck
-        Each finds where else a joint path must end, such as `broken_condition`.
+        Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
         Whose position limits end the path; default those of the chain.
 
@@ -134,7 +126,7 @@ def follow_path(
     SeedOutsideLimitsError
         The start is outside the limits.
     BadValueError, WrongSizeError, NonFiniteError
-        Not a chain, a path, joint values or poses; a check that gives no PathCut.
+        Not a chain, a path or joint values; a check that gives no PathCut.
 
     See Also
     --------
@@ -166,19 +158,21 @@ def follow_path(
     if not np.isfinite(values).all():
         raise NonFiniteError("start", values)
     allowed, most = Limits.of(chain if limits is None else limits), _as_bounds(bounds)
-    others = _as_checks(checks)
-    poses = None if waypoints is None else _as_poses(waypoints)
     allowed.check_start(values)
     tracking = track_path(path, serial_arm(chain), values, limits=allowed)
     end = dead_end(tracking, chain, allowed)
-    tracking = _cut(tracking if end is None else tracking.cut(end), chain, most, others)
+    tracking = _cut(tracking if end is None else tracking.cut(end), chain, most)
     if tracking.status is PathTrackingStatus.COMPLETE:
         return FollowedPath(chain, path, values, tracking, None)
     joint = None if tracking.joint is None else chain.joint_names[tracking.joint]
     index = 0
     if tracking.path is not None:
-        index = _on_the_way_to(path, poses, tracking.reached)
-    text = tracking.reason if poses is None else f"before waypoints[{index}], {tracking.reason}"
+        index = _on_the_way_to(path, tracking.reached)
+    text = (
+        tracking.reason
+        if path.waypoints is None
+        else f"before waypoints[{index}], {tracking.reason}"
+    )
     stop = StopReason(index, joint, tracking.status, text)
     return FollowedPath(chain, path, values, tracking, stop)
 
@@ -227,14 +221,6 @@ def _as_bounds(bounds: PathBounds | None) -> PathBounds:
     return known
 
 
-def _as_checks(checks: Sequence[PathCheck]) -> tuple[PathCheck, ...]:
-    expected = "a list of callables"
-    known = tuple(listed("checks", checks, expected))
-    if not all(callable(one) for one in known):
-        raise BadValueError("checks", checks, expected)
-    return known
-
-
 def _as_poses(waypoints: ArrayLike) -> Array:
     """Check waypoints, and give them with their rounding."""
     shape = as_pose(waypoints, what="waypoints").shape
@@ -243,15 +229,13 @@ def _as_poses(waypoints: ArrayLike) -> Array:
     return np.asarray(waypoints, dtype=np.float64)
 
 
-def _cut(
-    tracking: PathTracking, chain: SerialChain, bounds: PathBounds, checks: Sequence[PathCheck]
-) -> PathTracking:
+def _cut(tracking: PathTracking, chain: SerialChain, bounds: PathBounds) -> PathTracking:
     """End a tracking where it is singular, jumps, or breaks a check first."""
     own: tuple[tuple[PathCheck, float], ...] = (
         (lambda joints: singular_cut(chain, joints, bounds), 0.0),
         (lambda joints: jump_cut(chain, joints, bounds), bounds.step),
     )
-    for check, reach in (*own, *((one, 0.0) for one in checks)):
+    for check, reach in (*own, *((one, 0.0) for one in bounds.checks)):
         if tracking.path is None:
             return tracking
         cut = check(tracking.path)
@@ -264,9 +248,9 @@ def _cut(
     return tracking
 
 
-def _on_the_way_to(path: PosePath, waypoints: Array | None, reached: float) -> int:
+def _on_the_way_to(path: PosePath, reached: float) -> int:
     """Find the waypoint on the way to which a coordinate is: each is where the path is nearest."""
-    slack = _REACHED * path.length
+    slack, waypoints = _REACHED * path.length, path.waypoints
     if waypoints is None:
         ends = path.breaks[1:]
         return min(int(np.searchsorted(ends, reached + slack, side="right")), len(ends) - 1)

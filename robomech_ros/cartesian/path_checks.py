@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import listed
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
 
@@ -38,7 +39,7 @@ _FEWEST = 10
 
 @dataclass(frozen=True)
 class PathBounds:
-    """Bounds that end a path.
+    """What ends a path.
 
     Attributes
     ----------
@@ -49,22 +50,29 @@ class PathBounds:
         Distance of neighbouring poses (m) between which a joint may move by no more than
     revolute_jump, prismatic_jump : float
         rad, m; infinite for any move.
+    checks : sequence of PathCheck
+        Each finds where else a joint path must end, such as `broken_condition`.
 
     Raises
     ------
     BadValueError
-        One of them is not a number above 0, or the step is infinite.
+        A bound is not a number above 0, the step is infinite, or a check is no callable.
     """
 
     condition: float = 200.0
     step: float = 0.01
     revolute_jump: float = 0.5
     prismatic_jump: float = 0.1
+    checks: Sequence[PathCheck] = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = above_zero(field.name, getattr(self, field.name))
-            object.__setattr__(self, field.name, value)
+        for name in ("condition", "step", "revolute_jump", "prismatic_jump"):
+            object.__setattr__(self, name, above_zero(name, getattr(self, name)))
+        expected = "a list of callables"
+        checks = tuple(listed("checks", self.checks, expected))
+        if not all(callable(one) for one in checks):
+            raise BadValueError("checks", self.checks, expected)
+        object.__setattr__(self, "checks", checks)
         if math.isinf(self.step):
             raise BadValueError("step", self.step, "a finite distance (m)")
 

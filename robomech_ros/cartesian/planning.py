@@ -9,7 +9,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
-from robomech_ros.cartesian.path_checks import PathBounds, PathCheck
+from robomech_ros.cartesian.path_checks import PathBounds
 from robomech_ros.cartesian.sampling import Sampling, in_steps
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
@@ -73,8 +73,6 @@ def plan_along(
     start: ArrayLike,
     *,
     bounds: PathBounds | None = None,
-    waypoints: ArrayLike | None = None,
-    checks: Sequence[PathCheck] = (),
     limits: JointLimits | Any = None,
     profile: str = "poly345",
     speeds: TipSpeeds | None = None,
@@ -92,8 +90,8 @@ def plan_along(
         Of its tip in its base, such as `path_through` makes it.
     start : array_like, shape (n,)
         Joint values (rad or m) at the start of the path, or near: they choose the branch.
-    bounds, waypoints, checks
-        As for `follow_path`.
+    bounds : PathBounds, optional
+        Condition number, jumps and checks of the caller that end the path.
     limits : JointLimits, optional
         Within which to move; default those of the chain.
     profile : str
@@ -136,9 +134,7 @@ def plan_along(
     >>> plan.trajectory.sample(plan.trajectory.duration).velocity.tolist()
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    followed = follow_path(
-        chain, path, start, bounds=bounds, waypoints=waypoints, checks=checks, limits=limits
-    )
+    followed = follow_path(chain, path, start, bounds=bounds, limits=limits)
     sampled = plan_followed(
         followed, limits=limits, profile=profile, speeds=speeds, sampling=sampling
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -41,7 +42,7 @@ def path_through(
     Returns
     -------
     PosePath or None
-        None where all waypoints are the start.
+        With all the waypoints; None where they all are the start.
 
     Raises
     ------
@@ -70,7 +71,7 @@ robomech_ros.trajectory.arc_path
         raise WrongSizeError("waypoints", 0, "at least one pose")
     here, others = _checked("start", start, 2), _checked("waypoints", waypoints, 3)
     if kind == "arc":
-        return _arcs(here, others)
+        return replace(_arcs(here, others), waypoints=others)
     poses = np.concatenate([here[None], others])
     apart = np.abs(pose_error(poses[1:], poses[:-1])).max(axis=1)
     kept = np.flatnonzero(np.append(True, apart > _SAME))
@@ -79,7 +80,7 @@ robomech_ros.trajectory.arc_path
         return None
     lay = straight_path if kind == "straight" else spline_path
     try:
-        return lay(distinct)
+        return replace(lay(distinct), waypoints=others)
     except BadValueError as error:
         raise _in_waypoints(error, kept, kind) from None
 

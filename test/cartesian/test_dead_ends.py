@@ -17,21 +17,21 @@ SLOW = PathBounds(condition=np.inf)
 
 
 def line(chain, start, direction, steps=20):
-    """A straight path of steps of 0.1 m, with its waypoints."""
+    """A straight path of steps of 0.1 m."""
     here = forward_kinematics(chain, start)
     waypoints = np.tile(here, (steps, 1, 1))
     waypoints[:, :3, 3] += 0.1 * np.arange(1, steps + 1)[:, None] * np.array(direction)
-    return path_through(here, waypoints), waypoints
+    return path_through(here, waypoints)
 
 
 @pytest.mark.parametrize("chain, start", [(UR5E, UR_START), (PUMA, PUMA_START)])
 def test_a_stretched_arm_is_said_with_the_waypoint(chain, start):
-    path, waypoints = line(chain, start, [0.0, 1.0, 0.0])
-    stop = follow_path(chain, path, start, waypoints=waypoints, bounds=SLOW).stop
+    path = line(chain, start, [0.0, 1.0, 0.0])
+    stop = follow_path(chain, path, start, bounds=SLOW).stop
     assert stop.kind is PathTrackingStatus.LOST
     assert stop.text.startswith(f"before waypoints[{stop.index}], at s = 0.")
     assert "the elbow is straight: out of reach beyond" in stop.text
-    near = follow_path(chain, path, start, waypoints=waypoints).stop
+    near = follow_path(chain, path, start).stop
     assert near.kind is PathTrackingStatus.SINGULAR
     assert near.text.endswith("too near to a singularity, the elbow is nearly straight")
 
@@ -40,17 +40,17 @@ def test_a_stretched_arm_is_said_with_the_waypoint(chain, start):
 def test_an_arm_whose_elbow_has_no_name_names_the_joint(robot, joint):
     """It said "the arm has no posture beyond", and nothing of what stretches."""
     chain = load_robot(robot)
-    path, waypoints = line(chain, chain.home(), [1.0, 0.0, 0.0])
-    stop = follow_path(chain, path, chain.home(), waypoints=waypoints, bounds=SLOW).stop
+    path = line(chain, chain.home(), [1.0, 0.0, 0.0])
+    stop = follow_path(chain, path, chain.home(), bounds=SLOW).stop
     assert stop.kind is PathTrackingStatus.LOST
     assert f"joint '{joint}' turns ever faster: out of reach beyond" in stop.text
-    near = follow_path(chain, path, chain.home(), waypoints=waypoints).stop
+    near = follow_path(chain, path, chain.home()).stop
     assert near.text.endswith(f"too near to a singularity, joint '{joint}' turns ever faster")
 
 
 def test_a_posture_on_another_branch_beyond_the_boundary_is_a_jump_with_its_unit():
-    path, waypoints = line(UR5E, UR_START, [0.0, 0.0, 1.0])
-    stop = follow_path(UR5E, path, UR_START, waypoints=waypoints, bounds=SLOW).stop
+    path = line(UR5E, UR_START, [0.0, 0.0, 1.0])
+    stop = follow_path(UR5E, path, UR_START, bounds=SLOW).stop
     assert (stop.kind, stop.joint) == (PathTrackingStatus.JUMP, "wrist_2_joint")
     assert "the elbow is straight: out of reach beyond on this branch" in stop.text
     assert "joint 'wrist_2_joint' would have to jump by 3.12 rad; " in stop.text
@@ -61,9 +61,9 @@ def test_a_posture_on_another_branch_beyond_the_boundary_is_a_jump_with_its_unit
 )
 def test_the_way_to_a_dead_end_is_left_where_it_is_pointless(direction):
     """Lasted 17 to 67 s before, 3 to 6 s with a bound of the condition number."""
-    path, waypoints = line(UR5E, UR_START, direction)
-    plan = plan_along(UR5E, path, UR_START, waypoints=waypoints, bounds=SLOW)
-    stop = plan_along(UR5E, path, UR_START, waypoints=waypoints)
+    path = line(UR5E, UR_START, direction)
+    plan = plan_along(UR5E, path, UR_START, bounds=SLOW)
+    stop = plan_along(UR5E, path, UR_START)
     assert plan.fraction > stop.fraction
     assert plan.trajectory.duration < 2.0 * stop.trajectory.duration < 12.0
     assert "on which the joints allow less than 0.01 m/s, are left out" in plan.stop.text
@@ -75,10 +75,10 @@ def test_the_way_to_a_dead_end_is_left_where_it_is_pointless(direction):
 
 
 def test_a_slow_robot_is_not_held_to_the_speed_of_others():
-    path, waypoints = line(UR5E, UR_START, [1.0, 0.0, 0.0])
+    path = line(UR5E, UR_START, [1.0, 0.0, 0.0])
     slow = replace(UR5E, velocity=1e-3 * UR5E.velocity)
-    found = follow_path(UR5E, path, UR_START, waypoints=waypoints, bounds=SLOW, limits=slow)
-    usual = follow_path(UR5E, path, UR_START, waypoints=waypoints, bounds=SLOW)
+    found = follow_path(UR5E, path, UR_START, bounds=SLOW, limits=slow)
+    usual = follow_path(UR5E, path, UR_START, bounds=SLOW)
     assert found.fraction == pytest.approx(usual.fraction, abs=1e-3)
 
 
@@ -104,7 +104,7 @@ def test_a_folded_elbow_between_parallel_axes_is_called_folded():
     turn = np.full(6, 6.28)
     arm = replace(UR5E, lower=-turn, upper=turn)
     start = np.array([0.0, -1.0, 2.8, -1.4, -1.5, 0.0])
-    path, waypoints = line(arm, start, [-1.0, 0.0, 0.0], steps=5)
-    found = follow_path(arm, path, start, waypoints=waypoints, bounds=SLOW)
+    path = line(arm, start, [-1.0, 0.0, 0.0], steps=5)
+    found = follow_path(arm, path, start, bounds=SLOW)
     assert 3.1 < found.joints.derivatives(found.joints.length)[0][2] < np.pi
     assert "the elbow is folded: the joint values change too fast" in found.stop.text

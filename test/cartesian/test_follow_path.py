@@ -1,5 +1,7 @@
 """Pose paths followed by chains: where they end, by which joint, and why."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,7 +48,7 @@ def shifted(*steps, of=HERE):
 def test_the_whole_path_has_no_stop():
     waypoints = shifted([0.1, 0.0, 0.0], [0.1, 0.1, 0.05])
     path = path_through(HERE, waypoints)
-    found = follow_path(PUMA, path, START, waypoints=waypoints)
+    found = follow_path(PUMA, path, START)
     assert found.stop is None and found.fraction == 1.0
     assert found.joints.length == path.length
     s = np.linspace(0.0, path.length, 200)
@@ -57,7 +59,7 @@ def test_the_whole_path_has_no_stop():
 def test_out_of_reach_ends_where_the_arm_does():
     waypoints = shifted([0.1, 0.0, 0.0], [2.0, 0.0, 0.0])
     path = path_through(HERE, waypoints)
-    found = follow_path(PUMA, path, START, waypoints=waypoints, bounds=ANY)
+    found = follow_path(PUMA, path, START, bounds=ANY)
     stop = found.stop
     assert stop.kind in (PathTrackingStatus.LOST, PathTrackingStatus.SINGULAR)
     assert (stop.index, stop.joint) == (1, None)
@@ -186,12 +188,16 @@ def test_checks_of_the_caller_end_the_path():
     def broken(q):
         return "the shoulder is too far" if sign * (q[1] - bound) > 0.0 else ""
 
-    found = follow_path(PUMA, path, START, bounds=ANY, checks=[broken_condition(broken, 0.01)])
+    found = follow_path(
+        PUMA, path, START, bounds=replace(ANY, checks=[broken_condition(broken, 0.01)])
+    )
     assert found.stop.kind is PathTrackingStatus.REJECTED
     assert found.stop.kind.code == Code.REJECTED
     assert found.stop.text.endswith(": the shoulder is too far")
     assert found.joints.length == pytest.approx(0.12, abs=1e-9)
-    never = follow_path(PUMA, path, START, checks=[broken_condition(lambda q: "no", 0.01)])
+    never = follow_path(
+        PUMA, path, START, bounds=PathBounds(checks=[broken_condition(lambda q: "no", 0.01)])
+    )
     assert never.joints is None and never.fraction == 0.0 and "no" in never.stop.text
 
 
@@ -200,8 +206,10 @@ def test_relative_jumps_are_counted_from_the_mean():
     end = forward_kinematics(PUMA, [0.3, 0.4, -0.6, 0.0, -0.3, 0.0])
     end[:3, 3] += [0.0, 0.004, 0.0]
     path = path_through(forward_kinematics(PUMA, q), [end])
-    free = follow_path(PUMA, path, q, bounds=ANY, checks=[relative_jump(PUMA, 0.001, np.inf)])
-    found = follow_path(PUMA, path, q, bounds=ANY, checks=[relative_jump(PUMA, 0.001, 3.0)])
+    loose, tight = (
+        replace(ANY, checks=[relative_jump(PUMA, 0.001, factor)]) for factor in (np.inf, 3.0)
+    )
+    free, found = (follow_path(PUMA, path, q, bounds=bounds) for bounds in (loose, tight))
     assert found.stop.kind is PathTrackingStatus.JUMP and found.fraction < free.fraction
     assert "over jump_threshold 3 times the mean" in found.stop.text
 
@@ -209,8 +217,8 @@ def test_relative_jumps_are_counted_from_the_mean():
 def test_the_stop_counts_waypoints_or_parts_of_the_path():
     waypoints = shifted([0.0, 0, 0], [0.05, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0], [3.0, 0, 0])
     path = path_through(HERE, waypoints)
-    assert follow_path(PUMA, path, START, waypoints=waypoints).stop.index == 4
-    assert follow_path(PUMA, path, START).stop.index == 2
+    assert follow_path(PUMA, path, START).stop.index == 4
+    assert follow_path(PUMA, replace(path, waypoints=None), START).stop.index == 2
 
 
 def test_whatever_arm_tracking_keeps_the_limits_it_is_given():
@@ -246,8 +254,7 @@ def test_wrong_arguments_are_refused_by_name():
         (lambda: follow_path(PUMA, path, [START]), WrongSizeError, "start"),
         (lambda: follow_path(PUMA, path, START * np.nan), NonFiniteError, "start"),
         (lambda: follow_path(PUMA, path, outside), SeedOutsideLimitsError, "waist"),
-        (lambda: follow_path(PUMA, path, START, waypoints=HERE), WrongSizeError, "waypoints"),
-        (lambda: follow_path(PUMA, path, START, waypoints=[]), WrongSizeError, "waypoints"),
+        (lambda: PathBounds(checks=[None]), BadValueError, "checks .*a list of callables"),
         (lambda: PathBounds(condition=0.0), BadValueError, "condition is 0.0"),
         (lambda: PathBounds(step=np.inf), BadValueError, "step"),
         (lambda: PathBounds(revolute_jump=np.nan), BadValueError, "revolute_jump"),

@@ -87,4 +87,4 @@ def test_a_check_that_gives_no_cut_is_refused(value):
     there[0, 3] += 0.05
     path = path_through(HERE, [there])
     with pytest.raises(BadValueError, match="a PathCut or None"):
-        follow_path(PUMA, path, START, checks=[lambda joints: value])
+        follow_path(PUMA, path, START, bounds=PathBounds(checks=[lambda joints: value]))

@@ -184,16 +184,10 @@ def _followed(question: CartesianQuestion, path: PosePath) -> FollowedPath:
             return question.conditions.broken({**question.positions, **dict(moved)})
 
         checks.append(broken_condition(broken, step))
-    bounds = PathBounds(math.inf, step, question.revolute_jump, question.prismatic_jump)
+    jumps = question.revolute_jump, question.prismatic_jump
+    bounds = PathBounds(math.inf, step, *jumps, checks)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
-        return follow_path(
-            chain,
-            path,
-            question.start,
-            bounds=bounds,
-            waypoints=question.waypoints,
-            checks=checks,
-        )
+        return follow_path(chain, path, question.start, bounds=bounds)
 
 
 def _speed_limits(question: CartesianQuestion, followed: FollowedPath) -> list[SpeedLimit]:

@@ -47,7 +47,7 @@ class PathRequest:
     kind : str
         Of the path, as `path_through` knows it.
     options : dict
-        Keywords of `plan_along`, apart from its waypoints.
+        Keywords of `plan_along`.
     """
 
     waypoints: NDArray[np.float64]
@@ -159,7 +159,7 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
         An invalid or negative number, or an unknown value of at_singularity.
     """
     _named("at_singularity", request.at_singularity, _AT_SINGULARITY)
-    numbers = [
+    condition, step, revolute, prismatic = (
         _positive(request, name) or getattr(settings, name)
         for name in (
             "condition_limit",
@@ -167,10 +167,10 @@ def _path_bounds(request: Any, settings: PlannerSettings) -> PathBounds:
             "revolute_jump_threshold",
             "prismatic_jump_threshold",
         )
-    ]
+    )
     if request.at_singularity == PlanCartesian.Request.SLOW:
-        numbers[0] = math.inf
-    return PathBounds(*numbers)
+        condition = math.inf
+    return PathBounds(condition, step, revolute, prismatic)
 
 
 def _tip_speeds(request: Any) -> TipSpeeds:

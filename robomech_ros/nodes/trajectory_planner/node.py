@@ -143,7 +143,6 @@ class TrajectoryPlannerNode(Node):
         limits = self._limits.scaled(velocity=kept, acceleration=kept, jerk=kept)
         sampling = Sampling(settings.sample_period, **settings.most)
         options = {**wanted.options, "limits": limits, "sampling": sampling}
-        options["waypoints"] = wanted.waypoints
         plan = partial(plan_along, self._chain, path, start, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()

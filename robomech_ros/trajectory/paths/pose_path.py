@@ -64,6 +64,9 @@ class PosePath:
         Path coordinate and parameter.
     parameters : ndarray, shape (k + 1,)
         Parameters of the ends and of all places where a derivative steps.
+    waypoints : ndarray, shape (m, 4, 4), or None
+        The poses (m) through which it was laid, by whose numbers places on it are told; None for
+        its own parts.
     """
 
     curve: Curve
@@ -71,6 +74,7 @@ class PosePath:
     radius: float
     measure: ArcLength
     parameters: FloatArray
+    waypoints: FloatArray | None = None
 
     @property
     def length(self) -> float:
