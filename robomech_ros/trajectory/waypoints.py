@@ -18,6 +18,8 @@ from robomech_ros.trajectory.sample import FloatArray, Trajectory
 __all__ = ["PiecewiseTrajectory", "Waypoints", "discretise", "position_rounding"]
 
 _NANOSECONDS = 1e9
+# Samples nearer to each other (s) could become one when they are rounded to whole nanoseconds.
+_NEAREST = 2e-9
 
 
 class PiecewiseTrajectory(Trajectory, Protocol):
@@ -141,6 +143,7 @@ def position_rounding(positions: FloatArray) -> float:
 def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> FloatArray:
     """List the breaks, a middle one for those that nearly coincide; the two ends for sure."""
     nearest = float(np.cbrt(position_rounding(curve.coefficients[0]) / jerk_error))
+    nearest = max(nearest, _NEAREST)
     breaks = curve.breaks
     inner = breaks[(breaks > nearest) & (breaks < breaks[-1] - nearest)]
     distinct = [breaks[0]]

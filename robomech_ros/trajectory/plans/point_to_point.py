@@ -134,7 +134,8 @@ def point_to_point(
     Returns
     -------
     PiecewiseTrajectory
-        With ``.duration`` (s), ``.sample(t)`` and ``.pieces``.
+        With ``.duration`` (s), ``.sample(t)`` and ``.pieces``, whose breaks increase strictly; the
+        limits are kept to 1e-9 of them everywhere.
 
     Raises
     ------

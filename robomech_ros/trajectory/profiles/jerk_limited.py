@@ -42,7 +42,9 @@ class JerkLimited:
     From rest every joint whose limits permit it follows the course of the slowest one, so that
     the path is as straight as possible; that costs no time.  A wanted duration slows the fastest
     motion down as a whole; from a moving start it is left to Ruckig.
-    The breaks of its pieces are the steps of the jerk of any joint.
+    The breaks of its pieces are the steps of the jerk of any joint.  Limits are kept to 1e-9 of
+    them.  As instants are rounded, accelerations of neighbouring pieces agree to 2e-15 of the
+    duration times the jerk.
 
     Attributes
     ----------

@@ -117,7 +117,9 @@ def time_optimal_through(
 
     Its knots are centripetal, in distances over the velocity limits; there are more of them where
     it would leave the position limits between the points.  Accelerations take 20 ms at
-    least to rise to their limits, longer where jerk limits say so.
+    least to rise to their limits, longer where jerk limits say so.  All points are passed exactly,
+    but for those nearer than 1e-9 (rad or m, and in parts of the largest) to the one before, which
+    are passed with it.
 
     Parameters
     ----------

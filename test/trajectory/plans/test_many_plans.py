@@ -10,6 +10,7 @@ from many_plans.cases import CASES
 from robomech_ros.errors import BadValueError
 from robomech_ros.trajectory import (
     Limits,
+    discretise,
     point_to_point,
     sampled_motion,
     through_points,
@@ -89,3 +90,12 @@ def test_issue_13_a_planner_that_is_no_function_is_refused(planner):
     limits = Limits(["lift"], velocity=1.0, acceleration=4.0, jerk=40.0)
     with pytest.raises(BadValueError, match="planner"):
         sampled_motion(planner, [0.0], limits, period=0.1, max_points=1000)
+
+
+def test_issue_13_samples_at_breaks_nearer_than_a_nanosecond_have_times_of_their_own():
+    limits = Limits(["lift"], velocity=1.0, acceleration=4.0, jerk=1e11)
+    motion = point_to_point([0.0], [1.0], limits=limits, profile="double_s")
+    assert np.diff(motion.pieces.breaks).min() < 1e-10
+    waypoints = discretise(motion, 0.1, 1000, jerk_error=1e300)
+    assert (np.diff(waypoints.times) > 0.0).all()
+    assert waypoints.curve.duration == waypoints.times[-1]
