@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz plans soak moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz load plans soak moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -107,6 +107,10 @@ plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PR
 
 soak: compat ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 ROBOT=puma560
 	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
+
+load: compat ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
+	$(BIN)/python test/load --count "$(or $(COUNT),1000)" --seconds "$(or $(SECONDS),10)" \
+	    --rate "$(or $(RATE),1000)" --only "$(ONLY)" --robot "$(ROBOT)"
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

@@ -27,7 +27,7 @@ from robomech_ros.nodes.common.deep_queues import ask, ask_action
 __all__ = ["Attack", "Outcome"]
 
 WINDOW = 100
-# A request that is not answered after so long counts as unanswered, s.
+# When nothing at all has been answered for so long, what is missing does not come, s.
 PATIENCE = 60.0
 # Services that every node has from rclpy, and topics that all nodes share.
 _PLUMBING = ("parameter", "type_description", "/_action/")
@@ -94,7 +94,8 @@ class Attack:
         self._node, self._maker, self._rng, self._alive = node, maker, rng, alive
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
-        self._waiting: dict[Future, tuple[str, str, float]] = {}
+        self._waiting: dict[Future, tuple[str, str]] = {}
+        self._heard = time.monotonic()
         self._find(names)
 
     def _find(self, names: list[str]) -> None:
@@ -133,17 +134,14 @@ class Attack:
 
     def settle(self) -> None:
         """End all motions, and wait until nothing is unanswered."""
-        deadline = time.monotonic() + PATIENCE
-        while self._waiting and time.monotonic() < deadline:
-            for service, name, kind, client in self._services:
+        self._heard = time.monotonic()
+        while self._waiting:
+            for service, _, kind, client in self._services:
                 if service.endswith(("/cancel", "/hold", "/resume")):
-                    self._await(client.call_async(kind.Request()), service, name)
+                    client.call_async(kind.Request())
             until = time.monotonic() + 1.0
             while self._waiting and time.monotonic() < until:
                 self._spin(0)
-        for service, _, _ in self._waiting.values():
-            self.outcome.unanswered[service] += 1
-        self._waiting.clear()
 
     def call(self, service: str, kind: Any, request: Any) -> Any:
         """Call one service and give its answer; None where none comes."""
@@ -163,27 +161,31 @@ class Attack:
 
     def _spin(self, most: int) -> None:
         self._executor.spin_once(0.0)
-        while len(self._waiting) > most:
+        while (count := len(self._waiting)) > most:
             self._executor.spin_once(0.01)
-            self._drop_late()
+            # What is here already is not late, however long this process was held up.
+            if len(self._waiting) == count:
+                self._drop_late()
             if most == 0:
                 return
 
     def _drop_late(self) -> None:
-        now = time.monotonic()
-        for future, (service, _, sent) in list(self._waiting.items()):
-            if now - sent > PATIENCE:
+        if time.monotonic() - self._heard > PATIENCE:
+            for service, _ in self._waiting.values():
                 self.outcome.unanswered[service] += 1
-                del self._waiting[future]
+            self._waiting.clear()
 
     def _await(self, future: Future, name: str, kind: str) -> None:
-        self._waiting[future] = name, kind, time.monotonic()
+        if len(self._waiting) <= 1:
+            self._heard = time.monotonic()
+        self._waiting[future] = name, kind
         future.add_done_callback(self._take)
 
     def _take(self, future: Future) -> None:
         if future not in self._waiting:
             return
-        name, kind, _ = self._waiting.pop(future)
+        name, kind = self._waiting.pop(future)
+        self._heard = time.monotonic()
         answer = future.result()
         answer = getattr(answer, "result", answer)
         self.outcome.codes[name][code_of(answer)] += 1

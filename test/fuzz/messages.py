@@ -57,9 +57,9 @@ class MessageMaker:
             "Duration": self._duration,
         }
 
-    def make(self, kind: type) -> Any:
-        """Make a message of a type."""
-        self._share = float(self._rng.choice(_SHARES))
+    def make(self, kind: type, share: float | None = None) -> Any:
+        """Make a message of a type; `share` of its leaves is wild, by default any share."""
+        self._share = float(self._rng.choice(_SHARES)) if share is None else share
         return self._filled(kind())
 
     def _filled(self, message: Any) -> Any:
