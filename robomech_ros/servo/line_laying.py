@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 # The most by which a joint moves from node to node (rad or m), far from and near a singularity.
 _STEP, _SHORT_STEP = 0.04, 0.01
+# By how much it turns from node to node (rad), where the shorter step allows that.
+_TURN = 0.1
 # Corrections smaller than this (rad or m) leave the square of it.
 _CONVERGED = 3e-5
 _CORRECTIONS = 6
@@ -145,7 +147,10 @@ class LineLaying:
         """Add a node, or end the way."""
         last = self.nodes[-1]
         near = last.heading.condition > self._resolver.slow_from
-        step = (_SHORT_STEP if near else _STEP) / float(np.abs(last.direction).max())
+        largest, bend = float(np.abs(last.direction).max()), _norm(self._bend * self.weights)
+        step = (_SHORT_STEP if near else _STEP) / largest
+        # Where it bends, nodes are nearer to each other.
+        step = min(step, max(_SHORT_STEP / largest, _TURN / max(bend, 1e-300)))
         shortest = self._shortest() * step
         low, found = 0.0, (yield from self._stepped(step))
         if found is not None and self._allows(found[0]):
@@ -195,6 +200,10 @@ class LineLaying:
             change = heading.gain @ small_motion(pose, heading.pose)
             more = -float(along @ change) / float(along @ heading.rates)
             change = change + more * heading.rates
+            if len(heading.null):
+                # What the tip does not feel follows from the directions alone.
+                off = last.q + self._run(step, heading.rates) - q
+                change = change + (heading.null @ off) @ heading.null
             time += more
             q = q + change
             if np.abs(change).max() < _CONVERGED:
@@ -215,6 +224,16 @@ class LineLaying:
             return None
         node.place = last.place + length * (1.0 + float(turn @ turn) / 24.0)
         return node, pose
+
+    def _run(self, step: float, rates: Array) -> Array:
+        """Give by how much joints move on a step to where they have rates, as the way bends."""
+        last = self.nodes[-1]
+        bend = (rates / max(_norm(rates * self.weights), 1e-300) - last.direction) / step
+        change = np.zeros_like(bend)
+        if len(self.nodes) > 1:
+            change = (bend - self._bend) / (step + last.place - self.nodes[-2].place)
+        run: Array = step * (last.direction + step * (0.5 * bend - step / 6.0 * change))
+        return run
 
     def _passed(self) -> Generator[None, None, bool]:
         """Lay the way through a singularity, if the tip loses next to nothing there."""

@@ -94,6 +94,8 @@ class Heading(NamedTuple):
         Whether the arm can carry out the whole twist.
     pose : ndarray, shape (4, 4)
         Of the tip in the base (m).
+    null : ndarray, shape (k, n)
+        Unit motions of the joints that the tip does not feel, those of a regular posture.
     """
 
     rates: Array
@@ -101,6 +103,7 @@ class Heading(NamedTuple):
     condition: float
     possible: bool
     pose: Array
+    null: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +235,8 @@ class TwistResolver:
         scaled = self._scale * twist
         missing = _norm(scaled - left @ (left.T @ scaled))
         possible = missing <= _SOMETHING * _norm(scaled)
-        return Heading(gain @ twist, gain, condition, possible, self._pose.copy())
+        pose, null = self._pose.copy(), right[rank:]
+        return Heading(gain @ twist, gain, condition, possible, pose, null)
 
     def unheld(self, q: Array, twist: Array, found: Resolution, acceleration: Array) -> Resolution:
         """Give rates and scale of a twist that is followed along no line.

@@ -77,9 +77,9 @@ class LateStream:
         )
 
     def jerk(self):
-        """Largest jerk by differences over 10 ms, over its limit."""
-        spans = (self.times[5:] - self.times[:-5])[:, None]
-        rates = np.abs(self.accelerations[5:] - self.accelerations[:-5]) / spans
+        """Largest jerk by differences from cycle to cycle, over its limit."""
+        spans = np.diff(self.times)[:, None]
+        rates = np.abs(np.diff(self.accelerations, axis=0)) / spans
         return float((rates / self.drive.servo.limits.jerk).max())
 
     def off_line(self):

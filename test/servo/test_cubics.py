@@ -44,10 +44,19 @@ def test_each_limit_is_kept_or_not(motion, inside, bound):
     assert (verdict.inside, list(verdict.bound)) == (inside, bound)
 
 
-def test_a_jump_of_the_acceleration_counts_as_if_it_took_a_period():
+def test_a_jump_of_the_acceleration_counts_as_in_a_cycle_of_the_controller():
+    """A jump by 1 m/s^2 is a jerk of 500 m/s^3 for 2 ms, beside that before and after it."""
     _, q, v = knots(0.0, 0.0, 0.0, 0.0, 2)
     _, onwards, faster = knots(0.0, 0.0, 1.0, 0.0, 2)
     joined = np.full(2, H), np.vstack((q, onwards[1:])), np.vstack((v, faster[1:]))
-    assert check().of(*joined).inside
-    assert not check(jerk=9.9).of(*joined).inside
+    assert check(jerk=501.0).of(*joined).inside
+    assert not check(jerk=499.0).of(*joined).inside
     assert check(jerk=np.inf).of(*joined).inside
+    _, onwards, faster = knots(0.0, 0.0, 1.0, -5.0, 2)
+    joined = np.full(2, H), np.vstack((q, onwards[1:])), np.vstack((v, faster[1:]))
+    assert not check(jerk=499.0).of(*joined).inside
+    assert check(jerk=501.0).of(*joined).inside
+    _, onwards, faster = knots(0.0, 0.0, 1.0, 5.0, 2)
+    joined = np.full(2, H), np.vstack((q, onwards[1:])), np.vstack((v, faster[1:]))
+    assert not check(jerk=504.0).of(*joined).inside
+    assert check(jerk=506.0).of(*joined).inside

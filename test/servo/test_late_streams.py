@@ -6,6 +6,7 @@ Before, a message 100 ms late made joints accelerate at 6 to 8 times their limit
 
 import numpy as np
 import pytest
+from approaches import random_start
 from late_streams import LateStream
 from servo_drives import TIMEOUT, robot_of
 
@@ -65,6 +66,39 @@ def test_joints_at_and_below_their_largest_speed_that_come_late(rates):
         LateStream("puma560", POSTURES["puma560"], jog(*rates), delay).assert_within()
 
 
+def random_stream(robot, number, speed, delay):
+    """One of the drives of the benchmark that measures all robots at the controller."""
+    rng = np.random.default_rng(1)
+    for _ in range(number + 1):
+        q, direction = random_start(robot, rng)
+    return LateStream(robot, q, twist(direction, speed), delay, seconds=2.0)
+
+
+@pytest.mark.parametrize(
+    ("robot", "number"), [("gen3", 0), ("iiwa14", 1), ("general7r", 2), ("vx300", 2)]
+)
+def test_accelerations_do_not_step_where_a_way_bends(robot, number):
+    """From cycle to cycle the jerk was 4.3, 3.1, 3.8 and 1.3 times its limit, in time."""
+    seen = random_stream(robot, number, 1.0, in_time)
+    seen.assert_within()
+    assert seen.off_line() < 5e-4
+
+
+@pytest.mark.parametrize(
+    ("robot", "number", "speed", "delay"),
+    [
+        ("gen3", 1, 0.4, one_late),
+        ("gen3", 1, 1.0, random_delays(0)),
+        ("crx10ia", 0, 0.2, random_delays(0)),
+    ],
+)
+def test_what_comes_late_is_neither_refused_nor_too_hard(robot, number, speed, delay):
+    """The first two were refused, and the jerk of the third was 2.1 times its limit."""
+    late = random_stream(robot, number, speed, delay)
+    late.assert_within()
+    assert late.off_line() < 5e-4
+
+
 @pytest.mark.parametrize("stopped", [0.1, 0.3])
 def test_a_controller_that_is_held_up(stopped):
     late = LateStream(
@@ -90,7 +124,7 @@ def test_a_robot_that_fell_behind_gets_nearer_again():
 def test_at_the_largest_speed_it_stays_behind():
     late = LateStream("puma560", POSTURES["puma560"], jog(9.0, 0, 0, 0, 0, 0), one_late)
     late.assert_within()
-    assert min(late.lags[100:140]) >= 0.02
+    assert min(late.lags[100:140]) >= 0.015
 
 
 def test_what_comes_in_time_is_followed_as_ever():

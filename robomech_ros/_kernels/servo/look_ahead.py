@@ -2,7 +2,10 @@
 
 from robomech_ros._kernels.compiling.jit import IN1, IN2, IOUT1, OUT2, i8, kernel
 
-__all__ = ["cubics_inside", "postures_on_way"]
+__all__ = ["CYCLE", "cubics_inside", "postures_on_way"]
+
+# Of controllers: a step of an acceleration is a jerk of so long (s).
+CYCLE = 2e-3
 
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
@@ -61,19 +64,20 @@ def cubics_inside(widths, q, v, limits, out):
     status = 0
     for j in range(q.shape[1]):
         out[j] = 0
-        before = 0.0
+        before = jerk_before = 0.0
         for k in range(widths.shape[0]):
             h, first, last = widths[k], v[k, j], v[k + 1, j]
             middle = 3.0 * (q[k + 1, j] - q[k, j]) / h - first - last
             start, end = 2.0 * (middle - first) / h, 2.0 * (last - middle) / h
-            # What changes at a knot counts as if it took a period.
-            change = abs(end - start) + (abs(start - before) if k else 0.0)
-            before = end
+            # What changes at a knot counts as in a cycle of the controller.
+            jerk, kink = (end - start) / h, (start - before) / CYCLE if k else 0.0
+            hardest = max(abs(jerk), abs(jerk + kink), abs(jerk_before + kink) if k else 0.0)
+            before, jerk_before = end, jerk
             speed = max(abs(middle), abs(first), abs(last))
             if (
                 speed > limits[2, j]
                 or max(abs(start), abs(end)) > limits[3, j]
-                or change > limits[4, j] * h
+                or hardest > limits[4, j]
             ):
                 return 1
             low = min(q[k, j], q[k + 1, j], q[k, j] + h / 3.0 * first, q[k + 1, j] - h / 3.0 * last)

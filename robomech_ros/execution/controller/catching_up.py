@@ -8,13 +8,13 @@ time for the robot, and the next one that leaves room brings it nearer.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from robomech_ros.errors import LimitExceededError
 from robomech_ros.execution.controller.curve_parts import (
-    acceleration_steps,
+    jerks_over,
     paced,
     peak_accelerations,
     peak_jerks,
@@ -31,7 +31,7 @@ from robomech_ros.trajectory.plans.verification import first_violation
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
-__all__ = ["LONGEST_LAG", "Belt", "caught_up", "too_hard"]
+__all__ = ["LONGEST_LAG", "Belt", "caught_up", "going_by", "too_hard"]
 
 # No robot follows a trajectory that is farther behind its stamps, s.
 LONGEST_LAG = 0.5
@@ -42,7 +42,7 @@ _TIMES = np.array([SHORTEST_BLEND, 0.08, 0.12, 0.18, 0.25, 0.35, 0.5, 0.7])
 _NEARER = np.array([-0.005, -0.002, -0.001])
 # The pace of a robot that catches up is no faster than this.
 _FASTEST = 1.5
-# So many of those that fit by samples are verified.
+# So many of those that fit by samples are verified, and about as many of the others.
 _VERIFIED = 6
 # A state off by less than this (rad, m, per s and s^2; a pace by less) is on the belt.
 _ON_IT = 1e-9
@@ -52,8 +52,10 @@ _NEAR = 1e-5
 _MOMENT = 5e-3
 # Places (s) where the robot is looked for on a belt, and how often the nearest one is improved.
 _STEP, _IMPROVED = 0.005, 3
-# A step of the acceleration is taken for a jerk of so long, s.
+# A step of the acceleration is taken for a jerk of so long, as at 500 Hz, s.
 _KINK = 2e-3
+# The part of that which a cubic to the first point may begin with.
+_OF_KINK = 0.02
 _ON_THE_WAY = "on the way onto a trajectory that comes late, the"
 # Rounding of rates, as their part.
 _SLACK = 1e-6
@@ -123,7 +125,7 @@ def too_hard(
     limits = np.maximum(joints.acceleration, np.abs(present.acceleration)), joints.limits.jerk
     peaks_of = peak_accelerations, peak_jerks
     kink = np.abs(curve.sample(0.0).acceleration - present.acceleration) / _KINK
-    if (kink > joints.limits.jerk).any():
+    if (kink > _OF_KINK * joints.limits.jerk).any():
         worst = int(np.argmax(kink / joints.limits.jerk))
         numbers = float(kink[worst]), float(joints.limits.jerk[worst])
         return LimitExceededError(f"{_ON_THE_WAY} jerk", joints.names[worst], *numbers)
@@ -150,7 +152,7 @@ def _gentle(curve: PiecewisePolynomial, present: State, joints: Joints) -> bool:
     return bool(
         (np.maximum(np.abs(begin), np.abs(end)) <= limit).all()
         and (np.abs(jerk) <= largest).all()
-        and (np.abs(begin - present.acceleration) <= _KINK * largest).all()
+        and (np.abs(begin - present.acceleration) <= _OF_KINK * _KINK * largest).all()
     )
 
 
@@ -180,16 +182,33 @@ def caught_up(
     """
     velocities = waypoints.velocities
     assert velocities is not None
-    since_first = waypoints.times - waypoints.times[0]
-    coming = interpolant(since_first, waypoints.positions, velocities, waypoints.accelerations)
-    coming = with_braking(coming, velocities[-1], joints)
-    lag = 0.0 if before is None else before.lag
-    coming = shifted(coming, float(waypoints.times[0]) - late + lag)
+    coming = _coming(waypoints, joints, late, 0.0 if before is None else before.lag)
     search = _Search(coming, present, joints, velocities[0])
     for curve in _belts(coming, before):
         for found in search.ways_onto(curve, before):
             return found
     return None
+
+
+def going_by(waypoints: Waypoints, joints: Joints, late: float, before: Belt) -> Belt:
+    """Give the belt with what comes late on it, for a robot that cannot get onto that yet.
+
+    Parameters are those of `caught_up`.
+    """
+    coming = _coming(waypoints, joints, late, before.lag)
+    if not before.curve.breaks[0] < min(coming.breaks[0], 0.0):
+        return before
+    return replace(before, curve=spliced(before.curve, coming))
+
+
+def _coming(waypoints: Waypoints, joints: Joints, late: float, lag: float) -> PiecewisePolynomial:
+    """Give the curve of a late trajectory on a clock that is 0 now, later by a lag (s)."""
+    velocities = waypoints.velocities
+    assert velocities is not None
+    since_first = waypoints.times - waypoints.times[0]
+    coming = interpolant(since_first, waypoints.positions, velocities, waypoints.accelerations)
+    coming = with_braking(coming, velocities[-1], joints)
+    return shifted(coming, float(waypoints.times[0]) - late + lag)
 
 
 def _belts(coming: PiecewisePolynomial, before: Belt | None) -> Iterator[PiecewisePolynomial]:
@@ -210,7 +229,7 @@ class _Search:
         here = np.maximum(joints.acceleration, np.abs(present.acceleration))
         self._acceleration = np.maximum(here, peak_accelerations(coming)) * (1.0 + _SLACK)
         self._jerk = np.maximum(limits.jerk, peak_jerks(coming)) * (1.0 + _SLACK)
-        self._step = np.maximum(_KINK * limits.jerk, acceleration_steps(coming)) * (1.0 + _SLACK)
+        self._change = np.maximum(limits.jerk, jerks_over(coming, _KINK)) * (1.0 + _SLACK)
         self._velocity = limits.velocity * (1.0 + _SLACK)
 
     def ways_onto(
@@ -299,7 +318,9 @@ class _Search:
     def _violates(self, way: PiecewisePolynomial) -> bool:
         if (peak_accelerations(way) > self._acceleration).any():
             return True
-        if (peak_jerks(way) > self._jerk).any() or (acceleration_steps(way) > self._step).any():
+        if (peak_jerks(way) > self._jerk).any():
+            return True
+        if (jerks_over(way, _KINK) > self._change).any():
             return True
         violation = first_violation(
             way, self._joints.limits, from_zero=False, to_rest=False, rates=("velocity",)
@@ -337,7 +358,8 @@ class _Search:
         fits &= (np.abs(jerk) <= self._jerk).all(axis=(2, 3))
         # As near to its time as possible, as soon as possible.
         found = [(float(delays[i]), float(_TIMES[k])) for i, k in np.argwhere(fits)]
-        return sorted(found, key=sum)[:_VERIFIED]
+        found.sort(key=sum)
+        return found[:_VERIFIED] + found[_VERIFIED :: max(len(found) // _VERIFIED, 1)]
 
 
 def _faded(ahead: FloatArray, time: float) -> FloatArray:

@@ -9,8 +9,8 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.sample import FloatArray
 
 __all__ = [
-    "acceleration_steps",
     "highest_accelerations",
+    "jerks_over",
     "paced",
     "part_from",
     "peak_accelerations",
@@ -25,6 +25,8 @@ __all__ = [
 _SHORTEST = 2e-3
 # How finely a change of pace is looked at (s), every which of these begins a piece, and rounding.
 _FINE, _COARSE, _ROUNDING = 1e-3, 5, 1e-12
+# How far from a break a curve is looked at for what it is before and after that, s.
+_BESIDE = 5e-6
 # The polynomial that is the time itself.
 _LIKE_TIME = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
@@ -62,7 +64,8 @@ def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> Piecewi
     """Give the part of a curve from 0 on, at another pace for a time (s).
 
     The place on the curve is the time plus the polynomial `ahead` (lowest power first) of it, both
-    in s; None where that would go backwards.  By cubics that are exact at both their ends.
+    in s; None where that would go backwards.  By quintics that are exact at both their ends, where
+    the curve may have steps of its accelerations.
     """
     rest = part_from(curve, time)
     if not time:
@@ -76,8 +79,18 @@ def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> Piecewi
     times = np.sort(np.concatenate((fine[::_COARSE], knots)))
     times = times[(times > _SHORTEST) & (times < time - _SHORTEST)]
     times = np.concatenate(([0.0], times[np.diff(times, prepend=0.0) > 0.25 * _SHORTEST], [time]))
-    there = curve.sample(progress(times))
-    through = interpolant(times, there.position, there.velocity * progress.deriv()(times)[:, None])
+    places, pace = progress(times), progress.deriv()(times)[:, None]
+    there = curve.sample(places)
+    through = interpolant(times, there.position, there.velocity * pace)
+    rate = progress.deriv(2)(times)[:, None]
+    ends = [
+        curve.sample(place).acceleration * p * p + v * r
+        for place, p, v, r in (
+            (places[:-1] + _BESIDE, pace[:-1], there.velocity[:-1], rate[:-1]),
+            (places[1:] - _BESIDE, pace[1:], there.velocity[1:], rate[1:]),
+        )
+    ]
+    through = _with_accelerations(through, *ends)
     if len(rest.breaks) < 2:
         return through
     parts = [through.coefficients, rest.coefficients]
@@ -85,6 +98,20 @@ def paced(curve: PiecewisePolynomial, ahead: FloatArray, time: float) -> Piecewi
         np.concatenate((times, time + rest.breaks[1:])),
         np.concatenate([_of_order(part, parts) for part in parts], axis=1),
     )
+
+
+def _with_accelerations(
+    cubics: PiecewisePolynomial, begin: FloatArray, end: FloatArray
+) -> PiecewisePolynomial:
+    """Give the quintics with the ends of s cubics, and accelerations (s, n) at both of them."""
+    spans, (position, velocity, half, sixth) = cubics.spans[:, None], cubics.coefficients
+    begin = 0.5 * begin - half
+    end = 0.5 * end - half - 3.0 * spans * sixth
+    fifth = (end - begin) / spans**3
+    fourth = (3.0 * begin - 2.0 * end) / spans**2
+    third = sixth + (end - 3.0 * begin) / spans
+    coefficients = np.stack((position, velocity, half + begin, third, fourth, fifth))
+    return PiecewisePolynomial(cubics.breaks, coefficients)
 
 
 def spliced(first: PiecewisePolynomial, then: PiecewisePolynomial) -> PiecewisePolynomial:
@@ -139,17 +166,23 @@ def peak_jerks(curve: PiecewisePolynomial) -> FloatArray:
     return _peaks(curve, 3)
 
 
-def acceleration_steps(curve: PiecewisePolynomial) -> FloatArray:
-    """Give the largest steps (n,) of the accelerations between pieces of a curve."""
+def jerks_over(curve: PiecewisePolynomial, span: float) -> FloatArray:
+    """Give the largest changes (n,) of the accelerations in a time (s) with a break, by that time.
+
+    What changes at a break counts, which the derivative of a curve does not show.
+    """
     if len(curve.breaks) < 3:
         return np.zeros(curve.joints)
-    given = curve.derivative(2)
-    spans = np.diff(curve.breaks)[:-1, None]
+    given, lengths = curve.derivative(2), curve.spans[:-1, None]
     ends = given[-1, :-1]
     for lower in given[-2::-1]:
-        ends = ends * spans + lower[:-1]
-    steps: FloatArray = np.abs(given[0, 1:] - ends).max(axis=0)
-    return steps
+        ends = ends * lengths + lower[:-1]
+    breaks, begins = curve.breaks[1:-1], given[0, 1:]
+    before = curve.sample(np.maximum(breaks - span, curve.breaks[0])).acceleration
+    after = curve.sample(np.minimum(breaks + span, curve.breaks[-1])).acceleration
+    changes = np.abs((begins - before, after - ends, begins - ends)).max(axis=(0, 1))
+    jerks: FloatArray = changes / span
+    return jerks
 
 
 def highest_accelerations(curve: PiecewisePolynomial) -> tuple[FloatArray, FloatArray]:

@@ -146,9 +146,10 @@ class Follower:
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
-        way = self._way_onto(waypoints, present, late)
+        way = self._way_onto(waypoints, present, late, self.now)
         strain = "" if streamed else self._strain(waypoints, present, late)
         if way.blocked:
+            self._let_go_by(way)
             delay, late = _AGAIN, late + _AGAIN
         begin = self.now + delay
         goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, strain=strain)
@@ -237,8 +238,9 @@ class Follower:
         self.active, self.phase = goal, Phase.MOVING
         self.motion.begin()
 
-    def _way_onto(self, waypoints: Waypoints, present: State, late: float) -> Way:
-        before = self._belt() if late > 0.0 else None
+    def _way_onto(self, waypoints: Waypoints, present: State, late: float, at: float) -> Way:
+        """Find the way at a time (s), up to which the robot has moved."""
+        before = self._belt(at) if late > 0.0 else None
         return way_onto(waypoints, present, self.joints, self.settings, late, before)
 
     def _strain(self, waypoints: Waypoints, present: State, late: float) -> str:
@@ -251,12 +253,12 @@ class Follower:
         strain.require(self.settings.max_acceleration_ratio)
         return str(strain)
 
-    def _belt(self) -> Belt | None:
-        """Give what is followed on a clock that is 0 now; None for nothing, or at another pace."""
+    def _belt(self, at: float) -> Belt | None:
+        """Give what is followed, on a clock that is 0 at a time; None for nothing, or slowed."""
         goal = self.active
         if goal is None or self.phase is not Phase.MOVING:
             return None
-        if abs(self.now - goal.begin - goal.time) > _IN_STEP:
+        if abs(at - goal.begin - goal.time) > _IN_STEP:
             return None
         belt = goal.belt or Belt(goal.curve)
         return belt.since(goal.time)
@@ -264,17 +266,24 @@ class Follower:
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            way = self._way_onto(goal.waypoints, self.desired, goal.late)
+            way = self._way_onto(goal.waypoints, self.desired, goal.late, goal.begin)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)
             return
         if way.blocked:
+            self._let_go_by(way)
             goal.begin, goal.late = goal.begin + _AGAIN, goal.late + _AGAIN
             self.waiting = goal
             return
         goal.curve, goal.belt = way.curve, way.belt
         self._begin(goal, "preempted by a trajectory that was to begin now")
+
+    def _let_go_by(self, way: Way) -> None:
+        """Remember the path of a trajectory that cannot be followed yet."""
+        goal = self.active
+        if goal is not None and way.belt is not None:
+            goal.belt = way.belt.since(-goal.time)
 
     def _drop_waiting(self, text: str, end: End = End.ABORTED, code: int = Code.PREEMPTED) -> None:
         goal, self.waiting = self.waiting, None

@@ -9,6 +9,7 @@ from robomech_ros.execution.controller.catching_up import (
     LONGEST_LAG,
     Belt,
     caught_up,
+    going_by,
     too_hard,
 )
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
@@ -34,7 +35,8 @@ class Way(NamedTuple):
     curve : PiecewisePolynomial
         From now on, to the end.
     belt : Belt or None
-        Where the trajectory is that is being caught up with; None if the robot is in time.
+        Where the trajectory is that is being caught up with, or that goes by; None if the robot is
+        in time.
     blocked : bool
         Whether the limits leave no way from the present motion yet, which is to go on.
     """
@@ -98,7 +100,7 @@ def way_onto(
     if (found := caught_up(near, present, joints, late, before)) is not None:
         return Way(*found)
     if before is not None and (curve is not None or behind):
-        return Way(near.curve, None, True)
+        return Way(near.curve, going_by(near, joints, late, before), True)
     assert refused is not None
     raise refused
 
