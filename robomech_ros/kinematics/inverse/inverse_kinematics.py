@@ -59,8 +59,8 @@ def inverse_kinematics(
 
     A redundant arm gets samples of its self-motion, in closed form for each value of its redundancy
     parameter. The first of them is the nearest to the seed along all branches of the self-motion
-    where ``nearest_proved`` is True, for the metric "linf" and arms as doc/inverse_kinematics.md
-    says, and else the nearest that was found. What is left, redundant partial tasks and chains with
+    where ``nearest_proved`` is True, for arms as doc/inverse_kinematics.md says, and else the
+    nearest that was found. What is left, redundant partial tasks and chains with
     very special geometry, is searched iteratively, and tolerances that are looser than the default
     are where no exact solution is found. ``complete`` is False for all of these.
 

@@ -14,68 +14,46 @@ these can change in an interval of t is known, hence how much the rates can, and
 
 import math
 
-from robomech_ros._kernels.algebra.angles import angle_of, wrapped
-from robomech_ros._kernels.compiling.jit import inline, lean, scratch
-from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
-from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
+from robomech_ros._kernels.algebra.angles import angle_of
+from robomech_ros._kernels.compiling.jit import inline, lean
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.vectors import about_z, back, cross, dot, norm, turned
-from robomech_ros._kernels.tolerances import ACCEPTED, PARALLEL_AXES
+from robomech_ros._kernels.inverse.redundant.arc_layout import (
+    ACROSS,
+    ANGLE,
+    BEND,
+    BEND_REACH,
+    COSINE,
+    COSINE_6,
+    COSINE_6_REACH,
+    COSINES,
+    DU,
+    DV,
+    DV_ACROSS,
+    DV_CHANGE,
+    EMPTY,
+    FAR,
+    IRREGULAR,
+    LENGTH2,
+    MOVED,
+    NEAREST,
+    RADIUS,
+    RATE,
+    RATE2,
+    REACH,
+    REGULAR,
+    SHOULDER,
+    SINE,
+    SINES,
+    SPREAD,
+    SQUARE,
+    TURNED,
+    Q,
+    U,
+    V,
+)
+from robomech_ros._kernels.inverse.redundant.vectors import about_z, back, dot, turned
 
-__all__ = [
-    "EMPTY",
-    "IRREGULAR",
-    "REGULAR",
-    "UNKNOWN",
-    "enter_first",
-    "first_joints",
-    "last_joints",
-    "prepare",
-    "start_level",
-]
-
-# What is known of an arc in an interval: there is none; there is one with bounded rates; or only
-# how far joints go is known.
-UNKNOWN = -1
-EMPTY = 0
-REGULAR = 1
-IRREGULAR = 2
-
-# Constants of one pose: the shoulder behind joint 7, the rotation from the base to there.
-SHOULDER = 0
-TURNED = 3
-SQUARE = 12  # of the length of v: constant, cosine and sine parts
-RADIUS = 15  # of the circle of the shoulder about axis 7
-POSE = 16
-
-# At one t: v, dv/dt, the squared length and its half rate, length across axis 6 and its angle.
-V = 0
-DV = 3
-LENGTH2 = 6
-RATE2 = 7
-ACROSS = 8
-ANGLE = 9
-DV_ACROSS = 10
-DV_CHANGE = 11  # how far v moves at most
-COSINE = 12  # of t
-SINE = 13
-BEND = 14  # angle of joint 4 from its middle, and how far that goes
-BEND_REACH = 15
-LEVEL = 16
-
-# Along an arc: the joints, their rates, by how much rates change, and how far joints go.
-Q = 0
-RATE = 7
-SPREAD = 14
-REACH = 21
-COSINES = 28  # of joints 4 to 7
-SINES = 32
-TURN = 36  # angular velocity of the upper arm in the base
-TURN_CHANGE = 39  # by how much that changes, or where it has no bound, by how much the arm turns
-AXIS_3 = 40  # in the base
-ARC = 43
-
-_FAR = 1e3
+__all__ = ["bend_elbow", "last_joints", "prepare", "start_level"]
 
 
 @lean
@@ -155,41 +133,55 @@ def _around(x, dx):
 
 
 @lean
-def last_joints(arm, pose, level, t, h, elbow, side, arc):
-    """Write joints 4 to 7 of an arc at t, and what they do within h, to ``arc`` (ARC,).
+def bend_elbow(arm, level, h, elbow, fold, arc):
+    """Write joint 4, and what it does within h, to ``arc`` (ARC,).
 
-    ``elbow`` and ``side`` are 1.0 or -1.0.  Returns EMPTY where there is no arc.
+    What follows for both arcs with this bend goes to ``fold`` (FOLD,); ``elbow`` is 1.0 or -1.0.
     """
     packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
     d4 = level[BEND_REACH]
     q4 = arm[at.ARC_PHASE] + elbow * level[BEND]
     c, s = math.cos(q4), math.sin(q4)
     arc[COSINES], arc[SINES] = c, s
+    arc[Q + 3], arc[REACH + 3] = q4, d4
     k = arm[at.ARC_ELBOW], arm[at.ARC_ELBOW + 1], arm[at.ARC_ELBOW + 2]
     x4 = about_z(c, -s, k)
     u = back(packed, 4, (x4[0] - packed[4, 10], x4[1] - packed[4, 11], x4[2] - packed[4, 12]))
-    u = u[0], u[1], u[2] - arm[at.ARC_HEIGHT_5]
     f = back(packed, 4, (x4[1], -x4[0], 0.0))
-    arc[Q + 3], arc[REACH + 3] = q4, d4
+    height = u[2] - arm[at.ARC_HEIGHT_5]
+    fold[U], fold[U + 1], fold[U + 2] = u[0], u[1], height
+    fold[DU], fold[DU + 1], fold[DU + 2] = f[0], f[1], f[2]
     # Joint 6, from the component along axis 5.
-    row = packed[5, 7], packed[5, 8], packed[5, 9]
-    sine = math.sqrt(row[0] * row[0] + row[1] * row[1])
-    radius = arm[at.ARC_RADIUS]
+    x, y, z = packed[5, 7], packed[5, 8], packed[5, 9]
+    sine = math.sqrt(x * x + y * y)
     moved = (level[DV_ACROSS] + level[DV_CHANGE]) * h
     across = level[ACROSS] - moved
+    fold[MOVED], fold[NEAREST] = moved, across
+    y = (height - z * level[V + 2]) / (sine * level[ACROSS])
+    dy = (abs(f[2]) + arm[at.ARC_RADIUS] * d4) * d4
+    dy += abs(z) * (abs(level[DV + 2]) + level[DV_CHANGE]) * h
+    fold[COSINE_6], fold[COSINE_6_REACH] = y, (dy / sine + abs(y) * moved) / across
+
+
+@lean
+def last_joints(arm, pose, level, t, h, side, fold, arc):
+    """Write joints 5 to 7 of an arc at t, and what they do within h, to ``arc`` (ARC,).
+
+    ``side`` is 1.0 or -1.0.  Returns EMPTY where there is no arc.
+    """
+    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
+    arc[Q + 6], arc[RATE + 6], arc[SPREAD + 6], arc[REACH + 6] = t, 1.0, 0.0, h
+    across, y, dy = fold[NEAREST], fold[COSINE_6], fold[COSINE_6_REACH]
     if across <= 0.0:
         return _anywhere(arc)
-    y = (u[2] - row[2] * level[V + 2]) / (sine * level[ACROSS])
-    dy = (abs(f[2]) + radius * d4) * d4
-    dy += abs(row[2]) * (abs(level[DV + 2]) + level[DV_CHANGE]) * h
-    dy = (dy / sine + abs(y) * moved) / across
     if abs(y) - dy > 1.0:
         return EMPTY
+    u, f = (fold[U], fold[U + 1], fold[U + 2]), (fold[DU], fold[DU + 1], fold[DU + 2])
+    row = packed[5, 7], packed[5, 8]
     regular = abs(y) + dy < 1.0
     angle, d6 = _around(y, dy)
     q6 = angle_of(row[1], row[0]) - level[ANGLE] + side * angle
-    arc[Q + 5], arc[REACH + 5] = q6, d6 + moved / across
-    arc[Q + 6], arc[RATE + 6], arc[SPREAD + 6], arc[REACH + 6] = t, 1.0, 0.0, h
+    arc[Q + 5], arc[REACH + 5] = q6, d6 + fold[MOVED] / across
     # Joint 5, from what is left.
     v = level[V], level[V + 1], level[V + 2]
     c, s = math.cos(q6), math.sin(q6)
@@ -211,7 +203,7 @@ def last_joints(arm, pose, level, t, h, elbow, side, arc):
 def _anywhere(arc):
     """Give up: joints 5 and 6 may be anywhere."""
     arc[Q + 4] = arc[Q + 5] = 0.0
-    arc[REACH + 4] = arc[REACH + 5] = _FAR
+    arc[REACH + 4] = arc[REACH + 5] = FAR
     return IRREGULAR
 
 
@@ -222,7 +214,7 @@ def _last_reach(arm, level, u, w, arc):
     across = math.sqrt(min(u[0] * u[0] + u[1] * u[1], w[0] * w[0] + w[1] * w[1]))
     off = arm[at.ARC_RADIUS] * d4
     away = level[DV_CHANGE] + math.sqrt(level[LENGTH2]) * d6
-    arc[REACH + 4] = _FAR
+    arc[REACH + 4] = FAR
     if max(off, away) < 0.5 * across:
         arc[REACH + 4] = off / (across - off) + away / (across - away)
     return IRREGULAR
@@ -278,119 +270,3 @@ def _last_rates(arm, pose, level, h, u, f, arc):
     arc[RATE + 4], arc[SPREAD + 4], arc[REACH + 4] = rate5, fixed + growing * d5, d5
     arc[RATE + 5], arc[SPREAD + 5], arc[REACH + 5] = rate6, spread6, d6
     return True
-
-
-@lean
-def _upper_arm(arm, pose, arc, axes):
-    """Write rotation base to upper arm, and axes 4 to 7 in the base, to ``axes`` (3, 7).
-
-    The first three columns are the rotation.
-    """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
-    rotation = pose[TURNED : TURNED + 9].reshape((3, 3))
-    for i in range(3):
-        # The i-th axis of the base in those of the link before joint 7, and on to the upper arm.
-        w = rotation[0, i], rotation[1, i], rotation[2, i]
-        axes[i, 6] = w[2]
-        for j in (6, 5, 4, 3):
-            c, s = arc[COSINES + j - 3], arc[SINES + j - 3]
-            w = turned(packed, j, about_z(c, s, w))
-            axes[i, j - 1] = w[2]
-        axes[i, 0], axes[i, 1] = w[0], w[1]
-    return 0
-
-
-@lean
-def first_joints(arm, pose, status, h, arc, first):
-    """Write joints 1 to 3 of both postures of the shoulder to ``first`` (2, 3).
-
-    Also how the upper arm turns, to ``arc``.  Returns whether there are two postures.
-    """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
-    axes, turn = scratch(3, 7), scratch(9)
-    _upper_arm(arm, pose, arc, axes)
-    for i in range(3):
-        v = back(packed, 0, (axes[0, i], axes[1, i], axes[2, i]))
-        turn[i], turn[3 + i], turn[6 + i] = v
-        arc[AXIS_3 + i] = axes[i, 2]
-    shoulder = arm[at.ARC_WRIST - wrist_at.ANGLES :]
-    count, _ = spherical_wrist(shoulder, turn, 0.0, ACCEPTED, PARALLEL_AXES, first)
-    d4, d5, d6 = arc[REACH + 3], arc[REACH + 4], arc[REACH + 5]
-    if status == REGULAR:
-        r4, r5, r6 = arc[RATE + 3], arc[RATE + 4], arc[RATE + 5]
-        for i in range(3):
-            known = axes[i, 6] + axes[i, 5] * r6 + axes[i, 4] * r5 + axes[i, 3] * r4
-            arc[TURN + i] = -known
-        change = arc[SPREAD + 3] + arc[SPREAD + 4] + arc[SPREAD + 5]
-        arc[TURN_CHANGE] = change + abs(r6) * h + abs(r5) * (h + d6) + abs(r4) * (h + d6 + d5)
-    else:
-        arc[TURN_CHANGE] = d4 + d5 + d6 + h
-    return count == 2
-
-
-@lean
-def enter_first(arm, status, h, first, arc):
-    """Write joints 1 to 3 to ``arc``, as ``first`` (3,) has them, and what they do within h.
-
-    Returns the status, or UNKNOWN where the shoulder is too nearly singular to tell.
-    """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
-    for j in range(3):
-        arc[Q + j] = wrapped(first[j] - arm[at.ARC_WRIST + j])
-    turn = arc[TURN_CHANGE]
-    if status == REGULAR:
-        turn += norm((arc[TURN], arc[TURN + 1], arc[TURN + 2]))
-        turn *= h
-    arc[REACH] = arc[REACH + 2] = _FAR
-    # At right angles, joint 2 turns no more than the arm.
-    right = arm[at.ARC_RIGHT] == 0.0 and arm[at.ARC_RIGHT + 2] == 0.0
-    arc[REACH + 1] = turn if right else _FAR
-    # Axes 1 to 3 in the base.
-    z1 = packed[0, 3], packed[0, 6], packed[0, 9]
-    w = packed[1, 3], packed[1, 6], packed[1, 9]
-    z2 = turned(packed, 0, about_z(math.cos(arc[Q]), math.sin(arc[Q]), w))
-    z3 = arc[AXIS_3], arc[AXIS_3 + 1], arc[AXIS_3 + 2]
-    return status if _first_rates(z1, z2, z3, status, h, arc) else UNKNOWN
-
-
-@lean
-def _first_rates(z1, z2, z3, status, h, arc):
-    """Write rates of joints 1 to 3 and how far they go; False where that has no bound."""
-    turn = arc[TURN], arc[TURN + 1], arc[TURN + 2]
-    change = arc[TURN_CHANGE]
-    n12, n23, n31 = cross(z1, z2), cross(z2, z3), cross(z3, z1)
-    s12, s23 = norm(n12), norm(n23)
-    determinant = dot(z1, n23)
-    size = abs(determinant)
-    if status != REGULAR:
-        # The whole turn, taken as a rate that lasts for one.
-        room = size * size - 4.0 * change
-        if room <= 0.0:
-            return False
-        d2 = 0.5 * (size - math.sqrt(room))
-        arc[REACH + 1] = d2
-        arc[REACH] = change * s23 / (size - d2)
-        arc[REACH + 2] = change * s12 / (size - d2)
-        return True
-    if determinant == 0.0:
-        return False
-    r1 = dot(turn, n23) / determinant
-    r2 = dot(turn, n31) / determinant
-    r3 = dot(turn, n12) / determinant
-    speed = norm(turn)
-    d1, d2 = 1.2 * abs(r1) * h, 1.2 * abs(r2) * h
-    for _ in range(5):
-        room = size - d2
-        if room <= 0.3 * size:
-            return False
-        x1 = (change * s23 + speed * (d1 + d2) * s23 + abs(r1) * d2) / room
-        x2 = (change + speed * (speed + change) * h + abs(r2) * d2) / room
-        x3 = (change * s12 + speed * d1 * s12 + abs(r3) * d2) / room
-        e1, e2 = (abs(r1) + x1) * h, (abs(r2) + x2) * h
-        if e1 <= d1 and e2 <= d2:
-            arc[RATE], arc[SPREAD], arc[REACH] = r1, x1, e1
-            arc[RATE + 1], arc[SPREAD + 1], arc[REACH + 1] = r2, x2, e2
-            arc[RATE + 2], arc[SPREAD + 2], arc[REACH + 2] = r3, x3, (abs(r3) + x3) * h
-            return True
-        d1, d2 = 1.1 * max(d1, e1), 1.1 * max(d2, e2)
-    return False

@@ -16,7 +16,7 @@ from robomech_ros._kernels.inverse.polishing import largest_error, pose_differen
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from
 from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 
-__all__ = ["approach", "minimax"]
+__all__ = ["approach", "best_step", "correct", "direction_like"]
 
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
 # the next one would be about its square.
@@ -88,6 +88,24 @@ def minimax(q, seed, t, low, high):
 
 
 @lean
+def best_step(request, q, rates, longest):
+    """Give the step along rates after which a posture is nearest to the seed, inside the limits."""
+    _, lower, upper, seed, metric, bounded = request
+    low, high = -longest, longest
+    for i in range(7):
+        if bounded and rates[i] != 0.0:
+            one, other = (lower[i] - q[i]) / rates[i], (upper[i] - q[i]) / rates[i]
+            low, high = max(low, min(one, other)), min(high, max(one, other))
+    if metric == LINF:
+        return minimax(q, seed, rates, low, high)
+    along = squares = 0.0
+    for i in range(7):
+        along += (seed[i] - q[i]) * rates[i]
+        squares += rates[i] * rates[i]
+    return min(max(along / squares, low), high)
+
+
+@lean
 def _wish(q, seed, metric, g):
     """Write the direction in which the distance from the seed shrinks fastest."""
     n = q.shape[0]
@@ -139,7 +157,7 @@ def _inside(q, lower, upper):
 
 
 @lean
-def _correct(J, y, before, q):
+def correct(J, y, before, q):
     """Add J^T y to q, the shortest move that corrects the pose, or the first part of a long one.
 
     Returns how far that undoes the step ``before`` (n,) along the self-motion, as a part of it.
@@ -189,6 +207,27 @@ def _direction(J, A, y, q, seed, metric, g):
         for k in range(7):
             g[k] = _ANY[k]
         _project(J, A, y, g)
+
+
+@lean
+def direction_like(J, A, y, way, g):
+    """Write the direction of the self-motion of seven joints on which g (7,) was a way ahead.
+
+    Where g is zero, ``way`` is its sense.  The joint that moves most moves by one; False where none
+    does.
+    """
+    largest = 0.0
+    for k in range(7):
+        largest = max(largest, abs(g[k]))
+    if largest == 0.0:
+        for k in range(7):
+            g[k] = way * _ANY[k]
+    largest = _project(J, A, y, g)
+    if largest < ON_BOUNDARY:
+        return False
+    for k in range(7):
+        g[k] /= largest
+    return True
 
 
 @lean
@@ -267,7 +306,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
             A[i, i] += NEAREST_DAMPING * error * error
         if not cholesky_solve(A, e, 6):
             return math.inf, False
-        undone = _correct(J, e, before, q)
+        undone = correct(J, e, before, q)
         if not settled:
             _direction(J, A, y, q, seed, metric, g)
             s = _length(q, seed, metric, g, lower, upper, bounded)

@@ -11,26 +11,35 @@ import math
 
 from numba import types
 
-from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, lean, part, scratch
+from robomech_ros._kernels.compiling.jit import IN1, IN2, OUT1, b1, f8, i8, lean, part, scratch
 from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.arcs import (
+from robomech_ros._kernels.inverse.redundant.arc_layout import (
     ARC,
     EMPTY,
+    FOLD,
     LEVEL,
     POSE,
     RATE,
     REGULAR,
     UNKNOWN,
     Q,
-    enter_first,
-    first_joints,
+)
+from robomech_ros._kernels.inverse.redundant.arc_shoulder import enter_first, first_joints
+from robomech_ros._kernels.inverse.redundant.arcs import (
+    bend_elbow,
     last_joints,
     prepare,
     start_level,
 )
-from robomech_ros._kernels.inverse.redundant.narrowing import enclose, narrow_joints, whole
-from robomech_ros._kernels.inverse.redundant.nearest import minimax
+from robomech_ros._kernels.inverse.redundant.narrowing import (
+    enclose,
+    is_beyond,
+    narrow_joints,
+    narrow_squares,
+    whole,
+)
+from robomech_ros._kernels.inverse.redundant.nearest import best_step
 
 __all__ = ["NEARER_BY", "prove_nearest"]
 
@@ -51,6 +60,7 @@ PROOF_INTERVALS = 600
 PROOF_WAITING = 128
 
 _ALL = 255
+_BOTH_SIDES = 0b110011
 _TURN = 2.0 * math.pi
 
 
@@ -107,36 +117,24 @@ def _keep(sides, bit, left, masks):
 @lean
 def _posture(arm, pose, t, k, flip, arc):
     """Write the posture of an arc at t, and its rates; False where it has none."""
-    level, first = scratch(LEVEL), scratch(2, 3)
+    level, fold, first = scratch(LEVEL), scratch(FOLD), scratch(2, 3)
     if not start_level(arm, pose, t, 0.0, level):
         return False
-    elbow, side = 1.0 - 2.0 * (k & 1), 1.0 - (k & 2)
-    status = last_joints(arm, pose, level, t, 0.0, elbow, side, arc)
+    bend_elbow(arm, level, 0.0, 1.0 - 2.0 * (k & 1), fold, arc)
+    status = last_joints(arm, pose, level, t, 0.0, 1.0 - (k & 2), fold, arc)
     if status != REGULAR or not first_joints(arm, pose, status, 0.0, arc, first):
         return False
     return enter_first(arm, status, 0.0, first[flip], arc) == REGULAR
 
 
 @lean
-def _step(request, q, rates, longest):
-    """Give the step along rates after which a posture is nearest to the seed, inside the limits."""
-    _, lower, upper, seed, bounded = request
-    low, high = -longest, longest
-    for i in range(7):
-        if bounded and rates[i] != 0.0:
-            one, other = (lower[i] - q[i]) / rates[i], (upper[i] - q[i]) / rates[i]
-            low, high = max(low, min(one, other)), min(high, max(one, other))
-    return minimax(q, seed, rates, low, high)
-
-
-@lean
 def _is_nearer(request, arc, distance):
     """Tell whether the posture of an arc is inside the limits and nearer than ``distance``."""
-    turns, lower, upper, seed, bounded = request
+    turns, lower, upper, seed, metric, bounded = request
     placed = scratch(7)
     if not place(turns, lower, upper, seed, bounded, arc[:7], placed):
         return False
-    return distance_from(placed, seed, LINF) < distance
+    return distance_from(placed, seed, metric) < distance
 
 
 @lean
@@ -146,21 +144,21 @@ def _improve(bench, request, k, flip, longest, distance):
     The posture is where the bench has the other arc, which is overwritten; that with the least
     distance becomes the nearest posture known.
     """
-    arm, pose, _, _, arc, _, _, _, _, _, nearest = bench
-    turns, lower, upper, seed, bounded = request
+    arm, pose, _, _, arc, _, _, _, _, _, _, nearest = bench
+    turns, lower, upper, seed, metric, bounded = request
     placed = scratch(7)
     t, step = arc[Q + 6], 0.0
     for _ in range(PROOF_STEPS):
         nearer = False
         if place(turns, lower, upper, seed, bounded, arc[:7], placed):
-            here = distance_from(placed, seed, LINF)
+            here = distance_from(placed, seed, metric)
             nearer = here < distance
         if nearer:
             distance = here
             for i in range(7):
                 nearest[i] = placed[i]
             t = arc[Q + 6]
-            step = _step(request, placed, arc[RATE : RATE + 7], longest)
+            step = best_step(request, placed, arc[RATE : RATE + 7], longest)
         else:
             step *= 0.25
         if abs(step) < PROOF_SHORTEST or not _posture(arm, pose, t + step, k, flip, arc):
@@ -188,7 +186,8 @@ def _examine_shoulder(bench, request, status, h, k, mask, distance):
 
     Returns the least distance from the seed, of postures in its middle, too.
     """
-    arm, pose, _, arc, other, first, box, sides, left, masks, _ = bench
+    arm, pose, _, arc, other, first, _, box, sides, left, masks, _ = bench
+    _, _, _, seed, metric, _ = request
     two = first_joints(arm, pose, status, h, arc, first)
     for flip in range(2):
         if not mask >> 2 * k + flip & 1:
@@ -205,6 +204,9 @@ def _examine_shoulder(bench, request, status, h, k, mask, distance):
             continue
         if two and not narrow_joints(0, 3, arc, regular, box, sides):
             continue
+        if two and metric != LINF:
+            if not narrow_squares(0, arc, regular, seed, distance - NEARER_BY, box, sides):
+                continue
         _keep(sides, float(1 << 2 * k + flip), left, masks)
     return distance
 
@@ -215,22 +217,30 @@ def _examine(bench, request, t, h, mask, distance):
 
     Returns the least distance from the seed, of postures in its middle, too.
     """
-    arm, pose, level, arc, _, _, box, sides, left, masks, _ = bench
+    arm, pose, level, arc, _, _, fold, box, sides, left, masks, _ = bench
+    _, _, _, seed, metric, _ = request
     left[0] = left[2] = math.inf
     left[1] = left[3] = -math.inf
     masks[0] = masks[1] = 0.0
     if not start_level(arm, pose, t, h, level):
         return distance
-    for k in range(4):
-        if not mask >> 2 * k & 3:
+    for branch in range(4):
+        # Both arcs with one bend of the elbow, then both with the other.
+        k = branch // 2 + 2 * (branch % 2)
+        if branch % 2 == 0 and mask >> branch & _BOTH_SIDES:
+            bend_elbow(arm, level, h, 1.0 - branch, fold, arc)
+        if not mask >> 2 * k & 3 or is_beyond(3, arc, box):
             continue
-        elbow, side = 1.0 - 2.0 * (k & 1), 1.0 - (k & 2)
-        status = last_joints(arm, pose, level, t, h, elbow, side, arc)
+        status = last_joints(arm, pose, level, t, h, 1.0 - (k & 2), fold, arc)
         if status == EMPTY:
             continue
         whole(h, sides)
         if not narrow_joints(3, 6, arc, status == REGULAR, box, sides):
             continue
+        if metric != LINF:
+            within = distance - NEARER_BY
+            if not narrow_squares(3, arc, status == REGULAR, seed, within, box, sides):
+                continue
         if status != REGULAR and h > PROOF_VAGUE:
             _keep(sides, float(mask & 3 << 2 * k), left, masks)
         else:
@@ -241,12 +251,16 @@ def _examine(bench, request, t, h, mask, distance):
 @lean
 def _probe(bench, request, t, h, distance):
     """Go down along the arcs of which the posture at t is nearer; return the least distance."""
-    arm, pose, level, arc, other, first, box, sides, _, _, _ = bench
+    arm, pose, level, arc, other, first, fold, box, sides, _, _, _ = bench
     if not start_level(arm, pose, t, 0.0, level):
         return distance
-    for k in range(4):
-        elbow, side = 1.0 - 2.0 * (k & 1), 1.0 - (k & 2)
-        status = last_joints(arm, pose, level, t, 0.0, elbow, side, arc)
+    for branch in range(4):
+        k = branch // 2 + 2 * (branch % 2)
+        if branch % 2 == 0:
+            bend_elbow(arm, level, 0.0, 1.0 - branch, fold, arc)
+        if is_beyond(3, arc, box):
+            continue
+        status = last_joints(arm, pose, level, t, 0.0, 1.0 - (k & 2), fold, arc)
         whole(0.0, sides)
         if status != REGULAR or not narrow_joints(3, 6, arc, True, box, sides):
             continue
@@ -274,7 +288,7 @@ def _copied(rows, count, out):
 @lean
 def _search(bench, request, waiting, doubted, distance):
     """Halve intervals until nothing is left; return the least distance and whether it is proved."""
-    box, left, masks = bench[6], bench[8], bench[9]
+    box, left, masks = bench[7], bench[9], bench[10]
     if not enclose(request, distance - NEARER_BY, box):
         return distance, True
     count, doubts, known = _begin(box, request[3], waiting), 0, distance
@@ -307,13 +321,13 @@ def _search(bench, request, waiting, doubted, distance):
     return distance, False
 
 
-@part(types.Tuple((f8, b1))(IN1, IN2, IN2, b1, f8, OUT1))
-def prove_nearest(data, T, joints, bounded, distance, best):
+@part(types.Tuple((f8, b1))(IN1, IN2, IN2, i8, b1, f8, OUT1))
+def prove_nearest(data, T, joints, metric, bounded, distance, best):
     """Find the nearest posture of the pose T (4, 4), and tell whether it is proved to be that.
 
     ``joints`` (4, 7) holds whether joints turn, lower and upper limits, which hold where
     ``bounded``, and the seed; ``best`` (7,) the nearest posture known, at this ``distance`` from
-    the seed, the largest move of a joint, which is infinite where there is none.  Returns the
+    the seed by the ``metric``, which is infinite where there is none.  Returns the
     distance of the posture that is in ``best`` then, and whether no other is nearer by more than
     NEARER_BY.
     """
@@ -328,10 +342,11 @@ def prove_nearest(data, T, joints, bounded, distance, best):
     for i in range(0 if bounded else 7):
         # Else windings inside the limits would stand for nearer ones outside.
         own[1, i], own[2, i] = -math.inf, math.inf
-    request = own[0], own[1], own[2], own[3], bounded
+    request = own[0], own[1], own[2], own[3], metric, bounded
     pose, level, arc, other = scratch(POSE), scratch(LEVEL), scratch(ARC), scratch(ARC)
-    first, box, sides, left, masks = scratch(2, 3), scratch(14), scratch(4), scratch(4), scratch(2)
-    bench = arm, pose, level, arc, other, first, box, sides, left, masks, nearest
+    first, fold, box = scratch(2, 3), scratch(FOLD), scratch(14)
+    sides, left, masks = scratch(4), scratch(4), scratch(2)
+    bench = arm, pose, level, arc, other, first, fold, box, sides, left, masks, nearest
     _target_of(backwards, T, target)
     prepare(arm, target, pose)
     waiting, doubted = scratch(PROOF_WAITING, 3), scratch(PROOF_WAITING, 3)

@@ -42,6 +42,7 @@ from robomech_ros._kernels.inverse.redundant.arm_angle import (
 )
 from robomech_ros._kernels.inverse.redundant.nearest import NEAREST_ERROR, approach
 from robomech_ros._kernels.inverse.redundant.nearest_proof import NEARER_BY, prove_nearest
+from robomech_ros._kernels.inverse.redundant.walking import walk
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 
 __all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
@@ -56,14 +57,14 @@ APPROACHED_WITHIN = 0.8
 # but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
 # would only lead there.
 APPROACHED_AGAIN = 0.03
+# Distance as the root of squares (rad) from which on no proof is tried: it would take long.
+PROOF_OF_SQUARES = 1.5
 # Where steps from the seed come no nearer than FROM (rad or m), others begin beside it, with some
-# joints away from it by this part of the distance, of MOST at most; so many of them, the last two
-# only where no posture is nearer than that.
+# joints away by this part of the distance, of MOST at most; the last two only where none is nearer.
 BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
-
 # Steps that bring a posture beside a singular one onto its pose.
 POLISH_STEPS = 10
 
@@ -191,8 +192,8 @@ def _sample(data, T, seed, angle, locked, k, steps, q, branch):
 def _approach_from_seed(packed, T, request, low, high, tries, beside, q):
     """Write to q (n,) the nearest posture to which steps from the seed and beside it lead.
 
-    There are ``tries`` beside it at most.
-    ``beside`` (n,) is working space.  Returns what :func:`approach` does.
+    There are ``tries`` beside it at most, and ``beside`` (n,) is working space.  Returns what
+    :func:`approach` does.
     """
     _, lower, upper, seed, metric, bounded = request
     n = seed.shape[0]
@@ -200,7 +201,8 @@ def _approach_from_seed(packed, T, request, low, high, tries, beside, q):
         q[i] = seed[i]
     distance, settled = approach(packed, T, lower, upper, seed, metric, bounded, q)
     for k in range(tries):
-        if distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST):
+        # From any posture of seven joints a walk goes on.
+        if distance < math.inf and (n == 7 or distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST)):
             break
         # First two joints to one side and to the other, then all of them.
         away = BESIDE_BY * min(distance, BESIDE_MOST) * (1.0 if k % 2 == 0 else -1.0)
@@ -233,8 +235,8 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
     to be the nearest of all, not only of samples: then no others are made where only the nearest
     is asked for.
     The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
-    it is as near as its self-motion goes, which else gets NaN.  Where only the nearest is asked
-    for, samples that are farther from the seed than the first are left out.
+    it is as near as its self-motion goes, else NaN.  Where only the nearest is asked for, samples
+    that are farther from the seed than the first are left out.
     """
     turns, lower, upper, seed, metric, bounded = request
     rows, names, distances = ranked
@@ -246,13 +248,13 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
     bare = ZERO
     steps = int(data[at.SAMPLES])
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
-    arcs = metric == LINF and data[at.ARCS] > 0.0
+    arcs = data[at.ARCS] > 0.0
     tries = 0 if arcs else BESIDE
     distance, settled = _approach_from_seed(packed, T, request, low, high, tries, locked, placed)
     proved = False
-    if arcs:
+    if arcs and (metric == LINF or distance < PROOF_OF_SQUARES):
         nearest_so_far = distance
-        distance, proved = prove_nearest(data, T, joints, bounded, distance, placed)
+        distance, proved = prove_nearest(data, T, joints, metric, bounded, distance, placed)
         if distance < nearest_so_far and _misses(packed, T, placed):
             for i in range(n):
                 locked[i] = placed[i]
@@ -325,6 +327,27 @@ def _approach_first(packed, T, request, count, reached, ranked):
     return count
 
 
+@inline
+def _walk(packed, T, joints, request, count, best, ranked):
+    """Walk along self-motions from the first ranked solution, or from the seed where there is none.
+
+    ``joints`` is as :func:`walk` has it, ``best`` (7,) working space.  Returns how many solutions
+    there are then.
+    """
+    _, _, _, seed, metric, bounded = request
+    rows, names, distances = ranked
+    distance = distances[0] if count > 0 else math.inf
+    if distance <= BESIDE_FROM:
+        return count
+    for i in range(7):
+        best[i] = rows[0, i] if count > 0 else seed[i]
+    away = walk(packed, T, joints, metric, bounded, distance, best)
+    if away < distance:
+        name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
+        count = insert(best, name, away, count, rows, names, distances)
+    return count
+
+
 @kernel(i8(IN1, IN3, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1))
 def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
@@ -346,7 +369,7 @@ def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, dista
     q = np.empty((MAX_SOLUTIONS, n))
     branch = scratch_integers(MAX_SOLUTIONS)
     reached = np.empty((APPROACHED + 1, n))
-    low, high = np.empty(n), np.empty(n)
+    low, high, beside = np.empty(n), np.empty(n), np.empty(n)
     joints = np.empty((4, n))
     proved = False
     for i in range(n):
@@ -361,6 +384,9 @@ def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, dista
         )
         if not proved:
             count = _approach_first(packed, T[m], request, count, reached, into)
+        if not proved and n == 7:
+            count = _walk(packed, T[m], joints, request, count, beside, into)
+            bare = max(bare, count)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
             for i in range(n):
