@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz load plans soak moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -111,6 +111,9 @@ soak: compat ## use the suite for half an hour, and see what its nodes hold; MIN
 load: compat ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
 	$(BIN)/python test/load --count "$(or $(COUNT),1000)" --seconds "$(or $(SECONDS),10)" \
 	    --rate "$(or $(RATE),1000)" --only "$(ONLY)" --robot "$(ROBOT)"
+
+faults: compat ## kill, end and hold up every node in mid motion, step its clock; ONLY='servo.*kill' chooses, ROBOT=puma560
+	$(BIN)/python test/faults --only "$(ONLY)" --robot "$(ROBOT)"
 
 lint: setup ## ruff, mypy and import-linter
 	$(BIN)/ruff check .

@@ -55,7 +55,7 @@ def operator(drive, graph):
 @pytest.fixture
 def simulated_time(graph):
     """A clock that runs at twice the speed of time, and jumps."""
-    return SimulatedTime(graph)
+    return SimulatedTime(graph.client)
 
 
 @pytest.fixture

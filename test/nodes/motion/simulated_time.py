@@ -5,20 +5,18 @@ import threading
 from builtin_interfaces.msg import Time
 from rosgraph_msgs.msg import Clock
 
-STEP = 0.01
-
 
 class SimulatedTime:
-    """Publishes /clock at twice the speed of time, and lets it jump."""
+    """Publishes /clock in steps (s), at a part or a multiple of the speed of time; it may jump."""
 
-    def __init__(self, graph):
-        self._publisher = graph.client.create_publisher(Clock, "/clock", 10)
-        self._lock, self._now = threading.Lock(), 10_000.0
-        graph.client.create_timer(0.5 * STEP, self._tick)
+    def __init__(self, node, step=0.01, speed=2.0):
+        self._publisher = node.create_publisher(Clock, "/clock", 10)
+        self._lock, self._now, self._step = threading.Lock(), 10_000.0, step
+        node.create_timer(step / speed, self._tick)
 
     def _tick(self):
         with self._lock:
-            self._now += STEP
+            self._now += self._step
         message = Clock(clock=self.stamp())
         self._publisher.publish(message)
 
@@ -29,4 +27,4 @@ class SimulatedTime:
 
     def jump(self, by):
         with self._lock:
-            self._now += by - STEP
+            self._now += by - self._step

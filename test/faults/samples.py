@@ -1,0 +1,174 @@
+"""Joint states as they come, and how far they are within the limits of the robot."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+
+from robomech_ros.nodes.common.polled_subscription import Unattended
+
+__all__ = ["TOLERANCE", "Limits", "Ratios", "Samples"]
+
+Array = NDArray[np.float64]
+
+# How far differences may be beyond a limit: stamps follow the setting of the system's clock, by up
+# to 0.1 % of the time.
+TOLERANCE = 0.01
+# States that may not have got out before a process was killed, s.
+_LOST = 0.02
+_DEPTH = 5000
+# How often it is looked for new states, s.
+_LOOK = 0.01
+_NANO = 1e-9
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of n joints: names, and limits of velocity and acceleration (rad/s or m/s, and per s)."""
+
+    names: tuple[str, ...]
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """What was reached of the limits by differences of neighbouring states.
+
+    Attributes
+    ----------
+    velocity, acceleration : float
+        The largest parts of the limits, of all joints.
+    states : int
+        How many there were.
+    """
+
+    velocity: float
+    acceleration: float
+    states: int
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limits were kept."""
+        return max(self.velocity, self.acceleration) <= 1.0 + TOLERANCE
+
+
+class Samples:
+    """Keeps all joint states; they are unpacked only when they are looked at.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    limits : Limits
+        Of the joints that are looked at.
+    """
+
+    def __init__(self, node: Node, limits: Limits) -> None:
+        self.limits = limits
+        self._packed: list[bytes] = []
+        self._heard_at = 0.0
+        # The executor would take one message a turn, and fall behind on a busy machine.
+        self._subscription = node.create_subscription(
+            JointState,
+            "joint_states",
+            lambda packed: None,
+            QoSProfile(depth=_DEPTH),
+            callback_group=Unattended(),
+            raw=True,
+        )
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._take, daemon=True)
+        self._thread.start()
+
+    def _take(self) -> None:
+        handle = self._subscription.handle
+        while not self._over.wait(_LOOK):
+            with handle:
+                while (taken := handle.take_message(JointState, True)) is not None:
+                    self._packed.append(taken[0])
+                    self._heard_at = time.monotonic()
+
+    def close(self) -> None:
+        """Take no more; to be called before the node is destroyed."""
+        self._over.set()
+        self._thread.join()
+
+    @property
+    def count(self) -> int:
+        """How many states have come."""
+        return len(self._packed)
+
+    @property
+    def silent(self) -> float:
+        """For how long none has come, s."""
+        return time.monotonic() - self._heard_at
+
+    def latest(self) -> tuple[Array, Array]:
+        """Give position and velocity (n,) of the last state."""
+        _, position, velocity = self._read(self._packed[-1])
+        return position, velocity
+
+    @property
+    def stands(self) -> bool:
+        """Whether the last state is one of rest."""
+        return bool(self._packed) and not self.latest()[1].any()
+
+    def ratios(
+        self,
+        first: int,
+        restarts: Sequence[tuple[int, int]],
+        resets: Sequence[int],
+        jumps: Sequence[float],
+    ) -> Ratios:
+        """Compare with the limits.
+
+        Parameters
+        ----------
+        first : int
+            Which state is the first.
+        restarts : sequence of (int, int)
+            Which states are the first ones of a new process of the robot, and when the one before
+            was killed (ns): there it stands since then, or since 20 ms before.
+        resets : sequence of int
+            Which are the first ones of a robot that begins elsewhere.
+        jumps : sequence of float
+            Steps of the clock in the meantime, s: they are no time for a motion.
+        """
+        rows = [self._read(packed) for packed in self._packed[first:]]
+        stamps, position, velocity = (np.array(part) for part in zip(*rows, strict=True))
+        passed = _NANO * np.diff(stamps)
+        for jump in jumps:
+            step = int(np.argmin(np.abs(passed - jump)))
+            # The cycle of a jump is as long as any.
+            passed[step] = max(passed[step] - jump, float(np.median(passed)))
+        went, gained = np.abs(np.diff(position, axis=0)), np.abs(np.diff(velocity, axis=0))
+        for index, killed_at in restarts:
+            last = index - first - 1
+            if 0 <= last < len(passed):
+                # A listener that is late loses what was said at the very end.
+                passed[last] = max(_NANO * (killed_at - stamps[last]), 0.0) + _LOST
+                gained[last] = 0.0
+        for index in resets:
+            if 0 < index - first < len(rows):
+                went[index - first - 1] = gained[index - first - 1] = 0.0
+        passed = np.maximum(passed, _NANO)
+        speeds = went / passed[:, None] / self.limits.velocity
+        rates = gained / passed[:, None] / self.limits.acceleration
+        told = np.abs(velocity) / self.limits.velocity
+        return Ratios(max(float(speeds.max()), float(told.max())), float(rates.max()), len(rows))
+
+    def _read(self, packed: bytes) -> tuple[int, Array, Array]:
+        message = deserialize_message(packed, JointState)
+        at = [message.name.index(name) for name in self.limits.names]
+        stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+        return stamp, np.array(message.position)[at], np.array(message.velocity)[at]
