@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 
-from robomech_ros._kernels.servo.look_ahead import CYCLE
 from robomech_ros.robots import load_robot
 from robomech_ros.servo.commands import JointCommand, TwistCommand
 from robomech_ros.servo.servo import Servo, ServoSettings
@@ -124,10 +123,7 @@ class Drive:
         place = p[:-1] + slope0 * x + b * x**2 + c * x**3
         speed = np.abs(slope0 + 2 * b * x + 3 * c * x**2) / h
         acceleration = np.abs(2 * b + 6 * c * np.array([0.0, 1.0])[:, None, None]) / h**2
-        jerk = 6 * c / h**3
-        # A step of the acceleration at a knot counts as in a cycle of the controller.
-        steps = (2 * b[1:] / h[1:] ** 2 - (2 * b + 6 * c)[:-1] / h[:-1] ** 2) / CYCLE
-        jerk = np.abs(np.concatenate((jerk, jerk[1:] + steps, jerk[:-1] + steps)))
+        jerk = np.abs(6 * c) / h**3
         start = np.atleast_2d(self.start)
         low = np.minimum(limits.lower, start.min(axis=0))
         high = np.maximum(limits.upper, start.max(axis=0))
@@ -142,7 +138,7 @@ class Drive:
                 ((acceleration - rounding / h.min() ** 2) / limits.acceleration).max() - 1.0,
                 (jerk[:, finite] / limits.jerk[finite]).max(initial=0.0)
                 - 1.0
-                - (rounding / h.min() ** 3 / limits.jerk[finite]).max(initial=0.0) * 100,
+                - (rounding / h.min() ** 3 / limits.jerk[finite]).max(initial=0.0) * 20,
             ]
         )
 
