@@ -105,8 +105,9 @@ plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PR
 	$(BIN)/python test/many_plans --count "$(or $(COUNT),1000000)" --seed "$(or $(SEED),0)" \
 	    --profile "$(PROFILE)"
 
-soak: compat ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 ROBOT=puma560
-	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)"
+soak: compat ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 WILD=1
+	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)" \
+	    $(if $(WILD),--wild)
 
 load: compat ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
 	$(BIN)/python test/load --count "$(or $(COUNT),1000)" --seconds "$(or $(SECONDS),10)" \

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -24,7 +24,7 @@ from rclpy.task import Future
 from robomech_ros.nodes.commands.message_yaml import interface_class
 from robomech_ros.nodes.common.deep_queues import ask, ask_action
 
-__all__ = ["Attack", "Outcome"]
+__all__ = ["ODDS", "Attack", "Outcome"]
 
 WINDOW = 100
 # When nothing at all has been answered for so long, what is missing does not come, s.
@@ -34,7 +34,7 @@ _PLUMBING = ("parameter", "type_description", "/_action/")
 _SHARED = ("/parameter_events", "/rosout", "/clock", "/joint_states")
 # Those who want latched messages hear no others; all others hear these, too.
 _LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
+ODDS = {"request": 0.8, "message": 0.12, "bytes": 0.05, "goal": 0.03}
 
 
 @dataclass
@@ -80,6 +80,8 @@ class Attack:
     rng : numpy.random.Generator
     alive : callable
         Says whether the nodes still run.
+    odds : mapping, optional
+        How often what is sent.
     """
 
     def __init__(
@@ -89,8 +91,9 @@ class Attack:
         maker: MessageMaker,
         rng: np.random.Generator,
         alive: Callable[[], bool],
+        odds: Mapping[str, float] = ODDS,
     ) -> None:
-        self.outcome = Outcome()
+        self.outcome, self._odds = Outcome(), dict(odds)
         self._node, self._maker, self._rng, self._alive = node, maker, rng, alive
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
@@ -120,8 +123,8 @@ class Attack:
 
     def run(self, count: int) -> None:
         """Send so many things, and wait for all answers."""
-        ways = dict(zip(_ODDS, self._ways(), strict=True))
-        for way in self._rng.choice(list(_ODDS), count, p=list(_ODDS.values())):
+        ways = dict(zip(ODDS, self._ways(), strict=True))
+        for way in self._rng.choice(list(self._odds), count, p=list(self._odds.values())):
             ways[str(way)]()
             self._spin(WINDOW)
             if not self._alive():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -13,7 +13,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.robots import SerialChain
 
-__all__ = ["MessageMaker"]
+__all__ = ["SHARES", "MessageMaker"]
 
 _LIST = re.compile(r"sequence<(?P<entry>.+?)(, (?P<bound>\d+))?>|(?P<of>.+)\[(?P<size>\d+)\]")
 _INTEGER = re.compile(r"(?P<unsigned>u?)int(?P<bits>8|16|32|64)")
@@ -31,7 +31,7 @@ _POSITIVE = (
 # Entries that are messages themselves: a thousand would only be slow.
 _MOST_NESTED = 20
 # How many leaves of a message are wild: none, a few, many, all.
-_SHARES = (0.0, 0.0, 0.03, 0.03, 0.3, 1.0)
+SHARES = (0.0, 0.0, 0.03, 0.03, 0.3, 1.0)
 
 
 class MessageMaker:
@@ -43,10 +43,14 @@ class MessageMaker:
         The same seed makes the same messages.
     chain : SerialChain
         The robot, whose joints and links sensible messages name.
+    shares : sequence of float, optional
+        How many leaves of a message are wild, one of these by chance.
     """
 
-    def __init__(self, rng: np.random.Generator, chain: SerialChain) -> None:
-        self._rng, self._chain = rng, chain
+    def __init__(
+        self, rng: np.random.Generator, chain: SerialChain, shares: Sequence[float] = SHARES
+    ) -> None:
+        self._rng, self._chain, self._shares = rng, chain, shares
         self._links = ["", chain.base, chain.tip, *(frame.name for frame in chain.frames)]
         self._share = 0.0
         self._sensible: dict[str, Callable[[Any], None]] = {
@@ -59,7 +63,7 @@ class MessageMaker:
 
     def make(self, kind: type, share: float | None = None) -> Any:
         """Make a message of a type; `share` of its leaves is wild, by default any share."""
-        self._share = float(self._rng.choice(_SHARES)) if share is None else share
+        self._share = float(self._rng.choice(self._shares)) if share is None else share
         return self._filled(kind())
 
     def _filled(self, message: Any) -> Any:

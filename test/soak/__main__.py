@@ -49,6 +49,9 @@ def main() -> int:
     parser.add_argument("--most", type=float, default=2.0, help="growth after them, in MB (2)")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (0)")
     parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
+    parser.add_argument(
+        "--wild", action="store_true", help="messages as hostile as those of make fuzz"
+    )
     arguments = parser.parse_args()
     with running_suite(arguments.robot, log=os.environ.get("SOAK_LOG", os.devnull)) as suite:
         faults = soak(suite, arguments)
@@ -64,7 +67,8 @@ def soak(suite: RunningSuite, arguments: argparse.Namespace) -> list[str]:
     rclpy.init(args=[])
     node = Node("soaker")
     suite.wait_until_ready(node)
-    load = Load(node, list(NODE_MODULES), load_robot(arguments.robot), arguments.seed, suite.alive)
+    chain, options = load_robot(arguments.robot), {"wild": arguments.wild}
+    load = Load(node, list(NODE_MODULES), chain, arguments.seed, suite.alive, **options)
     began = time.monotonic()
     load.touch_everything()
     before = use(load, suite, began, arguments.first, arguments.rounds)

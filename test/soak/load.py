@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from attack import Attack
+from attack import ODDS, Attack
 from geometry_msgs.msg import TwistStamped
-from messages import MessageMaker
+from messages import SHARES, MessageMaker
 from nav_msgs.msg import Path as PathMessage
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -39,6 +39,7 @@ __all__ = ["Load"]
 PATIENCE = 60.0
 # Random things in each round.
 _RANDOM = 100
+_SENSIBLE = {"request": 0.85, "message": 0.12, "goal": 0.03}
 # How far a planned motion goes from home (rad or m).
 _FAR = 0.15
 _PROFILES = 6
@@ -70,6 +71,8 @@ class Load:
         Of the random numbers.
     alive : callable
         Says whether the nodes still run.
+    wild : bool
+        Whether messages may be as hostile as those of `make fuzz`.
 
     Attributes
     ----------
@@ -86,10 +89,14 @@ class Load:
         chain: SerialChain,
         seed: int,
         alive: Callable[[], bool],
+        *,
+        wild: bool,
     ) -> None:
         self.counts: Counter[str] = Counter()
         self._node, self._chain, self._rng = node, chain, np.random.default_rng(seed)
-        self.attack = Attack(node, names, MessageMaker(self._rng, chain), self._rng, alive)
+        maker = MessageMaker(self._rng, chain, SHARES if wild else (0.0,))
+        odds = ODDS if wild else _SENSIBLE
+        self.attack = Attack(node, names, maker, self._rng, alive, odds)
         self._twists = node.create_publisher(TwistStamped, "servo/delta_twist_cmds", 10)
         self._executor = SingleThreadedExecutor(context=node.context)
         self.rounds = 0
