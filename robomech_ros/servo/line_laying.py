@@ -141,7 +141,9 @@ class LineLaying:
         return _SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST
 
     def _heading(self, q: Array, twist: Array) -> Heading:
-        return self._resolver.heading(q, twist, wholly=self.leaving)
+        if self.leaving:
+            return self._resolver.heading_wholly(q, twist)
+        return self._resolver.heading(q, twist)
 
     def _lay_node(self) -> Iterator[None]:
         """Add a node, or end the way."""

@@ -86,13 +86,17 @@ def test_a_thousand_random_approaches(robot):
 @pytest.mark.parametrize("robot", ["irb120", "rv4fr", "ur5e", "gen3"])
 def test_no_period_examines_more_than_some_postures(robot, monkeypatch):
     """To join a line took up to 219 nodes, and 20 ms, in one period."""
-    examined, heading = [], TwistResolver.heading
+    examined = []
 
-    def counting(*given, **named):
-        examined[-1] += 1
-        return heading(*given, **named)
+    def counted(heading):
+        def counting(*given):
+            examined[-1] += 1
+            return heading(*given)
 
-    monkeypatch.setattr(TwistResolver, "heading", counting)
+        return counting
+
+    for name in ("heading", "heading_wholly"):
+        monkeypatch.setattr(TwistResolver, name, counted(getattr(TwistResolver, name)))
     rng = np.random.default_rng(1)
     for _ in range(3):
         drive = Drive(robot, random_start(robot, rng)[0])
