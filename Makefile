@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -72,6 +72,9 @@ compat-other: notice
 
 demo: setup ## bring everything up, solve, plan, execute and check a pick and place
 	@$(BIN)/robomech demo --robot "$(ROBOT)"
+
+view: setup ## see and move a robot in the browser, without ROS
+	@$(BIN)/robomech view --robot "$(ROBOT)"
 
 test: compat ## everything: lint, all tests, colcon, the other distribution
 	@echo "test: robots move while lint, the other distribution and what computes take the rest"

@@ -60,7 +60,11 @@ setup(
     ],
     python_requires=">=3.10",
     install_requires=requirements("core.in"),
-    extras_require={"dask": requirements("dask.in"), "symbolic": ["sympy"]},
+    extras_require={
+        "dask": requirements("dask.in"),
+        "symbolic": ["sympy"],
+        "view": requirements("view.in"),
+    },
     zip_safe=False,
     entry_points={
         "console_scripts": [

@@ -76,6 +76,7 @@ def findings() -> Iterator[Finding]:
         _domain,
         _sourced,
         lambda: _optional("matplotlib", "plots of robomech demo"),
+        lambda: _optional("viser", "robomech view, and the page of robomech demo"),
         lambda: _optional(
             "control_msgs",
             "follow_joint_trajectory, controller_state, query_state, gripper_cmd of the simulated "

@@ -25,6 +25,7 @@ COMMANDS = {
     "export-urdf": (_HERE, "write a robot as a URDF in which all of it can be seen"),
     "groups": (_HERE, "list a robot's groups of joints and named postures, by an SRDF"),
     "security-policies": (_WITH_ROS, "write what SROS2 has to allow the nodes of a robot"),
+    "view": (_HERE, "show a robot in a browser and move it there, without ROS"),
     "robots": (_HERE, "list the robots that are known by name"),
     "warmup": (_HERE, "compile the numeric kernels, once"),
     "doctor": (_HERE, "say what is missing on this machine, and how to fix it"),

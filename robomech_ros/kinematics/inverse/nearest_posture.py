@@ -1,4 +1,4 @@
-"""The posture of an arm with too few joints that comes nearest to a pose it cannot take."""
+"""The posture that comes nearest to a pose that an arm cannot take."""
 
 import time
 from dataclasses import replace
@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.kinematics.inverse.families.iterative import task_data
-from robomech_ros.kinematics.inverse.iterative_search import iterative_search
+from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
 from robomech_ros.kinematics.inverse.request import Request
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["add_nearest"]
+__all__ = ["add_nearest", "least_squares_posture"]
 
 # The posture of least squares: starts, steps of each, and the part of the squared error that six
 # steps may leave; convergence is linear where the error does not vanish.
@@ -55,18 +55,46 @@ def add_nearest(
         left = request.timeout - (time.monotonic() - started)
         if left <= 0.0:
             return result
-    data, target = task_data(
-        chain, T, task=request.task, respect_limits=request.respect_limits, wanted=1
-    )
-    data = data.copy()
-    half = 1.0 / float(np.sqrt(data[at.UNIT]))
-    data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = _NEVER * half, _NEVER
-    data[at.ITERATIONS], data[at.RESTARTS] = LEAST_SQUARES_ITERATIONS, LEAST_SQUARES_STARTS
-    data[at.STALL] = LEAST_SQUARES_STALL
-    search = iterative_search(data, target, request.seed, timeout=left)
+    search = least_squares_posture(chain, T, request, timeout=left)
     reason = (
         f"{result.reason}; {chain.n} joints for {sum(request.task)} conditions: the posture "
         f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "
         f"{search.orientation_error:.6g} rad"
     )
     return replace(result, findings=replace(result.findings, reason=reason, nearest=search.best))
+
+
+def least_squares_posture(
+    chain: SerialChain,
+    T: Array,
+    request: Request,
+    *,
+    starts: int = LEAST_SQUARES_STARTS,
+    timeout: float | None = None,
+) -> IterativeSearch:
+    """Search for the posture that misses a pose least, inside the limits if they are respected.
+
+    The sum of angle^2 + (distance / half of the arm's length)^2 is made small from the seed and
+    from evenly spread starts; ``best`` is the minimum whose larger part is least.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    T : ndarray, shape (4, 4)
+        ``T_base_tip`` wanted (m).
+    request : Request
+        Whose seed, limits and task count.
+    starts : int
+        How many starts, the seed first.
+    timeout : float, optional
+        Time (s) after which to end; default none.
+    """
+    data, target = task_data(
+        chain, T, task=request.task, respect_limits=request.respect_limits, wanted=1
+    )
+    data = data.copy()
+    half = 1.0 / float(np.sqrt(data[at.UNIT]))
+    data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = _NEVER * half, _NEVER
+    data[at.ITERATIONS], data[at.RESTARTS] = LEAST_SQUARES_ITERATIONS, starts
+    data[at.STALL] = LEAST_SQUARES_STALL
+    return iterative_search(data, target, request.seed, timeout=timeout)

@@ -37,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "drives does not know of (0)",
     )
     parser.add_argument(
-        "--output", type=Path, default=Path("demo_output"), help="folder for the plot (demo_output)"
+        "--output",
+        type=Path,
+        default=Path("demo_output"),
+        help="folder for the plot and the page (demo_output)",
     )
 
 

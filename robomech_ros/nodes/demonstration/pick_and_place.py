@@ -16,6 +16,7 @@ from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Leg, Reporter
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.semantic import HOME
+from robomech_ros.rvs import Choice, NamedPosture
 from robomech_ros.spatial import pose_error
 
 __all__ = ["PickAndPlace"]
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 _EXACT = (1e-6, 1e-4)
 _DRIVEN = (5e-3, 1e-2)
 _GRACE_SECONDS = 10.0
+# Of the samples of a self-motion so many are kept.
+MOST_OTHERS = 16
 _PROFILES = {"RUCKIG": PlanJoint.Request.RUCKIG, "POLY345": PlanJoint.Request.POLY345}
 
 
@@ -59,6 +62,7 @@ class PickAndPlace:
         self._load = load
         self._joints_arrived, self._arrived = _DRIVEN if load is not None else _EXACT
         self.legs: list[Leg] = []
+        self.choices: list[Choice] = []
         self.marks: list[tuple[float, str]] = []
 
     def run(self) -> None:
@@ -102,20 +106,21 @@ class PickAndPlace:
 
     def _leg(self, name: str, profile: str, T: Array) -> None:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
-        goal = self._solve(T)
+        goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
         leg = self._plan(name, profile, joint_state(self._chain.joint_names, goal))
         self._watch(leg, goal)
         self._check(leg, T)
         self.legs.append(leg)
 
-    def _solve(self, T: Array) -> Array:
+    def _solve(self, name: str, T: Array) -> Array:
         """Ask for all solutions, and choose the nearest one inside the limits."""
         request = SolveIK.Request(
             target=stamped_pose(T, self._chain.base), seed=self._present_state()
         )
         response = self._client.call("kinematics/solve_ik", request)
         goal = np.array(response.solutions[0].positions)
+        self._remember(name, response)
         shown, chosen = response, 0
         if response.complete:
             # In closed form there is no harm in showing what the limits exclude, too.
@@ -133,6 +138,15 @@ class PickAndPlace:
         )
         self._reporter.solutions(shown, chosen)
         return goal
+
+    def _remember(self, name: str, response: SolveIK.Response) -> None:
+        """Keep the postures inside the limits, of which the first is taken."""
+        postures = [
+            NamedPosture(branch, np.array(point.positions))
+            for branch, point in zip(response.branches, response.solutions, strict=True)
+        ]
+        others = tuple(postures[1:MOST_OTHERS])
+        self.choices.append(Choice(self._client.now(), name, postures[0].name, others))
 
     def _plan(self, name: str, profile: str, goal: JointState) -> Leg:
         """Ask for a plan, which its publication sets in motion."""

@@ -17,7 +17,8 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.joint_motions import plot_motion
-from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.robots import PRISMATIC, SerialChain, load_description
+from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
 
 __all__ = ["demonstrate"]
 
@@ -39,7 +40,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     which : Which
         The robot, and what of it moves.
     output : Path
-        Folder for the plot.
+        Folder for the plot and the page.
     payload : float, optional
         Drives move the robot, and it carries this mass (kg) from pick to place; default none does.
 
@@ -53,14 +54,15 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     with robot_with_limits(which) as (used, chain, notice):
         if notice:
             reporter.say(notice)
-        plot = _session(used, chain, output, reporter, payload)
-    reporter.say(f"plot: {plot}")
+        written = _session(used, chain, output, reporter, payload)
+    for line in written:
+        reporter.say(line)
     reporter.say(f"everything worked, in {time.perf_counter() - start:.1f} s")
 
 
 def _session(
     which: Which, chain: SerialChain, output: Path, reporter: Reporter, payload: float | None
-) -> Path:
+) -> list[str]:
     joints = "".join("P" if kind == PRISMATIC else "R" for kind in chain.types)
     reporter.heading(f"{chain.name}: {chain.n} joints {joints}, {chain.base} to {chain.tip}")
     start = time.perf_counter()
@@ -82,7 +84,9 @@ def _session(
                 task.go_home()
             reporter.heading("summary")
             reporter.summary(task.legs)
-            return _plot(chain, client, task, output)
+            output.mkdir(parents=True, exist_ok=True)
+            plot = _plot(chain, client, task, output)
+            return [f"plot: {plot}", _page(which, chain, client, task, output)]
         except RobomechError:
             print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
             raise
@@ -103,14 +107,33 @@ def _commands(which: Which, chain: SerialChain, dynamic: bool) -> dict[str, list
     return commands
 
 
+def _page(
+    which: Which, chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path
+) -> str:
+    """Write the motion as a page, and say where; or why not."""
+    times, q, _ = client.recording()
+    keep = times >= _start(task)
+    motion = Motion(chain, times[keep], q[keep], tuple(task.choices))
+    title = f"{chain.name}: pick and place"
+    path = output / f"{chain.name}.html"
+    try:
+        write_motion(path, load_description(which.robot), motion, title=title)
+    except ViewUnavailableError as error:
+        return f"no page: {error}"
+    return f"page: {path}"
+
+
+def _start(task: PickAndPlace) -> float:
+    """Give when what is worth a look begins (s): the robot waited for its first motion."""
+    return max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
+
+
 def _plot(chain: SerialChain, client: DemoClient, task: PickAndPlace, output: Path) -> Path:
     times, q, qd = client.recording()
-    # The robot waited for its first motion; that is not worth a look.
-    start = max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
+    start = _start(task)
     keep = times >= start
     times, q, qd = times[keep] - start, q[keep], qd[keep]
     qdd = np.gradient(qd, times, axis=0)
-    output.mkdir(parents=True, exist_ok=True)
     return plot_motion(
         output / f"{chain.name}.png",
         chain.joint_names,

@@ -3,6 +3,9 @@
 import math
 from typing import NoReturn
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.robots.guarded_xml import XmlElement
@@ -56,6 +59,17 @@ class ElementReader:
         if element.tag == "origin" and max(map(abs, values)) > LARGEST_LENGTH:
             self.refuse(f"{attribute} of <origin> is '{text[:80]}', at most 1e6 is allowed")
         return values
+
+    def origin(self, parent: XmlElement) -> NDArray[np.float64]:
+        """Read the pose (4, 4) that an element in this one has, in m; without one the identity."""
+        from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+
+        T = np.eye(4)
+        origin = self.child("origin", parent=parent)
+        if origin is not None:
+            T[:3, :3] = matrix_from_roll_pitch_yaw(self.numbers(origin, "rpy", 3) or [0.0] * 3)
+            T[:3, 3] = self.numbers(origin, "xyz", 3) or [0.0] * 3
+        return T
 
     def link(self, tag: str) -> str:
         """Read which link a child names."""

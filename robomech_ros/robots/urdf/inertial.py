@@ -42,8 +42,6 @@ def link_bodies(links: Iterable[XmlElement], where: str) -> dict[str, Body]:
 
 
 def _body(reader: ElementReader) -> Body | None:
-    from robomech_ros.spatial import matrix_from_roll_pitch_yaw
-
     inertial = reader.child("inertial")
     if inertial is None:
         return None
@@ -52,11 +50,7 @@ def _body(reader: ElementReader) -> Body | None:
     if mass is None or moments is None:
         reader.refuse("<inertial> needs <mass> and <inertia>")
     six = np.array([_required(reader, moments, key) for key in _MOMENTS])
-    T = np.eye(4)
-    origin = reader.child("origin", parent=inertial)
-    if origin is not None:
-        T[:3, :3] = matrix_from_roll_pitch_yaw(reader.numbers(origin, "rpy", 3) or [0.0] * 3)
-        T[:3, 3] = reader.numbers(origin, "xyz", 3) or [0.0] * 3
+    T = reader.origin(inertial)
     # Our own attribute; other readers pass over it.
     measured = moments.attributes.get("as_measured") == "true"
     try:

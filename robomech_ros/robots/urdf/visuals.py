@@ -1,0 +1,110 @@
+"""What a URDF shows of its links: boxes, cylinders, spheres and files of meshes, with colours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots.guarded_xml import XmlElement, parse_xml
+from robomech_ros.robots.urdf.element_reader import ElementReader
+
+__all__ = ["Visual", "read_visuals"]
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float, float]
+
+# How many numbers each shape has, by tag and attribute.
+_MEASURES = {"box": {"size": 3}, "cylinder": {"radius": 1, "length": 1}, "sphere": {"radius": 1}}
+
+
+@dataclass(frozen=True, eq=False)
+class Visual:
+    """One visual body of a link.
+
+    Parameters
+    ----------
+    link : str
+    pose : ndarray, shape (4, 4)
+        In the link (m).
+    kind : {"box", "cylinder", "sphere", "mesh"}
+    measures : tuple of float
+        Sizes of a box; radius and length; radius; of a mesh its scale along x, y and z (m).
+    filename : str
+        Of a mesh, as written.
+    colour : tuple of four float, or None
+        Red, green, blue and alpha from 0 to 1, where the document gives them.
+    """
+
+    link: str
+    pose: Array
+    kind: str
+    measures: tuple[float, ...]
+    filename: str = ""
+    colour: Colour | None = None
+
+
+def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
+    """Read the visual bodies of a URDF, those without a shape that is known left out.
+
+    Parameters
+    ----------
+    text : str
+        A document that :func:`description_from_urdf` accepts.
+    where : str, optional
+        What it is called in messages.
+
+    Raises
+    ------
+    RobotDescriptionError
+        A number of an origin, shape or colour is none.
+    """
+    root = parse_xml(text, where)
+    links = root.all("link")
+    inside = [visual for link in links for visual in link.all("visual")]
+    named = {}
+    for material in [
+        *(one for body in inside for one in body.all("material")),
+        *root.all("material"),
+    ]:
+        colour = _colour(ElementReader(root, where), material)
+        if colour is not None:
+            named[material.attributes.get("name", "")] = colour
+    found = []
+    for link in links:
+        reader = ElementReader(link, where)
+        read = [_visual(reader, one, named) for one in link.all("visual")]
+        found += [visual for visual in read if visual is not None]
+    return found
+
+
+def _visual(reader: ElementReader, given: XmlElement, named: dict[str, Colour]) -> Visual | None:
+    shapes = [shape for geometry in given.all("geometry") for shape in geometry.children]
+    shape = next((one for one in shapes if one.tag in (*_MEASURES, "mesh")), None)
+    if shape is None:
+        return None
+    name = reader.element.attributes["name"]
+    material = next(iter(given.all("material")), None)
+    colour = None
+    if material is not None:
+        own = _colour(reader, material)
+        colour = own if own is not None else named.get(material.attributes.get("name", ""))
+    pose = reader.origin(given)
+    if shape.tag == "mesh":
+        scale = reader.numbers(shape, "scale", 3) or [1.0, 1.0, 1.0]
+        filename = shape.attributes.get("filename", "")
+        return Visual(name, pose, "mesh", tuple(scale), filename, colour)
+    measures: list[float] = []
+    for attribute, count in _MEASURES[shape.tag].items():
+        measures += reader.numbers(shape, attribute, count) or [0.0] * count
+    return Visual(name, pose, shape.tag, tuple(measures), colour=colour)
+
+
+def _colour(reader: ElementReader, material: XmlElement) -> Colour | None:
+    for given in material.all("color"):
+        rgba = reader.numbers(given, "rgba", 4)
+        if rgba is not None:
+            red, green, blue, alpha = np.clip(rgba, 0.0, 1.0).tolist()
+            return red, green, blue, alpha
+    return None

@@ -1,0 +1,206 @@
+"""The arm that is seen: where it is, where it is dragged to, and what that pose allows."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs.model.postures import PoseStudy, study_pose
+from robomech_ros.rvs.model.self_motion import SelfMotionCurve, self_motion_curve
+from robomech_ros.spatial import as_pose
+from robomech_ros.spatial.arrays import real_number
+
+__all__ = ["SeenArm", "Travel"]
+
+# Half the travel of sliders of joints without a limit: rad, and m.
+OPEN_TURN, OPEN_SLIDE = 2.0 * math.pi, 1.0
+# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m).
+ROUNDING = 1e-6
+# Conditions that a pose puts; an arm with fewer joints hardly ever takes one exactly.
+CONDITIONS = 6
+
+Array = NDArray[np.float64]
+
+
+class Travel(NamedTuple):
+    """Between what a joint's slider moves (rad or m)."""
+
+    low: float
+    high: float
+
+
+class SeenArm:
+    """An arm with its present posture and the pose that its tip is to take.
+
+    Not for several threads at a time.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    q : array_like, shape (n,), optional
+        Where it is to begin with (rad or m); default its home.
+    """
+
+    def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
+        self.chain = chain
+        self._q = chain.home() if q is None else self.checked(q)
+        self._curve: SelfMotionCurve | None = None
+        self._look_around()
+
+    @property
+    def q(self) -> Array:
+        """Present posture (rad or m), shape (n,)."""
+        return self._q
+
+    @property
+    def study(self) -> PoseStudy:
+        """What is known of the pose that the tip has or is dragged to."""
+        return self._study
+
+    @property
+    def target(self) -> Array:
+        """Where the gizmo is: ``T_base_tip`` (m), shape (4, 4)."""
+        return self._study.target
+
+    @property
+    def tip(self) -> Array:
+        """Where the tip is: ``T_base_tip`` (m), shape (4, 4)."""
+        return forward_kinematics(self.chain, self._q)
+
+    def travel(self, joint: int) -> Travel:
+        """Give between what a joint's slider moves: its limits, or a range about 0."""
+        slides = self.chain.types[joint] == PRISMATIC
+        most = OPEN_SLIDE if slides else OPEN_TURN
+        low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
+        low = low if math.isfinite(low) else min(-most, high - most)
+        high = high if math.isfinite(high) else max(most, low + most)
+        return Travel(low, high)
+
+    def checked(self, q: ArrayLike) -> Array:
+        """Check a posture.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            It is not n finite numbers, or a joint is outside its limits.
+        """
+        values = np.array(q, dtype=np.float64)
+        forward_kinematics(self.chain, values)
+        for joint, value in enumerate(values.tolist()):
+            self._check_inside(joint, value)
+        inside: Array = np.clip(values, self.chain.lower, self.chain.upper)
+        return inside
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move one joint (rad or m).
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, or outside the limits: the arm stays where it is.
+        """
+        values = self._q.copy()
+        what = f"joint '{self.chain.joint_names[joint]}'"
+        values[joint] = _finite(what, value, self.chain.units[joint])
+        self._q = self.checked(values)
+        self._look_around()
+
+    def move_to(self, q: ArrayLike) -> None:
+        """Take a posture; raises as :meth:`checked` does."""
+        self._q = self.checked(q)
+        self._look_around()
+
+    def drag(self, T: ArrayLike) -> None:
+        """Bring the tip to a pose, in the posture nearest to the present one.
+
+        Where no posture takes it, the arm stays, unless it has too few joints for poses in general:
+        then it goes to the posture that misses the pose least.
+
+        Parameters
+        ----------
+        T : array_like, shape (4, 4)
+            ``T_base_tip`` (m).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            It is no pose.
+        """
+        study = study_pose(self.chain, as_pose(T), self._q)
+        self._curve_known = False
+        nearest = study.nearest_posture
+        if nearest is not None:
+            self._q = self.checked(nearest.q)
+        elif self.chain.n < CONDITIONS and study.nearest is not None:
+            self._q = self.checked(study.nearest)
+        self._study = study
+
+    def release(self) -> None:
+        """Let go of the gizmo: where the arm could not follow, it goes back to the tip."""
+        self._look_around()
+
+    def take(self, number: int) -> None:
+        """Take one of the postures, counted from 0; the nearest where there is none.
+
+        Raises
+        ------
+        BadValueError
+            There is none of this number.
+        """
+        known = [posture.q for posture in self._study.postures]
+        if not known and self._study.nearest is not None:
+            known = [self._study.nearest]
+        if number not in range(len(known)):
+            expected = f"1 to {len(known)}" if known else "nothing: there is none"
+            raise BadValueError("posture", number + 1, expected)
+        self.move_to(known[int(number)])
+
+    def self_motion(self) -> SelfMotionCurve | None:
+        """Give how the arm can move while its tip stays; None if it cannot.
+
+        It begins where the arm was last brought to; :meth:`slide` moves the arm along it.
+        """
+        if not self._curve_known:
+            self._curve, self._curve_known = self_motion_curve(self.chain, self._q), True
+        return self._curve
+
+    def slide(self, length: float) -> None:
+        """Move along the self-motion (rad or m from where it begins), as far as limits allow.
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, or the arm has no self-motion.
+        """
+        wanted = _finite("self-motion", length, "rad or m")
+        curve = self.self_motion()
+        if curve is None:
+            raise BadValueError("self-motion", length, "an arm of more than six joints")
+        self._q = curve.at(wanted)
+        self._study = study_pose(self.chain, self.tip, self._q)
+
+    def _look_around(self) -> None:
+        self._curve_known = False
+        self._study = study_pose(self.chain, self.tip, self._q)
+
+    def _check_inside(self, joint: int, value: float) -> None:
+        low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
+        if low - ROUNDING <= value <= high + ROUNDING:
+            return
+        name, unit = self.chain.joint_names[joint], self.chain.units[joint]
+        raise BadValueError(f"joint '{name}'", value, f"{low:.6g} to {high:.6g} {unit}")
+
+
+def _finite(what: str, value: object, unit: str) -> float:
+    expected = f"a finite number, {unit}"
+    number = real_number(what, value, expected)
+    if not math.isfinite(number):
+        raise BadValueError(what, value, expected)
+    return number

@@ -1,0 +1,106 @@
+"""Postures as ghosts: drums and bars of the whole arm, once for each posture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import link_poses
+from robomech_ros.robots import SerialChain
+from robomech_ros.robots.urdf.shapes import Shape
+from robomech_ros.spatial import quaternion_from_matrix
+
+__all__ = ["PALETTE", "GhostPieces", "Ghosts"]
+
+Array = NDArray[np.float64]
+Rgb = tuple[int, int, int]
+
+# Colours of postures that are told apart on light and dark ground (0 to 255), and what a ghost's
+# drums and bars measure of those of the robot, so that a body hides the ghost in it.
+PALETTE: tuple[Rgb, ...] = (
+    (31, 119, 180),
+    (230, 120, 20),
+    (44, 160, 44),
+    (200, 50, 60),
+    (140, 95, 190),
+    (125, 80, 70),
+    (220, 110, 185),
+    (20, 165, 180),
+    (150, 150, 40),
+    (70, 90, 200),
+    (190, 140, 80),
+    (90, 140, 110),
+)
+SLIMNESS = 0.8
+
+
+class GhostPieces(NamedTuple):
+    """Cylinders of unit radius and length along z, and how they are placed.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (m, 3)
+        In the base (m).
+    wxyz : ndarray, shape (m, 4)
+        Unit quaternions, scalar first.
+    scales : ndarray, shape (m, 3)
+        Radius, radius, length (m).
+    colours : ndarray of uint8, shape (m, 3)
+    """
+
+    positions: Array
+    wxyz: Array
+    scales: Array
+    colours: NDArray[np.uint8]
+
+
+class Ghosts:
+    """The pieces of an arm, for as many postures as there are.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    shapes : mapping of str to sequence of Shape
+        Generated shapes of its links.
+    """
+
+    def __init__(self, chain: SerialChain, shapes: Mapping[str, Sequence[Shape]]) -> None:
+        self._chain = chain
+        known = [frame.name for frame in chain.frames if frame.joints > 0]
+        self._links = [name for name in known if shapes.get(name)]
+        rows = [(k, shape) for k, name in enumerate(self._links) for shape in shapes[name]]
+        self._link = np.array([k for k, _ in rows], dtype=np.int64)
+        self._pose = np.array([shape.pose for _, shape in rows]).reshape(-1, 4, 4)
+        measures = [(s.radius * SLIMNESS, s.radius * SLIMNESS, s.length) for _, s in rows]
+        self._scale = np.array(measures).reshape(-1, 3)
+
+    @property
+    def pieces(self) -> int:
+        """How many pieces a ghost has."""
+        return len(self._link)
+
+    def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
+        """Place the pieces of ghosts; those of the first posture come first.
+
+        Parameters
+        ----------
+        postures : sequence of ndarray, each shape (n,)
+            rad or m.
+        colours : sequence of tuple of int
+            One for each.
+        """
+        count = len(postures)
+        if not count or not self.pieces:
+            empty = np.empty((0, 3))
+            return GhostPieces(empty, np.empty((0, 4)), empty, np.empty((0, 3), dtype=np.uint8))
+        poses = link_poses(self._chain, np.array(postures), self._links)
+        T = (poses[:, self._link] @ self._pose).reshape(-1, 4, 4)
+        return GhostPieces(
+            T[:, :3, 3],
+            np.roll(quaternion_from_matrix(T[:, :3, :3]), 1, axis=-1),
+            np.tile(self._scale, (count, 1)),
+            np.repeat(np.array(colours, dtype=np.uint8), self.pieces, axis=0),
+        )

@@ -1,0 +1,167 @@
+"""What is known of a pose: every posture that takes it, or why there is none."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import inverse_kinematics
+from robomech_ros.kinematics.inverse.nearest_posture import least_squares_posture
+from robomech_ros.kinematics.inverse.request import as_request
+from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.robots import SerialChain
+
+__all__ = ["MOST_POSTURES", "PoseStudy", "Posture", "study_pose"]
+
+# Of the self-motion of a redundant arm so many samples are shown; no other arm has more postures.
+MOST_POSTURES = 16
+# The nearest posture that is found from the present one is shown as long as no other misses the
+# pose by less than this part of it: it moves steadily while the pose is dragged.
+STEADY = 0.95
+# Nearer to the present posture than this a posture is that one (rad or m).
+HERE = 1e-6
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """One way to take a pose.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n,)
+        Joint values (rad or m).
+    name : str
+        Its branch.
+    distance : float
+        Largest move of a joint from the present posture (rad or m).
+    margin : float
+        Distance of the joint nearest to a limit (rad or m).
+    condition : float
+        Condition number of the Jacobian in SI units; infinite where singular.
+    """
+
+    q: Array
+    name: str
+    distance: float
+    margin: float
+    condition: float
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it is the present posture."""
+        return self.distance < HERE
+
+
+@dataclass(frozen=True, eq=False)
+class PoseStudy:
+    """All that is shown of one pose.
+
+    Parameters
+    ----------
+    target : ndarray, shape (4, 4)
+        ``T_base_tip`` (m).
+    postures : tuple of Posture
+        Inside the limits, in the order of their names, so that each keeps its place while the arm
+        moves; samples of a self-motion are in the order of their distance.
+    complete : bool
+        Whether these are provably all.
+    status : Status
+    reason : str
+        Why there is none, or what else is to be said, in a sentence; may be empty.
+    nearest : ndarray, shape (n,), or None
+        Where there is none: the posture inside the limits that misses the pose least.
+    position_error, orientation_error : float
+        By how much the nearest posture misses it (m, rad); 0 where there are postures.
+    """
+
+    target: Array
+    postures: tuple[Posture, ...]
+    complete: bool
+    status: Status
+    reason: str
+    nearest: Array | None = None
+    position_error: float = 0.0
+    orientation_error: float = 0.0
+
+    @property
+    def nearest_posture(self) -> Posture | None:
+        """The posture nearest to the present one; None where there is none."""
+        return min(self.postures, key=lambda posture: posture.distance, default=None)
+
+    @property
+    def sentence(self) -> str:
+        """How many postures there are, or why none, for people."""
+        if not self.postures:
+            return f"No posture: {self.reason or self.status.name}."
+        count = len(self.postures)
+        noun = "posture" if count == 1 else "postures"
+        if self.complete:
+            what = "this is the only one" if count == 1 else "these are all"
+        else:
+            what = "there may be more"
+        text = f"{count} {noun} inside the limits; {what}."
+        return f"{text} {self.reason[0].upper()}{self.reason[1:]}." if self.reason else text
+
+
+def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
+    """Find every posture of an arm at a pose, or why there is none and what is nearest.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    T : ndarray, shape (4, 4)
+        ``T_base_tip`` (m).
+    present : ndarray, shape (n,)
+        Where the arm is (rad or m), inside its limits.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`~robomech_ros.kinematics.inverse_kinematics`.
+    """
+    result = inverse_kinematics(chain, T, seed=present)
+    known = (result.complete, result.status, result.reason.rstrip("."))
+    if len(result):
+        return PoseStudy(result.target, _postures(result), *known)
+    nearest, *errors = _nearest(chain, result.target, present)
+    return PoseStudy(result.target, (), *known, nearest, *errors)
+
+
+def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:
+    names = _names(result.branches)
+    columns = (names, result.seed_distance, result.limit_margin, result.condition_number)
+    rows = zip(result.q, *columns, strict=True)
+    found = [
+        Posture(q, name, float(distance), float(margin), float(condition))
+        for q, name, distance, margin, condition in list(rows)[:MOST_POSTURES]
+    ]
+    if result.family != "redundant":
+        found.sort(key=lambda posture: _natural(posture.name))
+    return tuple(found)
+
+
+def _natural(name: str) -> list[tuple[str, int]]:
+    """Order posture-2 before posture-10."""
+    return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d*)", name)]
+
+
+def _names(branches: tuple[str, ...]) -> list[str]:
+    """Give a name to samples of a self-motion that have none."""
+    return [name or f"sample {number}" for number, name in enumerate(branches, start=1)]
+
+
+def _nearest(chain: SerialChain, T: Array, present: Array) -> tuple[Array, float, float]:
+    request = as_request(chain, present, True, False, "linf", None)
+    steady = least_squares_posture(chain, T, request, starts=1)
+    best = least_squares_posture(chain, T, request)
+    errors = [(one.position_error, one.orientation_error) for one in (steady, best)]
+    if STEADY * np.hypot(*errors[0]) <= np.hypot(*errors[1]):
+        return steady.best, *errors[0]
+    return best.best, *errors[1]

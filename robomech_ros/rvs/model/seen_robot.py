@@ -1,0 +1,151 @@
+"""A robot as it is seen: a tree of links, each with its bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.robots import RobotDescription, urdf_from_description
+from robomech_ros.robots.joint import Joint
+from robomech_ros.robots.urdf.document import description_from_urdf
+from robomech_ros.robots.urdf.shapes import COLOURS, Shape, generated_shapes
+from robomech_ros.robots.urdf.visuals import Visual, read_visuals
+from robomech_ros.rvs.model.mesh_files import MeshError, mesh_file, read_mesh
+from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
+
+__all__ = ["SeenBody", "SeenRobot", "seen_robot"]
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float, float]
+
+# Of bodies without a colour of their own, and of what stands for a mesh that is missing (m).
+PLAIN: Colour = (0.72, 0.74, 0.77, 1.0)
+STAND_IN = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class SeenBody:
+    """A body of a link.
+
+    Parameters
+    ----------
+    link : str
+    pose : ndarray, shape (4, 4)
+        In the link (m).
+    solid : Solid
+    colour : tuple of four float
+        Red, green, blue and alpha from 0 to 1.
+    """
+
+    link: str
+    pose: Array
+    solid: Solid
+    colour: Colour
+
+
+@dataclass(frozen=True, eq=False)
+class SeenRobot:
+    """A robot and what is seen of it.
+
+    Parameters
+    ----------
+    tree : RobotDescription
+        Its links and joints; every joint's axis is in the frame of its link.
+    bodies : tuple of SeenBody
+        At least one for each rigid part.
+    missing : tuple of str
+        A sentence for each mesh that cannot be shown; a generated body stands for it.
+    shapes : mapping of str to list of Shape
+        Generated drums, rods and bars of every part, by link.
+    """
+
+    tree: RobotDescription
+    bodies: tuple[SeenBody, ...]
+    missing: tuple[str, ...]
+    shapes: Mapping[str, list[Shape]]
+
+    def joint_poses(self, positions: Mapping[str, float]) -> dict[str, Array]:
+        """Compute the pose of each link that a joint moves in the link before it, (4, 4) (m).
+
+        Parameters
+        ----------
+        positions : mapping of str to float
+            rad or m, by joint; joints that mimic others follow them.
+        """
+        at = self.tree.joint_positions(positions)
+        return {joint.child: joint.pose(at[joint.name]) for joint in self.moving}
+
+    @property
+    def moving(self) -> tuple[Joint, ...]:
+        """The joints that move."""
+        return tuple(joint for joint in self.tree.joints if joint.moves)
+
+    @property
+    def reach(self) -> float:
+        """Size of the robot at rest (m): how far its links are from the root, at least 0.1."""
+        places = [T[:3, 3] for T in self.tree.link_poses().values()]
+        sizes = [float(np.linalg.norm(place)) for place in places]
+        return max([0.1, *sizes])
+
+
+def seen_robot(description: RobotDescription) -> SeenRobot:
+    """Collect what is to be seen of a robot, meshes where they are found.
+
+    Parameters
+    ----------
+    description : RobotDescription
+
+    Raises
+    ------
+    RobotDescriptionError
+        A number of a visual body is none.
+    """
+    document = urdf_from_description(description)
+    tree = description_from_urdf(document, description.where)
+    file = Path(description.where)
+    folder = file.parent.resolve() if file.is_file() else None
+    missing: list[str] = []
+    bare: set[str] = set()
+    bodies: list[SeenBody] = []
+    for visual in read_visuals(document, description.where):
+        try:
+            bodies += _bodies(visual, folder)
+        except MeshError as error:
+            missing.append(f"{visual.link}: {error}; a generated body stands for it")
+            bare.add(visual.link)
+    everywhere = generated_shapes(tree.root, tree.joints, ())
+    for link in sorted(bare - {body.link for body in bodies}):
+        shapes = everywhere.get(link) or [Shape(np.eye(4), STAND_IN, 2.0 * STAND_IN, 0)]
+        bodies += [_generated(link, shape) for shape in shapes]
+    return SeenRobot(tree, tuple(bodies), tuple(missing), everywhere)
+
+
+def _bodies(visual: Visual, folder: Path | None) -> list[SeenBody]:
+    colour = visual.colour or PLAIN
+    if visual.kind == "mesh":
+        parts = read_mesh(mesh_file(visual.filename, folder), visual.filename)
+        return [
+            SeenBody(
+                visual.link,
+                visual.pose,
+                Solid(part.solid.vertices * visual.measures, part.solid.faces),
+                visual.colour or part.colour or PLAIN,
+            )
+            for part in parts
+        ]
+    makers: dict[str, Callable[..., Solid]] = {"box": box, "cylinder": cylinder, "sphere": sphere}
+    make = makers[visual.kind]
+    return [SeenBody(visual.link, visual.pose, make(*visual.measures), colour)]
+
+
+def _generated(link: str, shape: Shape) -> SeenBody:
+    width = 2.0 * shape.radius
+    if shape.box:
+        solid = box(width, width, shape.length)
+    else:
+        solid = cylinder(shape.radius, shape.length)
+    return SeenBody(link, shape.pose, solid, COLOURS[shape.colour])

@@ -1,0 +1,131 @@
+"""Opening a view, where viser is installed."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots import RobotDescription, SerialChain, load_description
+from robomech_ros.rvs.motion import Motion
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.page.page import RobotPage
+
+__all__ = ["HOST", "PORT", "ViewUnavailableError", "page_of", "view", "write_motion"]
+
+# Only this machine; the port is viser's.
+HOST, PORT = "127.0.0.1", 8080
+
+
+class ViewUnavailableError(RobomechError):
+    """viser is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__("the view needs viser: pip install 'viser>=1.1.1,<1.2'")
+
+
+def view(
+    robot: str | os.PathLike[str],
+    *,
+    port: int = PORT,
+    host: str = HOST,
+    base: str | None = None,
+    tip: str | None = None,
+) -> RobotPage:
+    """Show a robot in a browser, to be moved by sliders, by its tip and from posture to posture.
+
+    Parameters
+    ----------
+    robot : str or path
+        Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`.
+    port : int, optional
+        To listen on; 0 takes a free one.
+    host : str, optional
+        Address to listen on; by default only this machine can reach it.
+    base, tip : str, optional
+        Links between which the arm is; by default those of ``load_robot``.
+
+    Returns
+    -------
+    RobotPage
+        Served until it is closed; ``url`` opens it, and contains the token that it asks for.
+
+    Raises
+    ------
+    ViewUnavailableError
+        viser is not installed.
+    PortTakenError
+        Another program listens on the port.
+    BadValueError
+        No such address or port.
+    UnknownRobotError, UnknownLinkError, RobotDescriptionError
+        As for ``load_robot``.
+
+    See Also
+    --------
+    robomech_ros.kinematics.inverse_kinematics : the postures, without a picture.
+
+    Examples
+    --------
+    >>> from robomech_ros.rvs import view
+    >>> page = view("puma560", port=0)
+    >>> page.url.split("=")[0].split("/")[-1]
+    '?token'
+    >>> page.close()
+    """
+    description = load_description(robot)
+    return page_of(description, description.chain(base, tip), port=port, host=host)
+
+
+def page_of(
+    description: RobotDescription, chain: SerialChain, *, port: int, host: str
+) -> RobotPage:
+    """Serve the page of an arm of a robot; parameters and errors are those of :func:`view`."""
+    _require_viser()
+    from robomech_ros.rvs.page.page import RobotPage
+
+    return RobotPage(description, chain, port=port, host=host)
+
+
+def write_motion(
+    path: str | os.PathLike[str], description: RobotDescription, motion: Motion, *, title: str = ""
+) -> Path:
+    """Write a motion as a page that plays it, in one file that needs nothing else.
+
+    The postures that were not taken are seen as ghosts.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, as ``demo.html``.
+    description : RobotDescription
+        The robot.
+    motion : Motion
+        Of one of its chains.
+    title : str, optional
+        Above the page; default the name of the robot.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ViewUnavailableError
+        viser is not installed.
+    OSError
+        The file cannot be written.
+    """
+    _require_viser()
+    from robomech_ros.rvs.page.recording import record_motion
+
+    return record_motion(Path(path), description, motion, title or description.name)
+
+
+def _require_viser() -> None:
+    if find_spec("viser") is None:
+        raise ViewUnavailableError

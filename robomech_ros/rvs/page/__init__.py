@@ -1,0 +1,1 @@
+"""The page of the view, drawn with viser."""

@@ -1,0 +1,86 @@
+"""Who looks at a page: one browser commands, the others watch until they take over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+__all__ = ["Audience", "Controls"]
+
+_WATCHING = '<div data-watching style="font-size:0.85em;padding:0.2em 0.85em 0.6em">{text}</div>'
+_OTHER = "Another browser commands this robot; here it is only seen."
+_NOBODY = "No browser commands this robot."
+
+
+class Controls(Protocol):
+    """What the browser that commands has beyond the others."""
+
+    def remove(self) -> None:
+        """Take it from the browser."""
+
+
+class Audience:
+    """The browsers of a page.
+
+    Not for several threads at a time.
+
+    Parameters
+    ----------
+    make_controls : callable
+        Gives a browser (viser.ClientHandle) the controls.
+    taken_over : callable
+        Called with the identifier of a browser that wants to command.
+    """
+
+    def __init__(
+        self, make_controls: Callable[[Any], Controls], taken_over: Callable[[int], None]
+    ) -> None:
+        self._make_controls, self._taken_over = make_controls, taken_over
+        self._clients: dict[int, Any] = {}
+        self._watching: dict[int, tuple[Any, Any]] = {}
+        self._controls: Controls | None = None
+        self.commander: int | None = None
+
+    def came(self, client: Any) -> None:
+        """Welcome a browser: it commands if nobody does."""
+        self._clients[client.client_id] = client
+        if self.commander is None:
+            self.give_command(client.client_id)
+        else:
+            self._let_watch(client)
+
+    def left(self, number: int) -> bool:
+        """Forget a browser; says whether it was the one that commanded."""
+        self._clients.pop(number, None)
+        self._watching.pop(number, None)
+        if number != self.commander:
+            return False
+        self.commander, self._controls = None, None
+        for text, _ in self._watching.values():
+            text.content = _WATCHING.format(text=_NOBODY)
+        return True
+
+    def give_command(self, number: int) -> None:
+        """Let a browser command, and the one that did watch."""
+        client = self._clients.get(number)
+        if client is None or number == self.commander:
+            return
+        if self._controls is not None and self.commander is not None:
+            self._controls.remove()
+            self._let_watch(self._clients[self.commander])
+        for handle in self._watching.pop(number, ()):
+            handle.remove()
+        self.commander, self._controls = number, self._make_controls(client)
+        for text, _ in self._watching.values():
+            text.content = _WATCHING.format(text=_OTHER)
+
+    def _let_watch(self, client: Any) -> None:
+        text = client.gui.add_html(_WATCHING.format(text=_OTHER), order=-1)
+        button = client.gui.add_button("Take command", order=-0.5)
+        number = client.client_id
+
+        @button.on_click
+        async def _(_: Any) -> None:
+            self._taken_over(number)
+
+        self._watching[number] = (text, button)

@@ -1,0 +1,139 @@
+"""Ghosts in the scene: one batch of cylinders for all postures, and their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import link_poses
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.ghosts import Ghosts, Rgb
+from robomech_ros.rvs.model.postures import MOST_POSTURES
+from robomech_ros.rvs.model.solids import cylinder
+
+__all__ = ["Ghost", "GhostNodes"]
+
+Array = NDArray[np.float64]
+
+OPACITY = 0.45
+# Numbers nearer to each other than this part of the reach are written as one.
+TOGETHER = 0.05
+
+
+class Ghost(NamedTuple):
+    """One ghost.
+
+    Parameters
+    ----------
+    number : int
+        Of the posture, from 0; written beside the ghost from 1.
+    q : ndarray, shape (n,)
+        rad or m.
+    colour : tuple of int
+        Red, green, blue, 0 to 255.
+    """
+
+    number: int
+    q: Array
+    colour: Rgb
+
+
+class GhostNodes:
+    """The ghosts of an arm.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    parent : str
+        Node at the base of the arm.
+    chain : SerialChain
+        With links as in the shapes.
+    ghosts : Ghosts
+    reach : float
+        Of the robot (m).
+    """
+
+    def __init__(
+        self, scene: Any, parent: str, chain: SerialChain, ghosts: Ghosts, reach: float
+    ) -> None:
+        self._chain, self._ghosts, self._together = chain, ghosts, TOGETHER * reach
+        self._shown: Sequence[Ghost] = ()
+        self._wanted = True
+        solid = cylinder(1.0, 1.0)
+        self._batch = scene.add_batched_meshes_simple(
+            f"{parent}/ghosts",
+            solid.vertices,
+            solid.faces,
+            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            batched_positions=np.zeros((1, 3)),
+            batched_scales=np.full((1, 3), 1e-6),
+            batched_colors=np.zeros((1, 3), dtype=np.uint8),
+            opacity=OPACITY,
+            flat_shading=True,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+        self._labels = [
+            scene.add_label(f"{parent}/numbers/{k}", "", visible=False, anchor="center-center")
+            for k in range(MOST_POSTURES)
+        ]
+        # The middle of the arm is where postures are farthest from each other.
+        self._labelled = chain.links[-1]
+        for frame in chain.frames:
+            if frame.joints == (chain.n + 1) // 2:
+                self._labelled = frame.name
+                break
+
+    def on_click(self, taken: Callable[[Any, int], None]) -> None:
+        """Have something done when a ghost is clicked: it gets the client and the number."""
+
+        @self._batch.on_click
+        async def _(event: Any) -> None:
+            ghosts = self._shown
+            if event.instance_index is not None and self._ghosts.pieces:
+                index = event.instance_index // self._ghosts.pieces
+                if index < len(ghosts):
+                    taken(event.client, ghosts[index].number)
+
+    def show(self, ghosts: Sequence[Ghost]) -> None:
+        """Show these ghosts, and no others."""
+        self._shown = ghosts
+        self._batch.visible = bool(ghosts) and self._wanted
+        self._write_numbers()
+        if not ghosts:
+            return
+        pieces = self._ghosts.placed([one.q for one in ghosts], [one.colour for one in ghosts])
+        self._batch.batched_positions = pieces.positions.astype(np.float32)
+        self._batch.batched_wxyzs = pieces.wxyz.astype(np.float32)
+        self._batch.batched_scales = pieces.scales.astype(np.float32)
+        self._batch.batched_colors = pieces.colours
+
+    def want(self, wanted: bool) -> None:
+        """Show ghosts at all, or not."""
+        self._wanted = wanted
+        self.show(self._shown)
+
+    def _write_numbers(self) -> None:
+        texts: list[str] = []
+        places: list[Array] = []
+        if self._shown and self._wanted:
+            q = np.array([one.q for one in self._shown])
+            at = link_poses(self._chain, q, [self._labelled])[:, 0, :3, 3]
+            for one, place in zip(self._shown, at, strict=True):
+                near = [
+                    k for k, p in enumerate(places) if np.linalg.norm(p - place) < self._together
+                ]
+                if near:
+                    texts[near[0]] += f", {one.number + 1}"
+                else:
+                    texts.append(str(one.number + 1))
+                    places.append(place)
+        for k, label in enumerate(self._labels):
+            label.visible = k < len(texts)
+            if k < len(texts):
+                label.text, label.position = texts[k], places[k]

@@ -1,0 +1,150 @@
+"""The page of one robot: requests of the browser that commands, done one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import Any
+
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.seen_robot import seen_robot
+from robomech_ros.rvs.page.audience import Audience
+from robomech_ros.rvs.page.panel import Panel
+from robomech_ros.rvs.page.stage import BASE, Stage
+from robomech_ros.rvs.serving.server import guarded_server
+from robomech_ros.rvs.serving.worker import Worker
+
+__all__ = ["RobotPage"]
+
+
+class RobotPage:
+    """A page of one robot, served until it is closed.
+
+    Parameters
+    ----------
+    description : RobotDescription
+    chain : SerialChain
+        The arm of it that is moved.
+    port, host : int, str
+        As for :func:`robomech_ros.rvs.view`.
+    """
+
+    def __init__(
+        self, description: RobotDescription, chain: SerialChain, *, port: int, host: str
+    ) -> None:
+        self._arm = SeenArm(chain)
+        seen = seen_robot(description)
+        self._reach = seen.reach
+        self._server = guarded_server(host, port, chain.name)
+        self._stage = Stage(self._server.viser, seen, chain)
+        self._stage.show(self._arm, ())
+        self._panel: Panel | None = None
+        self._audience = Audience(self._make_panel, self._take_over)
+        self._worker = Worker()
+        self._stage.ghosts.on_click(self._clicked)
+        self._server.viser.on_client_connect(self._came)
+        self._server.viser.on_client_disconnect(self._left)
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token that it asks for."""
+        return self._server.url
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._worker.close()
+        self._server.close()
+
+    def __enter__(self) -> RobotPage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # What browsers ask for, on threads of the server.
+
+    async def _came(self, client: Any) -> None:
+        self._worker.submit(("came", client.client_id), lambda: self._audience.came(client))
+
+    async def _left(self, client: Any) -> None:
+        def forget() -> None:
+            if self._audience.left(client.client_id):
+                self._panel = None
+                self._arm.release()
+                self._show(None)
+
+        self._worker.submit(("left", client.client_id), forget)
+
+    def _take_over(self, number: int) -> None:
+        self._worker.submit("take over", lambda: self._audience.give_command(number))
+
+    def _clicked(self, client: Any, number: int) -> None:
+        def take() -> None:
+            if client.client_id == self._audience.commander:
+                self._do(lambda: self._arm.take(number), None)
+
+        self._worker.submit("take", take)
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move a joint (rad or m)."""
+        self._ask(("joint", joint), lambda: self._arm.set_joint(joint, value), joint)
+
+    def drag(self, T: Callable[[], NDArray]) -> None:
+        """Bring the tip to a pose, which is made when its turn comes."""
+        self._ask("drag", lambda: self._arm.drag(T()), None)
+
+    def release(self) -> None:
+        """Let go of the gizmo."""
+        self._ask("release", self._arm.release, None)
+
+    def take(self, text: str) -> None:
+        """Take the posture of this number, from 1; nothing is written between two numbers."""
+        if text.strip():
+            self._ask("take", lambda: self._arm.take(_numbered(text) - 1), None)
+
+    def slide(self, length: float) -> None:
+        """Move along the self-motion (rad or m)."""
+        self._ask("self-motion", lambda: self._arm.slide(length), "self-motion")
+
+    def home(self) -> None:
+        """Go to where the robot began."""
+        self._ask("home", lambda: self._arm.move_to(self._arm.chain.home()), None)
+
+    def show(self, what: str, shown: bool) -> None:
+        """Show a part of the scene, or not."""
+        if what == "gizmo" and self._panel is not None:
+            self._panel.show_gizmo(shown)
+        self._worker.submit(("show", what), lambda: self._stage.switch(what, shown))
+
+    # What is done, on the thread of the worker.
+
+    def _make_panel(self, client: Any) -> Panel:
+        self._panel = Panel(client, self._arm, self, BASE, self._reach)
+        return self._panel
+
+    def _ask(self, kind: Hashable, request: Callable[[], None], source: object) -> None:
+        self._worker.submit(kind, lambda: self._do(request, source))
+
+    def _do(self, request: Callable[[], None], source: object) -> None:
+        notices = []
+        try:
+            request()
+        except RobomechError as error:
+            notices, source = [f"Refused: {error}"], None
+        self._show(source, *notices)
+
+    def _show(self, source: object, *notices: str) -> None:
+        with self._server.viser.atomic():
+            self._stage.show(self._arm, notices)
+            if self._panel is not None:
+                self._panel.update(self._arm, source)
+
+
+def _numbered(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise BadValueError("posture", text, "its number") from None

@@ -1,0 +1,206 @@
+"""The controls of the browser that commands: sliders, the gizmo at the tip, what is shown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.tables import TAKE
+from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.spatial import pose_from_position_quaternion
+
+__all__ = ["Commands", "Panel"]
+
+Array = NDArray[np.float64]
+
+# Steps of sliders (rad or m), and the size of the gizmo in reaches of the robot.
+STEP = 0.001
+GIZMO = 0.28
+_HIDEABLE = ("ghosts", "frames", "joint axes", "ground", "gizmo")
+_AT_FIRST = ("ghosts", "ground", "gizmo")
+
+
+class Commands(Protocol):
+    """What a panel asks for; each returns at once."""
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move a joint (rad or m)."""
+
+    def drag(self, T: Callable[[], Array]) -> None:
+        """Bring the tip to a pose, which is made when its turn comes."""
+
+    def release(self) -> None:
+        """Let go of the gizmo."""
+
+    def take(self, text: str) -> None:
+        """Take the posture of this number, from 1."""
+
+    def slide(self, length: float) -> None:
+        """Move along the self-motion (rad or m)."""
+
+    def home(self) -> None:
+        """Go to where the robot began."""
+
+    def show(self, what: str, shown: bool) -> None:
+        """Show a part of the scene, or not."""
+
+
+class Panel:
+    """The controls of one browser.
+
+    Parameters
+    ----------
+    client : viser.ClientHandle
+        The browser.
+    arm : SeenArm
+    commands : Commands
+    base : str
+        Node at the base of the arm.
+    reach : float
+        Of the robot (m).
+    """
+
+    def __init__(
+        self, client: Any, arm: SeenArm, commands: Commands, base: str, reach: float
+    ) -> None:
+        self._client, self._commands = client, commands
+        self._handles: list[Any] = []
+        self._held = False
+        gui = client.gui
+        hint = "Number of a posture; a click on its row or its ghost takes it, too"
+        take = gui.add_text(TAKE, "", hint=hint, order=3)
+        self._keep(take, lambda: commands.take(take.value))
+        self._sliders = self._add_joints(arm)
+        self._self_motion = self._add_self_motion() if arm.self_motion() is not None else None
+        self._add_switches()
+        self._gizmo = client.scene.add_transform_controls(
+            f"{base}/target", scale=GIZMO * reach, depth_test=False, **placed(arm.target)
+        )
+        self._handles.append(self._gizmo)
+        self._listen_to_gizmo()
+        self.update(arm, None)
+
+    def _keep(self, handle: Any, changed: Callable[[], None]) -> None:
+        """Keep a control, and have something done when the page changes it."""
+        self._handles.append(handle)
+
+        @handle.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                changed()
+
+    def _add_joints(self, arm: SeenArm) -> list[Any]:
+        gui, chain = self._client.gui, arm.chain
+        sliders = []
+        folder = gui.add_folder("Joints", order=4)
+        self._handles.append(folder)
+        with folder:
+            for joint, name in enumerate(chain.joint_names):
+                low, high = arm.travel(joint)
+                hint = f"{name}: {low:.4g} to {high:.4g} {chain.units[joint]}"
+                slider = gui.add_slider(
+                    _short(name), low, high, STEP, float(arm.q[joint]), hint=hint
+                )
+                self._keep(slider, partial(self._move, joint, slider))
+                sliders.append(slider)
+            home = gui.add_button("Home")
+
+            @home.on_click
+            async def _(_: Any) -> None:
+                self._commands.home()
+
+        return sliders
+
+    def _add_self_motion(self) -> Any:
+        gui = self._client.gui
+        folder = gui.add_folder("Self-motion", order=5)
+        self._handles.append(folder)
+        with folder:
+            hint = "Moves the arm while its tip stays: length of the way in joint space, rad or m"
+            slider = gui.add_slider("along it", -1.0, 1.0, STEP, 0.0, hint=hint)
+            self._keep(slider, lambda: self._commands.slide(slider.value))
+        return slider
+
+    def _add_switches(self) -> None:
+        gui = self._client.gui
+        folder = gui.add_folder("Show", order=6, expand_by_default=False)
+        self._handles.append(folder)
+        with folder:
+            for what in _HIDEABLE:
+                box = gui.add_checkbox(what, what in _AT_FIRST)
+                self._keep(box, partial(self._switch, what, box))
+            dark = gui.add_checkbox("dark", False)
+            self._keep(dark, lambda: self.set_dark(dark.value))
+
+    def _move(self, joint: int, slider: Any) -> None:
+        self._commands.set_joint(joint, slider.value)
+
+    def _switch(self, what: str, box: Any) -> None:
+        self._commands.show(what, box.value)
+
+    def set_dark(self, dark: bool) -> None:
+        """Draw the page dark or light."""
+        set_theme(self._client.gui, dark)
+
+    def show_gizmo(self, shown: bool) -> None:
+        """Show the gizmo, or not."""
+        self._gizmo.visible = shown
+
+    def _listen_to_gizmo(self) -> None:
+        gizmo = self._gizmo
+
+        @gizmo.on_update
+        async def _(event: Any) -> None:
+            # What the page sends after the end was on its way before.
+            if event.phase == "start":
+                self._held = True
+            elif event.phase == "end":
+                self._held = False
+                self._commands.release()
+            elif self._held:
+                wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
+                self._commands.drag(lambda: pose_from_position_quaternion(position, wxyz))
+
+    def update(self, arm: SeenArm, source: object) -> None:
+        """Show where the arm is in all controls but the one that it was moved with.
+
+        Parameters
+        ----------
+        arm : SeenArm
+        source : object
+            The number of the joint, or the name of the control; None for none of them.
+        """
+        for joint, slider in enumerate(self._sliders):
+            if source != joint or not math.isclose(slider.value, arm.q[joint], abs_tol=STEP):
+                _set(slider, float(arm.q[joint]))
+        if not self._held:
+            place = placed(arm.target)
+            self._gizmo.position, self._gizmo.wxyz = place["position"], place["wxyz"]
+            if self._self_motion is not None and source != "self-motion":
+                curve = arm.self_motion()
+                if curve is not None:
+                    self._self_motion.min = min(curve.low, -STEP)
+                    self._self_motion.max = max(curve.high, STEP)
+                    _set(self._self_motion, 0.0)
+
+    def remove(self) -> None:
+        """Take the controls from the browser."""
+        for handle in reversed(self._handles):
+            handle.remove()
+
+
+def _set(slider: Any, value: float) -> None:
+    if slider.value != value:
+        slider.value = value
+
+
+def _short(name: str) -> str:
+    """Leave out what every joint's name has."""
+    return name.removesuffix("_joint").replace("_", " ")

@@ -1,0 +1,88 @@
+"""A page with a motion in it, which opens from a file and needs neither server nor network."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+from typing import Any
+
+from robomech_ros.robots import RobotDescription
+from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
+from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
+from robomech_ros.rvs.motion import Choice, Motion
+from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
+from robomech_ros.rvs.page.robot_nodes import RobotNodes
+from robomech_ros.rvs.page.stage import BASE, add_base
+from robomech_ros.rvs.page.surroundings import add_surroundings
+from robomech_ros.rvs.serving.server import guarded_server
+
+__all__ = ["record_motion"]
+
+# Pictures a second.
+RATE = 25.0
+_LEGEND = (
+    '<div style="position:fixed;left:1em;top:1em;max-width:24em;z-index:5;padding:0.6em 0.9em;'
+    "border-radius:0.4em;background:rgba(255,255,255,0.85);color:#222;"
+    'font:13px/1.45 system-ui,sans-serif" data-legend>{text}</div>'
+)
+_SWATCH = (
+    '<span style="display:inline-block;min-width:1.5em;margin-right:0.5em;border-radius:0.7em;'
+    'color:#fff;text-align:center;background:rgb{colour}">{number}</span>'
+)
+
+
+def record_motion(path: Path, description: RobotDescription, motion: Motion, title: str) -> Path:
+    """Write a motion as a page; parameters and errors are those of ``write_motion``."""
+    seen = seen_robot(description)
+    server = guarded_server("127.0.0.1", 0, title)
+    try:
+        page = _recorded(server.viser, seen, motion)
+    finally:
+        server.close()
+    head = f"<title>{html.escape(title)}</title>"
+    legend = _legend(motion, seen, title)
+    begin, tag, rest = page.rpartition("</body>")
+    page = f"{begin}{legend}{tag}{rest}".replace("<title>Viser</title>", head, 1)
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _recorded(server: Any, seen: SeenRobot, motion: Motion) -> str:
+    chain = motion.chain
+    add_surroundings(server, seen.reach)
+    robot = RobotNodes(server.scene, seen)
+    add_base(server.scene, seen, chain)
+    drawn = seen.tree.chain(chain.base, chain.tip)
+    ghosts = GhostNodes(server.scene, BASE, drawn, Ghosts(drawn, seen.shapes), seen.reach)
+    times, q = motion.sampled(RATE)
+    robot.move(dict(zip(chain.joint_names, q[0].tolist(), strict=True)))
+    recording = server.get_scene_serializer()
+    waiting = list(motion.choices)
+    for k, (time, posture) in enumerate(zip(times.tolist(), q, strict=True)):
+        while waiting and waiting[0].time <= time:
+            ghosts.show(_ghosts(waiting.pop(0)))
+        robot.move(dict(zip(chain.joint_names, posture.tolist(), strict=True)))
+        if k + 1 < len(times):
+            recording.insert_sleep(float(times[k + 1] - time))
+    return str(recording.as_html())
+
+
+def _ghosts(choice: Choice) -> list[Ghost]:
+    return [
+        Ghost(number, posture.q, PALETTE[number % len(PALETTE)])
+        for number, posture in enumerate(choice.others)
+    ]
+
+
+def _legend(motion: Motion, seen: SeenRobot, title: str) -> str:
+    lines = [f"<b>{html.escape(title)}</b>"]
+    for choice in motion.choices:
+        taken = f": {choice.taken}" if choice.taken else ""
+        after = choice.time - float(motion.times[0])
+        lines.append(f"<b>{html.escape(choice.name)}</b> ({after:.1f} s){html.escape(taken)}")
+        for number, posture in enumerate(choice.others):
+            colour = PALETTE[number % len(PALETTE)]
+            name = html.escape(posture.name or f"posture {number + 1}")
+            lines.append(_SWATCH.format(colour=colour, number=number + 1) + name)
+    lines += [html.escape(sentence) for sentence in seen.missing]
+    return _LEGEND.format(text="".join(f"<div>{line}</div>" for line in lines))

@@ -1,0 +1,123 @@
+"""A robot in the scene: a node for each link, moved by its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.rvs.model.solids import cylinder
+from robomech_ros.spatial import position_quaternion_from_pose
+
+__all__ = ["RobotNodes", "placed"]
+
+Array = NDArray[np.float64]
+
+ROOT = "/robot"
+# Parts of the robot's reach: axes of frames, and axes of joints.
+FRAME_LENGTH, FRAME_RADIUS = 0.09, 0.0035
+AXIS_LENGTH, AXIS_RADIUS = 0.3, 0.0035
+AXIS_COLOUR = (250, 200, 30)
+
+
+def placed(T: Array) -> dict[str, Array]:
+    """Give a pose (4, 4) as the position and the quaternion of a node, scalar first."""
+    position, quaternion = position_quaternion_from_pose(T)
+    return {"position": position, "wxyz": np.roll(quaternion, 1)}
+
+
+class RobotNodes:
+    """The nodes of a robot.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    seen : SeenRobot
+    """
+
+    def __init__(self, scene: Any, seen: SeenRobot) -> None:
+        self._seen = seen
+        self._moved: dict[str, Any] = {}
+        self._at: dict[str, Array] = {}
+        self._frames: list[Any] = []
+        self._axes: list[Any] = []
+        self._paths: dict[str, str] = {}
+        self._add_links(scene)
+        self._add_bodies(scene)
+
+    def _add_links(self, scene: Any) -> None:
+        tree, reach = self._seen.tree, self._seen.reach
+        to_parent = {joint.child: joint for joint in tree.joints}
+        moving = {joint.child: joint for joint in self._seen.moving}
+        size = {"axes_length": FRAME_LENGTH * reach, "axes_radius": FRAME_RADIUS * reach}
+        for number, (link, _) in enumerate(tree.link_poses().items()):
+            joint = to_parent.get(link)
+            above = ROOT if joint is None else self._paths[joint.parent]
+            # Names of links may contain what separates names of nodes.
+            path = f"{above}/{number}_{link.replace('/', '_')}"
+            pose = np.eye(4) if joint is None else joint.pose(joint.rest)
+            node = scene.add_frame(path, show_axes=False, **size, **placed(pose))
+            self._paths[link] = path
+            self._frames.append(node)
+            if link in moving:
+                self._moved[link] = node
+                self._axes.append(self._joint_axis(scene, path, moving[link].axis))
+
+    def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
+        from robomech_ros.robots.joint import turn_of_z
+
+        reach = self._seen.reach
+        solid = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
+        return scene.add_mesh_simple(
+            f"{path}/axis",
+            solid.vertices,
+            solid.faces,
+            color=AXIS_COLOUR,
+            flat_shading=True,
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+            **placed(turn_of_z(axis)),
+        )
+
+    def _add_bodies(self, scene: Any) -> None:
+        for number, body in enumerate(self._seen.bodies):
+            *colour, alpha = body.colour
+            scene.add_mesh_simple(
+                f"{self._paths[body.link]}/body_{number}",
+                body.solid.vertices,
+                body.solid.faces,
+                color=tuple(round(255 * part) for part in colour),
+                opacity=alpha if alpha < 1.0 else None,
+                flat_shading=True,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+                **placed(body.pose),
+            )
+
+    def move(self, positions: Mapping[str, float]) -> None:
+        """Put the joints where they are (rad or m, by name); what stays is not sent again."""
+        for link, pose in self._seen.joint_poses(positions).items():
+            before = self._at.get(link)
+            if before is not None and np.array_equal(before, pose):
+                continue
+            self._at[link] = pose
+            place, node = placed(pose), self._moved[link]
+            if before is None or not np.array_equal(before[:3, 3], pose[:3, 3]):
+                node.position = place["position"]
+            if before is None or not np.array_equal(before[:3, :3], pose[:3, :3]):
+                node.wxyz = place["wxyz"]
+
+    def show_frames(self, shown: bool) -> None:
+        """Show the frame of every link, or none."""
+        for node in self._frames:
+            node.show_axes = shown
+
+    def show_axes(self, shown: bool) -> None:
+        """Show the axis of every joint that moves, or none."""
+        for node in self._axes:
+            node.visible = shown

@@ -1,0 +1,86 @@
+"""What every browser sees: the robot, its ghosts, what is known of the pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
+from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
+from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
+from robomech_ros.rvs.page.surroundings import add_surroundings
+from robomech_ros.rvs.page.tables import notice, posture_table, summary
+from robomech_ros.rvs.page.theme import set_theme
+
+__all__ = ["BASE", "Stage", "add_base"]
+
+# The node at the base of the arm, in which its poses are.
+BASE = "/base"
+NEAREST_COLOUR = (120, 120, 120)
+
+
+class Stage:
+    """The scene and the shared part of the panel.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    seen : SeenRobot
+    chain : SerialChain
+        The arm of it that is moved.
+    """
+
+    def __init__(self, server: Any, seen: SeenRobot, chain: SerialChain) -> None:
+        self._server, self._seen = server, seen
+        scene, gui = server.scene, server.gui
+        with server.atomic():
+            set_theme(gui, False)
+            # Beside the scene, not over it.
+            gui.main_panel.dock_right()
+            self._ground = add_surroundings(server, seen.reach)
+            self._robot = RobotNodes(scene, seen)
+            add_base(scene, seen, chain)
+            drawn = seen.tree.chain(chain.base, chain.tip)
+            pieces = Ghosts(drawn, seen.shapes)
+            self.ghosts = GhostNodes(scene, BASE, drawn, pieces, seen.reach)
+            self._summary = gui.add_html("", order=0)
+            self._notice = gui.add_html("", order=1)
+            self._table = gui.add_html("", order=2)
+
+    def show(self, arm: SeenArm, notices: Sequence[str]) -> None:
+        """Show where an arm is, what is known of its pose, and what went wrong."""
+        study = arm.study
+        colours = [PALETTE[k % len(PALETTE)] for k in range(len(study.postures))]
+        ghosts = [
+            Ghost(number, posture.q, colours[number])
+            for number, posture in enumerate(study.postures)
+            if not posture.is_here
+        ]
+        if study.nearest is not None:
+            ghosts = [Ghost(0, study.nearest, NEAREST_COLOUR)]
+        with self._server.atomic():
+            self._robot.move(dict(zip(arm.chain.joint_names, arm.q.tolist(), strict=True)))
+            self.ghosts.show(ghosts)
+            self._summary.content = summary(arm)
+            self._notice.content = notice([*self._seen.missing, *notices])
+            self._table.content = posture_table(study.postures, colours, arm.chain.units)
+
+    def switch(self, what: str, shown: bool) -> None:
+        """Show a part of the scene, or not."""
+        if what == "ghosts":
+            self.ghosts.want(shown)
+        elif what == "frames":
+            self._robot.show_frames(shown)
+        elif what == "joint axes":
+            self._robot.show_axes(shown)
+        elif what == "ground":
+            self._ground.visible = shown
+
+
+def add_base(scene: Any, seen: SeenRobot, chain: SerialChain) -> None:
+    """Add the node at the base of an arm."""
+    T_root_base = seen.tree.link_poses()[chain.base]
+    scene.add_frame(BASE, show_axes=False, **placed(T_root_base))

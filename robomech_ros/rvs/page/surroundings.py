@@ -1,0 +1,54 @@
+"""What is around a robot: ground, lights and the eye; nothing comes from outside."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+__all__ = ["add_surroundings"]
+
+# Lights without shadows or pictures: software draws them in a tenth of a second.
+AMBIENT, SKY = 1.2, 1.4
+# Widths of the squares on the ground (m), the least of which a robot's reach has at most so many.
+SQUARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+MOST_SQUARES = 12
+# Place of the eye and where it looks, in reaches of the robot.
+EYE, LOOKS_AT = (1.25, -1.6, 0.95), (0.1, 0.0, 0.33)
+
+
+def add_surroundings(server: Any, reach: float) -> Any:
+    """Add ground and lights to a scene, and place the eye.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    reach : float
+        Of the robot (m).
+
+    Returns
+    -------
+    viser.GridHandle
+        The ground.
+    """
+    scene = server.scene
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(cast_shadow=False)
+    scene.add_light_ambient("/lights/ambient", intensity=AMBIENT)
+    scene.add_light_hemisphere(
+        "/lights/sky", intensity=SKY, sky_color=(255, 255, 255), ground_color=(150, 150, 160)
+    )
+    square = next((width for width in SQUARES if reach / width <= MOST_SQUARES), SQUARES[-1])
+    width = 2.0 * square * math.ceil(1.25 * reach / square)
+    ground = scene.add_grid(
+        "/ground",
+        width=width,
+        height=width,
+        cell_size=square,
+        section_size=5.0 * square,
+        cell_color=(175, 175, 175),
+        section_color=(130, 130, 130),
+        shadow_opacity=0.0,
+    )
+    server.initial_camera.position = tuple(reach * part for part in EYE)
+    server.initial_camera.look_at = tuple(reach * part for part in LOOKS_AT)
+    return ground

@@ -1,0 +1,114 @@
+"""What the panel writes: what is known of the pose, and the table of its postures."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.rvs.model.postures import Posture
+from robomech_ros.spatial import roll_pitch_yaw_from_matrix
+
+__all__ = ["TAKE", "notice", "posture_table", "summary"]
+
+Array = NDArray[np.float64]
+
+# Label of the text field with which a posture is taken; rows of the table write into it.
+TAKE = "Take posture"
+
+_STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
+_WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"
+# The page is a React page: a field takes a value only by its native setter, and an event. The same
+# number with a blank is another value.
+_CLICK = (
+    "var r=event.target.closest('tr[data-posture]'),"
+    "l=[].slice.call(document.querySelectorAll('label')).find(function(l){"
+    f"return l.textContent==='{TAKE}'}}),"
+    "i=l&&l.closest('.mantine-Flex-root').querySelector('input');"
+    "if(r&&i){var n=r.dataset.posture;"
+    "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set"
+    ".call(i,i.value===n?n+' ':n);i.dispatchEvent(new Event('input',{bubbles:true}))}"
+)
+_CELL = "padding:0.12em 0.4em;text-align:right"
+# From here on a condition number says no more than that the arm is singular.
+SINGULAR = 1e6
+
+
+def summary(arm: SeenArm) -> str:
+    """Write where the tip is, and what is known of the pose, as HTML."""
+    T, study, chain = arm.tip, arm.study, arm.chain
+    place = " ".join(f"{value:+.4f}" for value in T[:3, 3])
+    turn = " ".join(f"{value:+.3f}" for value in roll_pitch_yaw_from_matrix(T[:3, :3]))
+    lines = [
+        f"<div><b>{html.escape(chain.tip)}</b> in {html.escape(chain.base)}: "
+        f"{place} m, roll pitch yaw {turn} rad</div>"
+    ]
+    style = "" if study.postures else f' style="{_WARN}"'
+    lines.append(f"<div{style} data-sentence>{html.escape(study.sentence)}</div>")
+    if study.nearest is not None:
+        lines.append(
+            f"<div>The nearest posture, in grey, misses it by {study.position_error:.4g} m and "
+            f"{study.orientation_error:.4g} rad.</div>"
+        )
+    return f'<div style="{_STYLE}">{"".join(lines)}</div>'
+
+
+def notice(texts: Sequence[str]) -> str:
+    """Write what went wrong, as HTML; empty for nothing."""
+    lines = "".join(f'<div style="{_WARN}">{html.escape(text)}</div>' for text in texts)
+    return f'<div style="{_STYLE}" data-notice>{lines}</div>' if lines else ""
+
+
+def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Sequence[str]) -> str:
+    """Write the table of the postures, whose rows take one by a click, as HTML."""
+    if not postures:
+        return ""
+    unit = "rad" if len(set(units)) == 1 and units[0] == "rad" else "rad or m"
+    titles = ("", "posture", f"move ({unit})", f"to limit ({unit})", "condition")
+    head = "".join(
+        f'<th style="{_CELL};font-weight:600{";text-align:left" if k == 1 else ""}">{title}</th>'
+        for k, title in enumerate(titles)
+    )
+    rows = [
+        _row(number, posture, colour)
+        for number, (posture, colour) in enumerate(zip(postures, colours, strict=True), start=1)
+    ]
+    table = (
+        f'<table onclick="{_CLICK}" style="border-collapse:collapse;width:100%">'
+        f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    )
+    return f'<div style="{_STYLE}" data-postures>{table}</div>'
+
+
+def _row(number: int, posture: Posture, colour: Rgb) -> str:
+    here = posture.is_here
+    swatch = (
+        f'<span style="display:inline-block;min-width:1.5em;border-radius:0.7em;color:#fff;'
+        f'text-align:center;background:rgb{colour}">{number}</span>'
+    )
+    cells = [
+        f'<td style="{_CELL}">{swatch}</td>',
+        f'<td style="{_CELL};text-align:left">{html.escape(posture.name)}</td>',
+        f'<td style="{_CELL}">{"here" if here else f"{posture.distance:.3f}"}</td>',
+        f'<td style="{_CELL}">{_margin(posture.margin)}</td>',
+        f'<td style="{_CELL}">{_condition(posture.condition)}</td>',
+    ]
+    weight = "600" if here else "400"
+    return (
+        f'<tr data-posture="{number}" title="take this posture" '
+        f'style="cursor:pointer;font-weight:{weight};border-top:1px solid rgba(128,128,128,0.25)">'
+        f"{''.join(cells)}</tr>"
+    )
+
+
+def _margin(value: float) -> str:
+    return "none" if math.isinf(value) else f"{value:.3f}"
+
+
+def _condition(value: float) -> str:
+    return "singular" if not value < SINGULAR else f"{value:.1f}"

@@ -1,0 +1,164 @@
+"""viser behind a gate: on a socket of our own, with connections that check what comes in."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import io
+import logging
+import socket
+import threading
+import time
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.rvs.serving.gate import Gate
+from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
+
+__all__ = ["GuardedServer", "PortTakenError", "guarded_server"]
+
+# Messages a second that one page may send; the next ones wait on their way here.  A page sends some
+# 20 while something is dragged.
+FASTEST, BURST = 200.0, 100.0
+GREATEST_PORT = 65535
+
+_LOG = logging.getLogger(__name__)
+# Of messages to a browser that has just gone.
+warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+_CONSTRUCTION = threading.Lock()
+
+
+class PortTakenError(RobomechError):
+    """Another program listens on a port."""
+
+    def __init__(self, host: str, port: int) -> None:
+        super().__init__(
+            f"port {port} of {host} is taken by another program; give another one with --port "
+            "(0 takes a free one)"
+        )
+
+
+class CheckedConnection(ServerConnection):
+    """A connection on which only messages of a page arrive, and not too many a second."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._left, self._since = BURST, time.monotonic()
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        """Receive the next message that is acceptable."""
+        while True:
+            raw = await super().recv(decode)
+            await self._wait_for_turn()
+            if is_acceptable(raw):
+                return raw
+
+    async def _wait_for_turn(self) -> None:
+        now = time.monotonic()
+        self._left = min(BURST, self._left + FASTEST * (now - self._since))
+        self._since = now
+        self._left -= 1.0
+        if self._left < 0.0:
+            await asyncio.sleep(-self._left / FASTEST)
+
+
+class GuardedServer:
+    """A running server.
+
+    Parameters
+    ----------
+    viser_server : viser.ViserServer
+    gate : Gate
+        In front of it.
+    """
+
+    def __init__(self, viser_server: viser.ViserServer, gate: Gate) -> None:
+        self.viser = viser_server
+        self.gate = gate
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token."""
+        return self.gate.url
+
+    def close(self) -> None:
+        """Stop serving; pages that are open lose their connection."""
+        with _silenced():
+            self.viser.stop()
+
+
+def guarded_server(host: str, port: int, label: str) -> GuardedServer:
+    """Start viser behind a gate.
+
+    Parameters
+    ----------
+    host : str
+        Address to listen on.
+    port : int
+        0 takes a free one.
+    label : str
+        Shown on top of the panel.
+
+    Raises
+    ------
+    BadValueError
+        No such address or port.
+    PortTakenError
+        Somebody else listens there.
+    """
+    listener = _listener(host, port)
+    gate = Gate(host, listener.getsockname()[1])
+    serve = websockets.asyncio.server.serve
+
+    def guarded_serve(handler: Any, *_: Any, process_request: Any, **options: Any) -> Any:
+        options |= {"max_size": LONGEST_MESSAGE, "create_connection": CheckedConnection}
+        # A page that is gone without a word is noticed within so many seconds.
+        options |= {"ping_interval": 5.0, "ping_timeout": 10.0}
+        return serve(handler, sock=listener, process_request=gate.over(process_request), **options)
+
+    with _CONSTRUCTION, _silenced():
+        # viser makes its socket with this function, while it is constructed.
+        websockets.asyncio.server.serve = guarded_serve
+        try:
+            server = viser.ViserServer(host=host, port=gate.port, label=label, verbose=False)
+        except BaseException:
+            listener.close()
+            raise
+        finally:
+            websockets.asyncio.server.serve = serve
+    loop = server.get_event_loop()
+    loop.call_soon_threadsafe(loop.set_exception_handler, _log_fault)
+    return GuardedServer(server, gate)
+
+
+def _listener(host: str, port: int) -> socket.socket:
+    if type(port) is not int or not 0 <= port <= GREATEST_PORT:
+        raise BadValueError("port", port, f"0 to {GREATEST_PORT}")
+    if not isinstance(host, str) or not host:
+        raise BadValueError("host", host, "an address of this machine, such as 127.0.0.1")
+    try:
+        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        return socket.create_server(address[:2], family=family)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise PortTakenError(host, port) from None
+        reason = error.strerror or str(error)
+        raise BadValueError(f"address {host}:{port}", reason, "one of this machine") from None
+
+
+def _log_fault(_: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    _LOG.warning("a message was dropped: %s", context.get("exception") or context.get("message"))
+
+
+@contextlib.contextmanager
+def _silenced() -> Iterator[None]:
+    """Keep to itself what viser prints when it starts and stops, an address without token."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield

@@ -1,0 +1,213 @@
+"""The page in a real browser: headless, drawn in software, without a network."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from chromium import Tab, chromium
+from raw_client import wait_until
+
+from robomech_ros.rvs import view
+
+pytestmark = [
+    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
+    pytest.mark.xdist_group("chromium"),
+    pytest.mark.timeout(900),
+]
+GIZMO = "/base/target"
+NODE = f"__viserMutable.nodeRefFromName['{GIZMO}']"
+FIELD = (
+    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
+    ".closest('.mantine-Flex-root')"
+)
+
+
+@pytest.fixture(scope="module")
+def shown():
+    """A page of a UR5e, and a browser that shows it."""
+    with view("ur5e", port=0) as page:
+        tab = Tab(f"{page.url}&fixedDpr=1")
+        try:
+            tab.wait_for("document.querySelector('[data-postures]')")
+            tab.wait_for(NODE)
+            tab.frames(5)
+            yield page, tab
+            assert tab.errors == []
+        finally:
+            tab.close()
+
+
+@pytest.fixture
+def at_home(shown):
+    """The same, with the arm at home."""
+    page, tab = shown
+    page.home()
+    home = page._arm.chain.home()
+    wait_until(lambda: np.array_equal(page._arm.q, home) and page._arm.study.postures)
+    tab.wait_for("document.querySelectorAll('[data-posture]').length === 8")
+    return page, tab
+
+
+def pixel(tab, node):
+    """Where the origin of a node is seen."""
+    script = f"""(() => {{
+        const v = __viserMutable, o = v.nodeRefFromName[{node!r}], c = v.camera;
+        o.updateWorldMatrix(true, false); c.updateMatrixWorld();
+        const p = o.position.clone().setFromMatrixPosition(o.matrixWorld).project(c);
+        const r = v.canvas.getBoundingClientRect();
+        return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }})()"""
+    return tab.value(script)
+
+
+def test_the_address_keeps_no_token(shown):
+    _, tab = shown
+    assert "token" not in tab.value("location.href")
+    assert tab.value("document.cookie") == ""
+
+
+def test_a_row_takes_its_posture(at_home):
+    page, tab = at_home
+    for number in (5, 1, 5):
+        tab.value(f"document.querySelector('[data-posture=\"{number}\"] td').click()")
+        wait_until(lambda n=number: page._arm.study.postures[n - 1].is_here)
+        tab.wait_for(
+            f"document.querySelector('[data-posture=\"{number}\"]').innerText.includes('here')"
+        )
+
+
+def test_a_number_typed_into_a_slider_moves_the_joint(at_home):
+    page, tab = at_home
+    field = FIELD.format(label="elbow")
+    tab.value(f"{field}.querySelector('input:not([type=hidden])').select()")
+    tab.value(f"{field}.querySelector('input:not([type=hidden])').focus()")
+    tab.send("Input.insertText", text="1.25")
+    wait_until(lambda: page._arm.q[2] == 1.25)
+
+
+def test_a_slider_moves_by_its_arrow_keys_and_stays_inside(at_home):
+    page, tab = at_home
+    thumb = FIELD.format(label="shoulder pan") + ".querySelector('[role=slider]')"
+    tab.value(f"{thumb}.focus()")
+    before = page._arm.q[0]
+    for _ in range(3):
+        for kind in ("keyDown", "keyUp"):
+            key = {"key": "ArrowRight", "code": "ArrowRight", "windowsVirtualKeyCode": 39}
+            tab.send("Input.dispatchKeyEvent", type=kind, **key)
+    # Steps of the slider count from its lower end.
+    wait_until(lambda: page._arm.q[0] == pytest.approx(before + 0.003, abs=0.0011))
+    for kind in ("keyDown", "keyUp"):
+        tab.send(
+            "Input.dispatchKeyEvent", type=kind, key="End", code="End", windowsVirtualKeyCode=35
+        )
+    wait_until(lambda: page._arm.q[0] > 6.28)
+    assert page._arm.q[0] <= page._arm.chain.upper[0]
+
+
+def dragged(tab, steps, by):
+    """Take the gizmo's square that faces the eye most, and drag it with the mouse."""
+    x, y = handle(tab)
+    tab.mouse("mouseMoved", x, y)
+    tab.frames(3)
+    tab.mouse("mousePressed", x, y, buttons=1)
+    for k in range(1, steps + 1):
+        tab.mouse("mouseMoved", x + by[0] * k / steps, y + by[1] * k / steps, buttons=1)
+        tab.frames(2)
+    return x + by[0], y + by[1]
+
+
+def handle(tab):
+    """Where the middle of one of the gizmo's arrows is seen: part of the way to its end."""
+    script = f"""(() => {{
+        const v = __viserMutable, o = {NODE}, c = v.camera;
+        o.updateWorldMatrix(true, true); c.updateMatrixWorld();
+        const r = v.canvas.getBoundingClientRect(), all = [];
+        const at = p => {{ p.project(c);
+            return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }};
+        const origin = at(o.position.clone().setFromMatrixPosition(o.matrixWorld));
+        for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {{
+            const p = o.position.clone().set(...axis).multiplyScalar(0.17);
+            const q = at(p.applyMatrix4(o.matrixWorld));
+            all.push([Math.hypot(q[0] - origin[0], q[1] - origin[1]), q]);
+        }}
+        all.sort((a, b) => b[0] - a[0]);
+        return all[0][1]; }})()"""
+    return tab.value(script)
+
+
+def test_the_arm_follows_the_gizmo_and_the_gizmo_snaps_back(at_home):
+    page, tab = at_home
+    tip = page._arm.tip
+    x, y = dragged(tab, 6, (-25, 20))
+    wait_until(lambda: np.abs(page._arm.tip - tip).max() > 0.005)
+    tab.mouse("mouseReleased", x, y)
+    wait_until(lambda: not page._panel._held)
+    assert page._arm.study.postures
+    x, y = dragged(tab, 8, (-500, 500))
+    tab.wait_for("document.querySelector('[data-sentence]').innerText.includes('No posture')")
+    assert page._arm.study.nearest is not None
+    tab.mouse("mouseReleased", x, y)
+    tab.wait_for(
+        "document.querySelector('[data-sentence]').innerText.includes('inside the limits')"
+    )
+    np.testing.assert_array_equal(page._arm.target, page._arm.tip)
+    place = page._arm.tip[:3, 3].tolist()
+    tab.wait_for(f"Math.hypot(...{NODE}.position.toArray().map((x, k) => x - {place}[k])) < 1e-4")
+
+
+def test_a_ghost_is_taken_by_a_click(at_home):
+    page, tab = at_home
+    # The middle of a long bar of the ghosts, where no other posture and nothing of the robot is.
+    places = ghost_places(page)
+    for x, y in (seen(tab, place) for place in places):
+        before = page._arm.q
+        tab.click(x, y)
+        try:
+            wait_until(lambda q=before: not np.array_equal(page._arm.q, q), patience=3.0)
+        except AssertionError:
+            continue
+        assert sum(posture.is_here for posture in page._arm.study.postures) == 1
+        return
+    pytest.fail("no ghost could be clicked")
+
+
+def ghost_places(page):
+    """Points inside bars of ghosts, in the base (m)."""
+    nodes = page._stage.ghosts
+    pieces = nodes._ghosts.placed(
+        [one.q for one in nodes._shown], [one.colour for one in nodes._shown]
+    )
+    long = np.argsort(-pieces.scales[:, 2])[:14]
+    return pieces.positions[long]
+
+
+def seen(tab, place):
+    """Where a point in the base is seen."""
+    script = f"""(() => {{
+        const v = __viserMutable, o = v.nodeRefFromName['/base'], c = v.camera;
+        o.updateWorldMatrix(true, false); c.updateMatrixWorld();
+        const p = o.position.clone().set(...{list(map(float, place))});
+        p.applyMatrix4(o.matrixWorld).project(c);
+        const r = v.canvas.getBoundingClientRect();
+        return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }})()"""
+    return tab.value(script)
+
+
+def test_a_second_browser_watches_and_takes_over(shown):
+    page, tab = shown
+    other = Tab(f"{page.url}&fixedDpr=1", 1000, 600)
+    try:
+        other.wait_for("document.querySelector('[data-watching]')")
+        assert not other.value(f"Boolean({NODE})")
+        button = (
+            "[...document.querySelectorAll('button')].find(b => b.innerText === 'Take command')"
+        )
+        other.value(f"{button}.click()")
+        other.wait_for(NODE)
+        tab.wait_for("document.querySelector('[data-watching]')")
+        assert other.errors == []
+    finally:
+        other.close()
+    wait_until(lambda: page._audience.commander is None)
+    tab.value(f"{button}.click()")
+    tab.wait_for(NODE)
