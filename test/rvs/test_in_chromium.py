@@ -8,7 +8,8 @@ pytest.importorskip("viser")
 from chromium import Tab, chromium
 from raw_client import wait_until
 
-from robomech_ros.rvs import view
+from robomech_ros.robots import load_description
+from robomech_ros.rvs import Choice, Motion, NamedPosture, view, write_motion
 
 pytestmark = [
     pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
@@ -211,3 +212,25 @@ def test_a_second_browser_watches_and_takes_over(shown):
     wait_until(lambda: page._audience.commander is None)
     tab.value(f"{button}.click()")
     tab.wait_for(NODE)
+
+
+def test_a_motion_plays_from_a_file(tmp_path):
+    robot = load_description("puma560")
+    arm = robot.chain()
+    times = np.linspace(0.0, 2.0, 21)
+    q = arm.home() + 0.4 * np.sin(times)[:, None]
+    other = NamedPosture("elbow-up", arm.home() + 0.5)
+    choices = (Choice(0.0, "pick", "elbow-down", (other,)),)
+    path = write_motion(tmp_path / "motion.html", robot, Motion(arm, times, q, choices))
+    tab = Tab(f"{path.as_uri()}?fixedDpr=1", 800, 500)
+    try:
+        nodes = "Object.entries(__viserMutable.nodeRefFromName)"
+        waist = f"{nodes}.find(([name]) => /\\/\\d+_waist_frame$|\\/1_[^/]*$/.test(name))[1]"
+        tab.wait_for(waist)
+        tab.wait_for("document.querySelector('[data-legend]').innerText.includes('elbow-up')")
+        turned = f"Math.round(1e4 * {waist}.quaternion.w)"
+        first = tab.value(turned)
+        tab.wait_for(f"{turned} !== {first}")
+        assert tab.errors == []
+    finally:
+        tab.close()

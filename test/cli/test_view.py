@@ -1,0 +1,43 @@
+"""``robomech view``: prints the address of a page, serves it, and ends when it is asked to."""
+
+import re
+import signal
+import subprocess
+import sys
+from urllib.request import urlopen
+
+import pytest
+
+pytest.importorskip("viser")
+
+COMMAND = (sys.executable, "-m", "robomech_ros.cli.main", "view")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_page_is_served_until_a_signal(number):
+    options = ("--robot", "puma560", "--port", "0")
+    with subprocess.Popen([*COMMAND, *options], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            line = process.stdout.readline()
+            address = re.fullmatch(r"puma560: open (http://127\.0\.0\.1:\d+/\?token=\S+)\n", line)
+            assert address, line
+            assert urlopen(address[1], timeout=60.0).status == 200
+            process.send_signal(number)
+            assert process.wait(timeout=60.0) == 0
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--robot", "nobody"), "'nobody'"),
+        (("--port", "99999"), "port is 99999, expected 0 to 65535"),
+        (("--host", "192.0.2.1"), "192.0.2.1"),
+        (("--robot", "ur5e", "--tip-link", "nowhere"), "'nowhere'"),
+    ],
+)
+def test_a_wrong_request_is_told_in_one_line(options, said):
+    done = subprocess.run([*COMMAND, *options], capture_output=True, text=True, timeout=120.0)
+    assert done.returncode == 2 and said in done.stderr
+    assert done.stderr.startswith("robomech view: ") and done.stderr.count("\n") == 1

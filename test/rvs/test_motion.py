@@ -1,0 +1,84 @@
+"""A motion to be shown, and the page that it makes."""
+
+import base64
+import re
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.robots import load_description
+from robomech_ros.rvs import (
+    Choice,
+    Motion,
+    NamedPosture,
+    ViewUnavailableError,
+    opening,
+    view,
+    write_motion,
+)
+
+ROBOT = load_description("ur5e")
+CHAIN = ROBOT.chain()
+HOME = CHAIN.home()
+
+
+def motion():
+    """Two seconds, in which a posture is chosen after one."""
+    times = np.linspace(0.0, 2.0, 41)
+    q = HOME + 0.3 * np.sin(times)[:, None] * np.ones(6)
+    other = NamedPosture("elbow-up <wrist>", HOME + 0.4)
+    return Motion(CHAIN, times, q, (Choice(1.0, "pick", "elbow-down", (other,)),))
+
+
+def test_a_motion_is_sampled_at_a_rate_with_both_ends():
+    given = motion()
+    times, q = given.sampled(25.0)
+    assert len(times) == 51 and times[0] == 0.0 and times[-1] == 2.0
+    np.testing.assert_allclose(q[0], given.q[0])
+    np.testing.assert_allclose(q[-1], given.q[-1])
+
+
+@pytest.mark.parametrize(
+    ("times", "q"),
+    [
+        ([], np.empty((0, 6))),
+        ([0.0, 1.0], [HOME]),
+        ([0.0, 0.0], [HOME, HOME]),
+        ([0.0, np.nan], [HOME, HOME]),
+        ([0.0], [HOME * np.nan]),
+        ([0.0], [HOME[:5]]),
+        ([0.0], "here"),
+    ],
+)
+def test_what_is_no_motion_is_refused(times, q):
+    with pytest.raises(RobomechError):
+        Motion(CHAIN, times, q)
+
+
+def test_without_viser_it_is_said_how_to_get_it(monkeypatch, tmp_path):
+    monkeypatch.setattr(opening, "find_spec", lambda _: None)
+    with pytest.raises(ViewUnavailableError, match="pip install"):
+        view("ur5e", port=0)
+    with pytest.raises(ViewUnavailableError, match="pip install"):
+        write_motion(tmp_path / "motion.html", ROBOT, motion())
+
+
+def test_a_page_of_a_motion_names_the_postures_and_needs_nothing_else(tmp_path):
+    pytest.importorskip("viser")
+    path = write_motion(tmp_path / "motion.html", ROBOT, motion(), title="a <motion>")
+    text = path.read_text(encoding="utf-8")
+    assert "<title>a &lt;motion&gt;</title>" in text
+    assert "elbow-up &lt;wrist&gt;" in text and "elbow-down" in text
+    scene = base64.b64decode(re.search('__VISER_EMBED_DATA__="([^"]+)"', text)[1])
+    assert 1_000 < len(scene) < 500_000 and path.stat().st_size < 1_500_000
+    # No file and no script of elsewhere.
+    assert not re.search(r"<(?:script|link|img|iframe)[^>]*(?:src|href)=[\"']?https?:", text)
+
+
+def test_a_motion_in_a_folder_that_is_not_there_is_told(tmp_path):
+    pytest.importorskip("viser")
+    with pytest.raises(FileNotFoundError):
+        write_motion(tmp_path / "no" / "motion.html", ROBOT, motion())
+    with pytest.raises(BadValueError):
+        Motion(CHAIN, [0.0, 1.0], [HOME] * 3)
