@@ -91,22 +91,24 @@ def test_a_slider_moves_by_its_arrow_keys_and_stays_inside(at_home):
     thumb = FIELD.format(label="shoulder pan") + ".querySelector('[role=slider]')"
     tab.value(f"{thumb}.focus()")
     before = page._arm.q[0]
-    for _ in range(3):
-        for kind in ("keyDown", "keyUp"):
-            key = {"key": "ArrowRight", "code": "ArrowRight", "windowsVirtualKeyCode": 39}
-            tab.send("Input.dispatchKeyEvent", type=kind, **key)
-    # Steps of the slider count from its lower end.
-    wait_until(lambda: page._arm.q[0] == pytest.approx(before + 0.003, abs=0.0011))
-    for kind in ("keyDown", "keyUp"):
-        tab.send(
-            "Input.dispatchKeyEvent", type=kind, key="End", code="End", windowsVirtualKeyCode=35
-        )
+    for step in (1, 2, 3):
+        press(tab, "ArrowRight", 39)
+        # Steps of the slider count from its lower end; the next one from what it has drawn.
+        wait_until(lambda k=step: abs(page._arm.q[0] - before - 0.001 * k) < 0.0011)
+        tab.wait_for(f"Math.abs({thumb}.ariaValueNow - {page._arm.q[0]}) < 1e-6")
+    press(tab, "End", 35)
     wait_until(lambda: page._arm.q[0] > 6.28)
     assert page._arm.q[0] <= page._arm.chain.upper[0]
 
 
+def press(tab, key, code):
+    """Press a key and let it go."""
+    for kind in ("keyDown", "keyUp"):
+        tab.send("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+
+
 def dragged(tab, steps, by):
-    """Take the gizmo's square that faces the eye most, and drag it with the mouse."""
+    """Take the arrow of the gizmo that is seen longest, and drag it with the mouse."""
     x, y = handle(tab)
     tab.mouse("mouseMoved", x, y)
     tab.frames(3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
@@ -178,7 +177,8 @@ class Panel:
             The number of the joint, or the name of the control; None for none of them.
         """
         for joint, slider in enumerate(self._sliders):
-            if source != joint or not math.isclose(slider.value, arm.q[joint], abs_tol=STEP):
+            # The one that moves may be farther already than what it asked for.
+            if source != joint:
                 _set(slider, float(arm.q[joint]))
         if not self._held:
             place = placed(arm.target)

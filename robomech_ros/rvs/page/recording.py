@@ -21,7 +21,7 @@ __all__ = ["record_motion"]
 # Pictures a second.
 RATE = 25.0
 _LEGEND = (
-    '<div style="position:fixed;left:1em;top:1em;max-width:24em;z-index:5;padding:0.6em 0.9em;'
+    '<div style="position:fixed;right:1em;top:1em;max-width:22em;z-index:5;padding:0.6em 0.9em;'
     "border-radius:0.4em;background:rgba(255,255,255,0.85);color:#222;"
     'font:13px/1.45 system-ui,sans-serif" data-legend>{text}</div>'
 )
