@@ -71,6 +71,23 @@ def test_a_gizmo_of_the_commander_moves_the_arm(page, commander):
     assert inside_limits(page)
 
 
+def test_the_gizmo_snaps_back_even_if_its_last_message_comes_late(page, commander):
+    arm, owner = page._arm, str(page._audience.commander)
+    tip, before = arm.tip, arm.q
+    commander.send(PACK(grip(owner)))
+    commander.send(PACK(gizmo([3.0, 0.0, 0.3], owner=owner)))
+    wait_until(lambda: arm.study.nearest is not None)
+    assert "No posture" in arm.study.sentence
+    commander.send(PACK(grip(owner) | {"type": "TransformControlsDragEndMessage"}))
+    commander.send(PACK(gizmo([3.0, 0.1, 0.3], owner=owner)))
+    send_value(commander, slider(page, 5), 0.0625)
+    wait_until(lambda: arm.q[5] == 0.0625)
+    np.testing.assert_array_equal(arm.q[:5], before[:5])
+    np.testing.assert_allclose(arm.target[:3, 3], tip[:3, 3], atol=1e-9)
+    assert arm.study.postures
+    wait_until(lambda: np.allclose(page._panel._gizmo.position, tip[:3, 3]))
+
+
 @pytest.mark.parametrize("message", GARBAGE, ids=range(len(GARBAGE)))
 def test_garbage_is_harmless(page, commander, message):
     before = page._arm.q
