@@ -30,11 +30,11 @@ set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
 # whose time is that of the clock, leave most of the processor: what computes runs beside them, and
 # only where they do not.
 PARALLEL := -n auto --maxprocesses 8
-COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed
+COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
 # What depends on the clock may fail where another process takes the machine for a moment: it is run once more, and
 # the summary names it. A defect fails twice.
 AGAIN := --reruns 1 -rR
-ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes
+ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
 MOVING := $(AGAIN) test/nodes/motion
 INSTALLED := $(PARALLEL) $(AGAIN) --dist loadgroup test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
