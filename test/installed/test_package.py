@@ -19,6 +19,7 @@ DEFINITIONS = sorted(
 )
 # Import name -> rosdep key, where they differ.
 ROSDEP = {
+    "contourpy": "python3-matplotlib",  # which needs it
     "llvmlite": "python3-numba",  # which it is a part of
     "lxml": "python3-lxml",
     "matplotlib": "python3-matplotlib",
@@ -33,6 +34,8 @@ ROSDEP = {
 INDEX = {"llvmlite": "numba", "yaml": "pyyaml", "urdf_parser_py": "urdf-parser-py"}
 # Imported only where it is installed, or without a rosdep key (README.md says how it is installed).
 OPTIONAL = {"control_msgs", "distributed", "moveit_msgs", "sympy", "tf2_msgs", "tf2_ros"}
+# The browser view, which brings the others.
+OPTIONAL |= {"viser", "msgspec", "trimesh", "websockets"}
 NO_ROSDEP_KEY = {"ruckig"}
 
 

@@ -1,0 +1,90 @@
+"""What nodes have in the graph, found by starting them in a domain of their own."""
+
+import os
+import time
+from collections.abc import Sequence
+
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.commands.bringup import node_class
+from robomech_ros.nodes.commands.policy_xml import NodeRights, rights_of
+from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
+from robomech_ros.nodes.process.reach import stay_on_this_machine
+from robomech_ros.nodes.process.run import Spinner
+
+__all__ = ["NotUpError", "rights_of_started"]
+
+# Longest time until all nodes offer what they do, s, and between two looks.
+_PATIENCE, _LOOK = 180.0, 0.1
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class NotUpError(RobomechError):
+    """A node does not offer in time what it should."""
+
+
+def rights_of_started(options: LaunchOptions) -> list[NodeRights]:
+    """Start the nodes in a domain of their own, and look at all that they have there."""
+    stay_on_this_machine()
+    files = [argument for node in options.nodes for argument in config_file(node)]
+    with free_domain() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        rclpy.init(
+            args=["robomech", "--ros-args", *files, *options.ros_arguments()],
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        nodes: list[Node] = []
+        try:
+            nodes += [node_class(node)() for node in options.nodes]
+            return _looked_at(nodes)
+        finally:
+            for node in nodes:
+                node.destroy_node()
+            rclpy.try_shutdown()
+
+
+def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
+    """Let nodes spin until they have all that they will ever have."""
+    spinner = Spinner(nodes)
+    others = Node("other_publisher", start_parameter_services=False)
+    spinner.start()
+    try:
+        awaited = _others_on_tf(others, nodes[0])
+        if any(node.get_name() == "servo" for node in nodes):
+            servo = next(node for node in nodes if node.get_name() == "servo")
+            awaited.append((servo, "reply", f"{servo.get_fully_qualified_name()}/pause_servo"))
+        deadline = time.monotonic() + _PATIENCE
+        for node, way, name in awaited:
+            while name not in getattr(_of(node), way):
+                if time.monotonic() > deadline:
+                    raise NotUpError(f"'{node.get_name()}' has no '{name}' after {_PATIENCE:g} s")
+                time.sleep(_LOOK)
+        return [_of(node) for node in nodes]
+    finally:
+        spinner.stop()
+        others.destroy_node()
+
+
+def _of(node: Node) -> NodeRights:
+    return rights_of(node, node.get_name(), node.get_namespace())
+
+
+def _others_on_tf(others: Node, controller: Node) -> list[tuple[Node, str, str]]:
+    """Publish frames as others do: the controller listens to them only if there are others.
+
+    Gives node, right and name of what it has then.
+    """
+    try:
+        from tf2_msgs.msg import TFMessage
+    except ImportError:
+        return []
+    topics = [
+        others.create_publisher(TFMessage, topic, _LATCHED).topic_name
+        for topic in ("/tf", "/tf_static")
+    ]
+    return [(controller, "subscribe", topic) for topic in topics]
