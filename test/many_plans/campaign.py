@@ -27,6 +27,8 @@ ALLOWED = {
     "step of a": 1e-8,
     "rates at ends": 1e-8,
 }
+# Of the rounding of a position, twice at each end of a piece.
+_ROUNDED = 4.0 * float(np.finfo(float).eps)
 _INSIDE = np.array([0.0, 0.1, 0.25, 0.5, 0.75, 0.9])
 
 
@@ -105,7 +107,9 @@ def measured(planned: Planned) -> dict[str, float]:
         "excess": float((peaks / rates)[kept].max()) - 1.0,
         "missed": _missed(planned) / scale,
         "step of q": float(steps[0].max()) / scale,
-        "step of v": float((steps[1] / rates[0]).max()),
+        "step of v": float(
+            (np.maximum(steps[1] - _ROUNDED * scale / spans.min(), 0.0) / rates[0]).max()
+        ),
         "rates at ends": _missed_rates(planned),
     }
     if planned.smooth > 1:

@@ -158,6 +158,8 @@ def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatA
         return knots
     start = np.log(factor * np.diff(knots))
     least = start.mean() + np.log(_SHORTEST)
+    # No segment of a shorter motion lasts longer than the whole of this one.
+    longest = np.log(factor * (knots[-1] - knots[0]))
 
     def after(logarithms: FloatArray) -> FloatArray:
         return np.concatenate([[0.0], np.cumsum(np.exp(logarithms))])
@@ -170,7 +172,7 @@ def optimal_knots(knots: FloatArray, through: Through, limits: Limits) -> FloatA
         start,
         jac=np.exp,
         method="SLSQP",
-        bounds=[(least, None)] * len(start),
+        bounds=[(least, longest)] * len(start),
         constraints={"type": "ineq", "fun": spare},
         options={"maxiter": _ITERATIONS, "ftol": 1e-7},
     ).x
