@@ -14,6 +14,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
 
+from robomech_ros.nodes.common.bounded_requests import bounded_action, bounded_service
+
 __all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
 
 # Calls that a queue holds; a thousand at once took 30 MB.
@@ -31,9 +33,9 @@ def serve(
     *,
     callback_group: CallbackGroup | None = None,
 ) -> Service:
-    """Create a service that keeps up to `DEPTH` requests which wait."""
+    """Create a service that keeps up to `DEPTH` requests which wait, none of them too large."""
     return node.create_service(
-        kind, name, callback, qos_profile=_DEEP, callback_group=callback_group
+        bounded_service(kind), name, callback, qos_profile=_DEEP, callback_group=callback_group
     )
 
 
@@ -46,7 +48,9 @@ def serve_action(
     node: Node, kind: Any, name: str, execute: Callable[[Any], Any], **options: Any
 ) -> ActionServer:
     """Create an action server that keeps up to `DEPTH` goals, cancellations and asked results."""
-    return ActionServer(node, kind, name, execute, **dict.fromkeys(_ACTION, _DEEP), **options)
+    return ActionServer(
+        node, bounded_action(kind), name, execute, **dict.fromkeys(_ACTION, _DEEP), **options
+    )
 
 
 def ask_action(node: Node, kind: Any, name: str) -> ActionClient:

@@ -27,6 +27,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.bounded_requests import bounded_service
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
@@ -67,6 +68,9 @@ class Spinner:
         self._executor = SingleThreadedExecutor(context=context)
         for node in self._nodes:
             self._executor.add_node(node)
+            # Those for parameters are made by rclpy.
+            for service in node.services:
+                service.srv_type = bounded_service(service.srv_type)
         self._stopping = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
         self._on_end: Callable[[], Any] = lambda: None
