@@ -12,7 +12,7 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -34,8 +34,9 @@ __all__ = [
 MOST_OBJECTS = 1_000_000
 # So many numbers of a list take no longer than one object.
 _NUMBERS = 20
-# Pointer to the entries, their number, and how many there is room for.
-_LIST = np.dtype([("entries", np.uint64), ("count", np.uint64), ("room", np.uint64)])
+# A list is three words: a pointer to the entries, their number, and how many there is room for.
+_WORD = 8
+_LIST = 3 * _WORD
 _SIZES = {
     "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "wchar": 2,
     "int32": 4, "uint32": 4, "float": 4, "int64": 8, "uint64": 8, "double": 8, "long double": 16,
@@ -62,6 +63,21 @@ class _Layout:
     align: int
     objects: float
     lists: tuple[tuple[int, "_Layout"], ...] = ()
+
+    @cached_property
+    def counts(self) -> NDArray[np.intp]:
+        """Words that hold the numbers of entries of the lists, shape (m,)."""
+        return np.array([offset // _WORD + 1 for offset, _ in self.lists], dtype=np.intp)
+
+    @cached_property
+    def weights(self) -> NDArray[np.float64]:
+        """Objects that an entry of each list becomes, shape (m,); 0 where it has lists itself."""
+        return np.array([0.0 if entry.lists else entry.objects for _, entry in self.lists])
+
+    @cached_property
+    def nested(self) -> tuple[tuple[int, "_Layout"], ...]:
+        """Lists whose entries have lists: word of the number of entries, and their layout."""
+        return tuple((at // _WORD + 1, entry) for at, entry in self.lists if entry.lists)
 
 
 def bounded_service(kind: Any) -> Any:
@@ -153,16 +169,14 @@ def _objects(address: int, count: int, layout: _Layout, most: float) -> float:
     if not layout.lists or total > most or not count:
         return total
     memory = (ctypes.c_char * (count * layout.size)).from_address(address)
-    for offset, entry in layout.lists:
-        lists: NDArray[Any] = np.ndarray(
-            (count,), _LIST, memoryview(memory), offset, (layout.size,)
-        )
-        for k in np.flatnonzero(lists["count"]) if entry.lists else ():
-            total += _objects(int(lists["entries"][k]), int(lists["count"][k]), entry, most - total)
+    words = np.frombuffer(memoryview(memory), np.uint64).reshape(count, -1)
+    total += float((words[:, layout.counts] @ layout.weights).sum())
+    for at, entry in layout.nested:
+        for k in np.flatnonzero(words[:, at]):
             if total > most:
                 return total
-        if not entry.lists:
-            total += float(lists["count"].sum()) * entry.objects
+            entries, number = int(words[k, at - 1]), int(words[k, at])
+            total += _objects(entries, number, entry, most - total)
     return total
 
 
@@ -196,6 +210,6 @@ def _part(slot: Any) -> _Layout:
         lists = [(k * one.size + at, to) for k in range(slot.size) for at, to in one.lists]
         return _Layout(slot.size * one.size, one.align, slot.size * one.objects, tuple(lists))
     if isinstance(slot, AbstractSequence):
-        return _Layout(_LIST.itemsize, 8, 1.0, ((0, _part(slot.value_type)),))
+        return _Layout(_LIST, 8, 1.0, ((0, _part(slot.value_type)),))
     # A text is laid out as a list of characters.
-    return _Layout(_LIST.itemsize, 8, 1.0)
+    return _Layout(_LIST, 8, 1.0)
