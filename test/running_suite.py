@@ -15,7 +15,7 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes.common.deep_queues import ask
+from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.reach import stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES

@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.polled_subscription import Unattended
 
 __all__ = ["TOLERANCE", "Limits", "Ratios", "Samples"]
 

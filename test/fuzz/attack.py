@@ -22,7 +22,7 @@ from rclpy.serialization import serialize_message
 from rclpy.task import Future
 
 from robomech_ros.nodes.commands.message_yaml import interface_class
-from robomech_ros.nodes.common.deep_queues import ask, ask_action
+from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
 
 __all__ = ["ODDS", "Attack", "Outcome"]
 

@@ -31,7 +31,7 @@ from robomech_interfaces.srv import (
     QueryWorkspace,
     SetSpeed,
 )
-from robomech_ros.nodes.common.deep_queues import ask
+from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.robots import SerialChain
 
 __all__ = ["Load"]

@@ -21,7 +21,7 @@ from robomech_ros.kinematics.forward_uncompiled import tip_poses
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
 from robomech_ros.numerics import newton_gauss
-from robomech_ros.numerics.two_unknowns import shared_cells
+from robomech_ros.numerics.grid_crossings import shared_cells
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 

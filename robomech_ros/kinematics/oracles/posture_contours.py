@@ -21,7 +21,7 @@ from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.bivariate import PAIR, Intersection, measured, minors
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
 from robomech_ros.numerics import bivariate, refine_root
-from robomech_ros.numerics.two_unknowns import zero_curves
+from robomech_ros.numerics.grid_crossings import zero_curves
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = ["Crossing", "PostureContours"]

@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class
-from robomech_ros.nodes.common.deep_queues import ask
+from robomech_ros.nodes.middleware.deep_queues import ask
 
 __all__ = ["NoAnswerError", "call_service"]
 

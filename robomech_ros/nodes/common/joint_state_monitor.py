@@ -17,8 +17,8 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.common.pauses import pause
-from robomech_ros.nodes.common.polled_subscription import Unattended
-from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 __all__ = ["JointStateMonitor"]
 

@@ -12,9 +12,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.deep_queues import ask
 from robomech_ros.nodes.demonstration.failure import DemoFailedError
 from robomech_ros.nodes.demonstration.suite import Suite
+from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.process.run import Spinner
 from robomech_ros.outcomes import name_of
 from robomech_ros.robots import SerialChain

@@ -8,11 +8,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robomech_ros.nodes.common.polled_subscription import Inbox
-from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.common.sparing_log import PERIOD
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import OtherPublishers
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 __all__ = ["FixedFrames", "MovingFrames"]
 

@@ -23,7 +23,6 @@ from robomech_ros.dynamics import (
 )
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -44,6 +43,7 @@ from robomech_ros.nodes.dynamics.messages import (
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.dynamics.torques import instants, torque_shares
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many

@@ -13,10 +13,10 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.polled_subscription import Unattended
-from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
+from robomech_ros.nodes.middleware.polled_subscription import Unattended
+from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 __all__ = ["FrameListener"]
 

@@ -11,10 +11,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import code_of
-from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.middleware.deep_queues import serve
+from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.outcomes import Code, name_of
 
 __all__ = ["Commands", "TrajectoryTopic"]

@@ -18,9 +18,9 @@ from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, T
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
-from robomech_ros.nodes.common.signs_of_life import LIVELY
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
+from robomech_ros.nodes.middleware.signs_of_life import LIVELY
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionMessages", "GoalServer"]

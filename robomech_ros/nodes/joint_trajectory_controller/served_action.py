@@ -8,8 +8,8 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
 
-from robomech_ros.nodes.common.deep_queues import serve_action
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.middleware.deep_queues import serve_action
 
 __all__ = ["ServedAction"]
 

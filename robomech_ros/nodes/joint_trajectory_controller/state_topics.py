@@ -11,11 +11,11 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state, past_the_end
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
+from robomech_ros.nodes.middleware.deep_queues import serve
 
 __all__ = ["ControllerState", "SpeedScaling", "StateQuery"]
 

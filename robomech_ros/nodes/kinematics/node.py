@@ -25,7 +25,6 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.kinetostatics.singularities.report import posture_report
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import ShutdownError, answer, guarded
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -59,6 +58,7 @@ from robomech_ros.nodes.kinematics.messages import (
 from robomech_ros.nodes.kinematics.reachable_space import ReachableSpace, SpaceFinder
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.nodes.kinematics.workspace_query import WorkspaceQuery
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.add_services import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.robots import SerialChain

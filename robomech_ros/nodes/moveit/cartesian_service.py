@@ -26,10 +26,10 @@ from robomech_ros.cartesian import (
     waypoint_fraction,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.pauses import Worker
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
 from robomech_ros.nodes.moveit.refusals import refused_as
 from robomech_ros.nodes.moveit.serving import answering

@@ -12,9 +12,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.pauses import Turns
 from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.ik_request import IkQuestion, IkTarget, read_ik_request
 from robomech_ros.nodes.moveit.refusals import RefusedError, code_of_outcome, refused_as
 from robomech_ros.nodes.moveit.serving import answering

@@ -27,8 +27,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.bounded_requests import bounded_service
 from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.middleware.bounded_requests import bounded_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes

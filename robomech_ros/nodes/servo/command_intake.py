@@ -9,7 +9,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.polled_subscription import Inbox
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.servo.commands import Command

@@ -8,7 +8,7 @@ from moveit_msgs.srv import ServoCommandType
 from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.common.deep_queues import serve
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 
 __all__ = ["MoveItInterface"]

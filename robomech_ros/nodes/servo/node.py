@@ -11,12 +11,12 @@ from std_srvs.srv import SetBool
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.servo.driver import Driver
 from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings, core_settings

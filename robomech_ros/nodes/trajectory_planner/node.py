@@ -17,7 +17,6 @@ from robomech_ros.cartesian.arms import load_inverse_kinematics
 from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
@@ -28,6 +27,7 @@ from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.run import run_node

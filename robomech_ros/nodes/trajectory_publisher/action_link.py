@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.delivery import Delivery
 from robomech_ros.execution.verdict import Verdict
-from robomech_ros.nodes.common.deep_queues import ask_action
+from robomech_ros.nodes.middleware.deep_queues import ask_action
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionGoals", "ActionLink", "AskedTolerances", "OnResult", "request_topic"]

@@ -13,7 +13,7 @@ from robomech_ros.execution.joints import JointKinds, Joints
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.signs_of_life import SignsOfLife
+from robomech_ros.nodes.middleware.signs_of_life import SignsOfLife
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink, request_topic
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.messages import message_from_delivery

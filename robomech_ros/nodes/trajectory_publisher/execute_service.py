@@ -12,9 +12,9 @@ from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.delivery import Delivery, DeliveryReport, Transport
 from robomech_ros.execution.client.position_check import off_goal, off_start
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError, answer, code_of
 from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader

@@ -12,8 +12,8 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
-from robomech_ros.nodes.common.signs_of_life import SignsOfLife
 from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
+from robomech_ros.nodes.middleware.signs_of_life import SignsOfLife
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionLink
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink

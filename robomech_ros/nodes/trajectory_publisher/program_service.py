@@ -10,11 +10,11 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.pauses import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.trajectory_publisher.controller_link import ControllerLink
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import Program, read_program

@@ -13,7 +13,7 @@ from robomech_ros.execution.client.delivery import Delivery, Transport
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pauses import ended_within
-from robomech_ros.nodes.common.reliable_topics import subscribe_reliably
+from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings

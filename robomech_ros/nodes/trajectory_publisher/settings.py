@@ -6,7 +6,7 @@ from robomech_ros.execution.client.delivery import Transport
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
-from robomech_ros.nodes.common.signs_of_life import SHORTEST_LEASE
+from robomech_ros.nodes.middleware.signs_of_life import SHORTEST_LEASE
 from robomech_ros.nodes.trajectory_publisher.action_link import ActionGoals, AskedTolerances
 from robomech_ros.nodes.trajectory_publisher.execute_goals import ExecuteGoals
 

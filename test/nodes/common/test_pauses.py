@@ -7,8 +7,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes.common.deep_queues import serve
 from robomech_ros.nodes.common.pauses import ended_within, passing_timer, pause
+from robomech_ros.nodes.middleware.deep_queues import serve
 
 PAUSES = 10
 

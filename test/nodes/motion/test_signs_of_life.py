@@ -6,8 +6,8 @@ import time
 import pytest
 from drivers import ROBOT, TIMEOUT
 
-from robomech_ros.nodes.common.signs_of_life import SignsOfLife
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
+from robomech_ros.nodes.middleware.signs_of_life import SignsOfLife
 from robomech_ros.nodes.trajectory_publisher.action_link import request_topic
 
 CONTROLLER = "/joint_trajectory_controller"

@@ -9,9 +9,9 @@ from sensor_msgs.msg import JointState
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK, SolveIK
-from robomech_ros.nodes.common.deep_queues import ask, ask_action
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.middleware.deep_queues import ask, ask_action
 
 CLIENTS, CALLS = 4, 250
 

@@ -21,8 +21,8 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_interfaces.srv import PlanJoint, SolveFK
-from robomech_ros.nodes.common.bounded_requests import MOST_OBJECTS, address_in, count_objects
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.middleware.bounded_requests import MOST_OBJECTS, address_in, count_objects
 from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.outcomes import Code
 

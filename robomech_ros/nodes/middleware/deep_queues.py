@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
 
-from robomech_ros.nodes.common.bounded_requests import bounded_action, bounded_service
+from robomech_ros.nodes.middleware.bounded_requests import bounded_action, bounded_service
 
 __all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
 

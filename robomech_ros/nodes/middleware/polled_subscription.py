@@ -7,7 +7,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from robomech_ros.nodes.common.raw_messages import UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.raw_messages import UnreadableMessageError, unpack
 
 __all__ = ["Inbox", "Unattended"]
 

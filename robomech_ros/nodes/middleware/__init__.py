@@ -1,0 +1,1 @@
+"""What stands between our nodes and ROS: queues, requests and bytes, and signs of life."""
