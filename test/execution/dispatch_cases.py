@@ -17,7 +17,7 @@ class Robot:
         self.at = np.zeros(3)
         self.lacking = ""
         self.known = self.talks = True
-        self.died = False
+        self.died = self.replaced = False
         self.said = 0
         self.sent = []
         self.cancelled = []

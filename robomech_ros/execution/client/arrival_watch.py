@@ -125,7 +125,7 @@ class ArrivalWatch:
     def _gone(self, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
         delivery, silent = self._delivery, self._progress.silent
-        if self._gateway.died and silent > HUSH:
+        if self._gateway.replaced or (self._gateway.died and silent > HUSH):
             return "the controller has died: its process is gone, or stands still"
         missing = self._gateway.missing(delivery.transport)
         if not missing:

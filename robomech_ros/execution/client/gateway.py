@@ -20,6 +20,10 @@ class Gateway(Protocol):
     def died(self) -> bool:
         """Whether the controller was there and shows no sign of life any more."""
 
+    @property
+    def replaced(self) -> bool:
+        """Whether the controller that was sent to last has died, and another process is there."""
+
     def send(self, delivery: Delivery) -> None:
         """Send, instead of what was sent of this delivery before.
 

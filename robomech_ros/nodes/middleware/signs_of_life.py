@@ -75,6 +75,17 @@ class SignsOfLife:
         """Whether a server was there, and has gone or shows no sign of life any more."""
         return bool(self._lives) and not self._living()
 
+    @property
+    def server(self) -> bytes | None:
+        """The participant of the server that came last of those that live; None if not known."""
+        return next((each for each in reversed(self._lives) if self._lives[each]), None)
+
+    def has_successor(self, server: bytes | None) -> bool:
+        """Say whether a server has died and another one lives; False where it is not known."""
+        if server is None or self._lives.get(server, True):
+            return False
+        return bool(self._living() - {server})
+
     def reads(self, topic: str, *, no_mangle: bool = False) -> bool:
         """Say whether a server that lives subscribes to a topic; True where that is not known.
 

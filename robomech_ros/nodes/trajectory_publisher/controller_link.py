@@ -96,6 +96,11 @@ class ControllerLink:
         """Whether the controller was there and shows no sign of life any more."""
         return self._life.ended
 
+    @property
+    def replaced(self) -> bool:
+        """Whether the controller that was sent to last has died, and another process is there."""
+        return self._life.has_successor(self._sent_to)
+
     def positions(self, names: Sequence[str]) -> NDArray[np.float64] | None:
         """Give the present positions, rad or m; None if not known."""
         return self._monitor.positions(names)
@@ -121,6 +126,7 @@ class ControllerLink:
 
     def send(self, delivery: Delivery) -> None:
         """Send by the transport of the delivery."""
+        self._sent_to = self._life.server
         message = message_from_delivery(delivery, self._clock.stamp(delivery.sent_at))
         if delivery.transport is Transport.TOPIC:
             self._refusals.expect(delivery, message)

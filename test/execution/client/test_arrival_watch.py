@@ -162,3 +162,15 @@ def test_a_controller_that_has_died_is_told_at_once(robot, dispatcher, transport
     assert one.report.code == 221
     assert one.report.text.startswith("the controller has died: its process is gone")
     assert "at last joint 'shoulder' is at" in one.report.text
+
+
+@pytest.mark.parametrize("transport", [Transport.TOPIC, Transport.ACTION])
+def test_a_controller_whose_place_another_has_taken_is_told_at_once(robot, dispatcher, transport):
+    """The successor publishes joint states, and knows nothing of the motion."""
+    one = delivery(transport=transport)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.3)
+    robot.replaced = True
+    dispatcher.step(0.31)
+    assert one.report.code == 221
+    assert one.report.text.startswith("the controller has died: its process is gone")

@@ -62,10 +62,15 @@ def test_what_is_sent_to_a_killed_controller_is_not_sent_to_its_successor(graph,
 
 @pytest.mark.slow
 def test_a_successor_that_comes_before_the_death_is_noticed_lives(life, start):
+    assert life.server is None
     first = start()
+    until(lambda: life.server)
+    server = life.server
+    assert not life.has_successor(server)
     second = start()
     first.kill()
-    until(lambda: list(life._lives.values()) == [False, True])
+    until(lambda: life.has_successor(server))
+    assert not life.has_successor(life.server)
     assert not life.ended
     until(lambda: reads(life) == (True, True))
     second.send_signal(signal.SIGSTOP)
