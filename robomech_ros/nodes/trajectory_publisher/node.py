@@ -74,7 +74,7 @@ class TrajectoryPublisherNode(Node):
         else:
             # Who only sends trajectories needs no robot.
             Readiness(self)
-        StatusReport(self, "execution", settings.controller, self._condition)
+        self._status = StatusReport(self, "execution", settings.controller, self._condition)
         how = f"by {settings.transport}" if settings.auto_execute else "on request only"
         self.get_logger().info(f"ready: sends trajectories to '{settings.controller}', {how}")
 
@@ -99,6 +99,8 @@ class TrajectoryPublisherNode(Node):
         self._programs.give_up(reason)
         self._runner.cancel(reason)
         self._loop.dispatcher.close(reason)
+        # Who sent a plan by topic has no answer to wait for.
+        self._status.publish()
 
     def destroy_node(self) -> None:
         """Destroy the node and, what rclpy leaves out, its action client."""
