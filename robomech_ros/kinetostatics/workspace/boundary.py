@@ -35,6 +35,9 @@ _PLANAR_JOINTS = 3
 # Points nearer to the plane of a planar arm than this, over the arm's size, are in it.
 _IN_PLANE = 1e-6
 
+# m.
+_FARTHEST = 1e100
+
 
 @dataclass(frozen=True, eq=False)
 class BoundaryCurve:
@@ -139,7 +142,7 @@ class Workspace:
             m; limits of all these joints included.  Exact to a millionth of the arm's size; but
             where the first joint has limits, to some thousandths inside, if the nearest point is
             on an edge, and to a thousandth at a few places outside.  What is beside the plane of
-            a planar arm is outside.
+            a planar arm is outside.  Coordinates beyond 1e100 m count as 1e100 m.
 
         Raises
         ------
@@ -147,7 +150,8 @@ class Workspace:
             Not points.
         """
         rows = as_finite("points", points, (3,))
-        flat = rows.reshape(-1, 3)
+        # Squares of distances must be finite.
+        flat = np.clip(rows, -_FARTHEST, _FARTHEST).reshape(-1, 3)
         local = self.section.in_frame(flat)
         inside = self._postures.count(flat) > 0
         if self.tip is not None:

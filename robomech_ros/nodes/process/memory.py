@@ -1,6 +1,7 @@
 """The memory of a node's process: bounded, and given back when nobody uses it any more."""
 
 import ctypes
+import os
 import threading
 from contextlib import suppress
 
@@ -8,6 +9,8 @@ __all__ = ["LARGEST_DATA", "PERIOD", "bound_memory", "give_back_regularly"]
 
 # Largest size of a process's data, bytes; all nodes in one process have 1 GB.
 LARGEST_DATA = 3_000_000_000
+# What NumPy and SciPy reserve for each processor without using it, bytes.
+_EACH_PROCESSOR = 90_000_000
 # How often memory is given back, s.  It takes about 1 ms of processor time, without the
 # interpreter's lock.
 PERIOD = 15.0
@@ -23,8 +26,9 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
     Parameters
     ----------
     largest : int, optional
-        Of the data of the process (bytes).
+        Of the data of the process (bytes), beside what libraries reserve for each processor.
     """
+    largest += _EACH_PROCESSOR * (os.cpu_count() or 1)
     try:
         import resource
     except ImportError:

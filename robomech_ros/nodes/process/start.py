@@ -78,6 +78,9 @@ def servo_node() -> NoReturn:
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:
     leave_on_signals()
+    # The linear algebra of NumPy and SciPy would reserve 80 MB for each processor; our matrices
+    # are small.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if node not in NODE_MODULES:
         names = ", ".join(NODE_MODULES)
         print(f"unknown node {node!r}; available: {names}", file=sys.stderr)

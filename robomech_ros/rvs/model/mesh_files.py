@@ -23,6 +23,8 @@ __all__ = ["ColouredSolid", "MeshError", "mesh_file", "read_mesh"]
 # Bytes of a file, and triangles in it: more than any maker's arm has, less than a browser bears.
 LARGEST_MESH = 64 * 1024 * 1024
 MOST_TRIANGLES = 2_000_000
+# Archives, which others read too, may hold any size.
+FORMATS = (".stl", ".obj", ".ply", ".glb", ".dae")
 
 Colour = tuple[float, float, float, float]
 
@@ -58,6 +60,15 @@ def mesh_file(filename: str, folder: Path | None) -> Path:
     """
     if not filename or "\0" in filename:
         raise MeshError(filename, "has no name")
+    if Path(unquote(filename)).suffix.lower() not in FORMATS:
+        raise MeshError(filename, f"is none of {', '.join(FORMATS)}")
+    try:
+        return _found(filename, folder)
+    except OSError as error:
+        raise MeshError(filename, f"cannot be looked for ({error.strerror})") from None
+
+
+def _found(filename: str, folder: Path | None) -> Path:
     places = list(_places(filename, folder))
     inside = [path for root, path in places if path.is_relative_to(root)]
     if places and not inside:
@@ -74,6 +85,8 @@ def _places(filename: str, folder: Path | None) -> Iterator[tuple[Path, Path]]:
     scheme, _, rest = filename.rpartition("://")
     if scheme in ("package", "model"):
         package, _, inside = unquote(rest).partition("/")
+        if package in ("", ".", ".."):
+            raise MeshError(filename, "names no package")
         for root in _package_folders(package, folder):
             yield root, _plain(root / inside)
     elif scheme == "file":

@@ -448,3 +448,9 @@ def test_bad_input_is_refused():
         space.distance([1.0, 2.0])
     with pytest.raises(NonFiniteError, match="points"):
         space.contains([1.0, math.nan, 0.0])
+
+
+def test_points_farther_away_than_squares_can_tell_have_a_finite_distance():
+    """A pose at 1e200 m was an IndexError, and 900 for who asked by service."""
+    boundary = workspace_boundary(load_robot("puma560"))
+    assert boundary.distance([[1e200, 0.0, 0.0], [0.0, 0.0, -1e308]]).tolist() == [-1e100, -1e100]
