@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import index
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -144,8 +145,11 @@ class GridProblem:
             )
         if not np.isfinite(values).all():
             raise NonFiniteError("equations", values)
-        scale = np.sqrt(np.mean(values**2, axis=(1, 2)))
+        scale = np.abs(values).max(axis=(1, 2))
         both = _pair(pair, scale)
+        scale[scale == 0.0] = 1.0
+        # Squares of the values themselves could be infinite, or vanish.
+        scale *= np.sqrt(np.mean((values / scale[:, None, None]) ** 2, axis=(1, 2)))
         scale[scale == 0.0] = 1.0
         return cls(equations, low, high - low, period, both, (axes[0], axes[1]), values, scale)
 
@@ -249,6 +253,9 @@ class GridProblem:
         if not len(points):
             return np.empty(0)
         slopes = slopes_at(self.equations, points, STEP * self.width)[:, list(pair)]
+        # Angles are those of lines of any length.
+        length = np.abs(slopes).max(axis=2, keepdims=True)
+        slopes = slopes / np.where(length > 0.0, length, 1.0)
         (a, b), (c, d) = slopes[:, 0].T, slopes[:, 1].T
         angles: Array = np.arctan2(np.abs(a * d - b * c), np.abs(a * c + b * d))
         return angles
@@ -268,7 +275,7 @@ def _bounds(bounds: ArrayLike) -> Array:
 def _pair(pair: object, scale: Array) -> tuple[int, int]:
     expected = f"two different numbers of equations from 0 to {len(scale) - 1}"
     try:
-        first, second = (int(k) for k in pair)  # type: ignore[attr-defined]
+        first, second = (index(k) for k in pair)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         raise BadValueError("pair", pair, expected) from None
     if first == second or not all(0 <= k < len(scale) for k in (first, second)):

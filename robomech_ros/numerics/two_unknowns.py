@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import WrongSizeError
-from robomech_ros.numerics.arrays import real_array
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.numerics.arrays import real_array, real_number
 from robomech_ros.numerics.grid_crossings import (
     STEP,
     Equations,
@@ -114,7 +114,10 @@ def bivariate(
     array([[-2.356194, -2.356194],
            [ 0.785398,  0.785398]])
     """
+    if not 0.0 < real_number("tolerance", tolerance, "a positive number") < np.inf:
+        raise BadValueError("tolerance", tolerance, "a positive number")
     problem = GridProblem.of(equations, bounds, pair, period, steps)
+    pair = problem.pair
     curves = problem.curves()
     starts = problem.starts()
     ends, reached = problem.refined(starts, list(pair), problem.limit())

@@ -59,8 +59,10 @@ def view(
         viser is not installed.
     PortTakenError
         Another program listens on the port.
+    AddressError
+        The system does not let anybody listen at the address.
     BadValueError
-        No such address or port.
+        It is no port number, or no text.
     UnknownRobotError, UnknownLinkError, RobotDescriptionError
         As for ``load_robot``.
 
@@ -85,9 +87,10 @@ def page_of(
 ) -> RobotPage:
     """Serve the page of an arm of a robot; parameters and errors are those of :func:`view`."""
     _require_viser()
+    from robomech_ros.rvs.layers import LAYERS
     from robomech_ros.rvs.page.page import RobotPage
 
-    return RobotPage(description, chain, port=port, host=host)
+    return RobotPage(description, chain, port=port, host=host, layers=LAYERS)
 
 
 def write_motion(

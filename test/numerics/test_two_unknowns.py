@@ -66,6 +66,12 @@ def test_as_many_as_a_search_from_random_points_finds():
     np.testing.assert_allclose(found.roots, sorted(others), atol=1e-6)
 
 
+@pytest.mark.parametrize("size", [1e-200, 1.0, 1e200])
+def test_the_size_of_equations_means_nothing(size):
+    found = bivariate(lambda x, y: [size * (x - 0.3), size * (y - 0.4)], BOX)
+    np.testing.assert_allclose(found.roots, [[0.3, 0.4]], atol=1e-12)
+
+
 def test_a_root_on_the_seam_of_a_turn_stands_once():
     found = bivariate(lambda x, y: [np.sin(x), np.sin(y - x)], period=2.0 * np.pi)
     assert len(found.roots) == 4
@@ -116,6 +122,9 @@ def test_the_minors_of_a_general_arm(name, postures):
         ({"pair": (0, 2)}, BadValueError, "two different numbers of equations from 0 to 1"),
         ({"pair": (1, 1)}, BadValueError, "pair"),
         ({"pair": None}, BadValueError, "pair"),
+        ({"pair": (0, 1.9)}, BadValueError, "pair"),
+        ({"tolerance": np.nan}, BadValueError, "tolerance"),
+        ({"tolerance": "x"}, BadValueError, "tolerance"),
         ({"period": -1.0}, BadValueError, "period"),
         ({"equations": lambda x, y: [x]}, WrongSizeError, "equations"),
         ({"equations": lambda x, y: [np.sqrt(x), y]}, NonFiniteError, "equations"),

@@ -31,9 +31,21 @@ FLAGS = (
 )
 
 
+# What the protocol says of a page that is left, as the one with the token is at once.
+_NAVIGATED = (
+    "Inspected target navigated or closed",
+    "Execution context was destroyed.",
+    "Cannot find context with specified id",
+)
+
+
 def chromium():
     """The browser of this machine, or None."""
     return next(filter(None, map(shutil.which, NAMES)), None)
+
+
+class NavigatedError(Exception):
+    """The page that was asked went to another address meanwhile, and gives no answer."""
 
 
 class Tab:
@@ -86,6 +98,8 @@ class Tab:
         while True:
             message = json.loads(self._socket.recv(timeout=PATIENCE))
             if message.get("id") == number:
+                if message.get("error", {}).get("message") in _NAVIGATED:
+                    raise NavigatedError(method)
                 assert "error" not in message, (method, message["error"])
                 return message["result"]
             self._note(message)
@@ -111,13 +125,15 @@ class Tab:
         return result["result"].get("value")
 
     def wait_for(self, script, patience=PATIENCE):
-        """Wait until JavaScript gives something true."""
+        """Wait until JavaScript gives something true, on whatever page comes."""
         tried = f"(() => {{ try {{ return Boolean({script}) }} catch (e) {{ return false }} }})()"
         deadline = time.monotonic() + patience
-        while not self.value(tried):
-            if time.monotonic() > deadline:
-                raise TimeoutError(f"never true: {script}")
+        while time.monotonic() < deadline:
+            with contextlib.suppress(NavigatedError):
+                if self.value(tried):
+                    return
             time.sleep(0.1)
+        raise TimeoutError(f"never true: {script}")
 
     def mouse(self, kind, x, y, buttons=0):
         """Send one event of the mouse: mousePressed, mouseMoved or mouseReleased."""

@@ -10,7 +10,7 @@ pytest.importorskip("viser")
 
 from robomech_ros.rvs import view
 from robomech_ros.rvs.serving.gate import Gate
-from robomech_ros.rvs.serving.server import PortTakenError
+from robomech_ros.rvs.serving.server import AddressError, PortTakenError
 
 
 def test_the_address_brings_the_token_and_moves_on_without_it(page, client):
@@ -38,6 +38,7 @@ def test_the_address_brings_the_token_and_moves_on_without_it(page, client):
         {"Cookie": "{cookie}", "Origin": "https://evil.example"},
         {"Cookie": "{cookie}", "Origin": "http://127.0.0.1:1"},
         {"Cookie": "{cookie}", "Origin": "null"},
+        {"Cookie": "{cookie}", "Origin": "http://["},
     ],
 )
 def test_a_stranger_is_refused(client, headers):
@@ -54,7 +55,9 @@ def test_a_wrong_token_is_refused_and_says_what_to_do(client):
     assert status == 403 and "Set-Cookie" not in headers and "robomech view" in text
 
 
-@pytest.mark.parametrize("path", ["/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd"])
+@pytest.mark.parametrize(
+    "path", ["/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd", "//["]
+)
 def test_only_the_page_is_served(client, path):
     status, _, text = client.get(path, Cookie=client.cookie)
     assert status == 404 and "root:" not in text
@@ -133,13 +136,18 @@ def test_an_occupied_port_is_told(client):
         ({"port": -1}, "port is -1, expected 0 to 65535"),
         ({"port": 70000}, "port is 70000"),
         ({"port": "80"}, "port is '80'"),
-        ({"port": 0, "host": "192.0.2.1"}, "192.0.2.1"),
         ({"port": 0, "host": ""}, "host is ''"),
     ],
 )
 def test_what_is_no_address_is_told(options, said):
     with pytest.raises(BadValueError, match=said):
         view("puma560", **options)
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "nowhere.invalid"])
+def test_an_address_that_is_not_here_is_told(host):
+    with pytest.raises(AddressError, match=f"cannot listen on {host}:0: [A-Z]"):
+        view("puma560", port=0, host=host)
 
 
 def test_nothing_is_printed_and_the_port_is_free_afterwards(capsys):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-__all__ = ["Audience", "Controls"]
+__all__ = ["AllControls", "Audience", "Controls"]
 
 _WATCHING = '<div data-watching style="font-size:0.85em;padding:0.2em 0.85em 0.6em">{text}</div>'
 _OTHER = "Another browser commands this robot; here it is only seen."
@@ -17,6 +17,18 @@ class Controls(Protocol):
 
     def remove(self) -> None:
         """Take it from the browser."""
+
+
+class AllControls:
+    """The controls of several parts of a page as one."""
+
+    def __init__(self, parts: Sequence[Controls]) -> None:
+        self._parts = parts
+
+    def remove(self) -> None:
+        """Take them from the browser."""
+        for part in self._parts:
+            part.remove()
 
 
 class Audience:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.seen_robot import seen_robot
-from robomech_ros.rvs.page.audience import Audience
+from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
+from robomech_ros.rvs.page.layer import LayerMaker, Place
 from robomech_ros.rvs.page.panel import Panel
 from robomech_ros.rvs.page.stage import BASE, Stage
 from robomech_ros.rvs.serving.server import guarded_server
@@ -30,10 +31,18 @@ class RobotPage:
         The arm of it that is moved.
     port, host : int, str
         As for :func:`robomech_ros.rvs.view`.
+    layers : sequence of callable
+        Each makes a layer of the page.
     """
 
     def __init__(
-        self, description: RobotDescription, chain: SerialChain, *, port: int, host: str
+        self,
+        description: RobotDescription,
+        chain: SerialChain,
+        *,
+        port: int,
+        host: str,
+        layers: Sequence[LayerMaker] = (),
     ) -> None:
         self._arm = SeenArm(chain)
         seen = seen_robot(description)
@@ -42,7 +51,9 @@ class RobotPage:
         self._stage = Stage(self._server.viser, seen, chain)
         self._stage.show(self._arm, ())
         self._panel: Panel | None = None
-        self._audience = Audience(self._make_panel, self._take_over)
+        place = Place(self._server.viser, seen, self._arm, BASE, self._ask)
+        self._layers = [make(place) for make in layers]
+        self._audience = Audience(self._make_controls, self._take_over)
         self._worker = Worker()
         self._stage.ghosts.on_click(self._clicked)
         self._server.viser.on_client_connect(self._came)
@@ -56,6 +67,8 @@ class RobotPage:
     def close(self) -> None:
         """Stop serving."""
         self._worker.close()
+        for layer in self._layers:
+            layer.close()
         self._server.close()
 
     def __enter__(self) -> RobotPage:
@@ -94,16 +107,16 @@ class RobotPage:
 
     def drag(self, T: Callable[[], NDArray]) -> None:
         """Bring the tip to a pose, which is made when its turn comes."""
-        self._ask("drag", lambda: self._arm.drag(T()), None)
+        self._ask("drag", lambda: self._arm.drag(T()))
 
     def release(self) -> None:
         """Let go of the gizmo."""
-        self._ask("release", self._arm.release, None)
+        self._ask("release", self._arm.release)
 
     def take(self, text: str) -> None:
         """Take the posture of this number, from 1; nothing is written between two numbers."""
         if text.strip():
-            self._ask("take", lambda: self._arm.take(_numbered(text) - 1), None)
+            self._ask("take", lambda: self._arm.take(_numbered(text) - 1))
 
     def slide(self, length: float) -> None:
         """Move along the self-motion (rad or m)."""
@@ -111,7 +124,7 @@ class RobotPage:
 
     def home(self) -> None:
         """Go to where the robot began."""
-        self._ask("home", lambda: self._arm.move_to(self._arm.chain.home()), None)
+        self._ask("home", lambda: self._arm.move_to(self._arm.chain.home()))
 
     def show(self, what: str, shown: bool) -> None:
         """Show a part of the scene, or not."""
@@ -121,11 +134,11 @@ class RobotPage:
 
     # What is done, on the thread of the worker.
 
-    def _make_panel(self, client: Any) -> Panel:
+    def _make_controls(self, client: Any) -> Controls:
         self._panel = Panel(client, self._arm, self, BASE, self._reach)
-        return self._panel
+        return AllControls([self._panel, *(layer.controls(client) for layer in self._layers)])
 
-    def _ask(self, kind: Hashable, request: Callable[[], None], source: object) -> None:
+    def _ask(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         self._worker.submit(kind, lambda: self._do(request, source))
 
     def _do(self, request: Callable[[], None], source: object) -> None:
@@ -141,6 +154,8 @@ class RobotPage:
             self._stage.show(self._arm, notices)
             if self._panel is not None:
                 self._panel.update(self._arm, source)
+            for layer in self._layers:
+                layer.show()
 
 
 def _numbered(text: str) -> int:

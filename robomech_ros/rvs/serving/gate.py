@@ -91,10 +91,10 @@ class Gate:
             given = ", ".join(hosts)[:80] or "none"
             return _page(http.HTTPStatus.FORBIDDEN, f"This server is not known as {given}.")
         origins = request.headers.get_all("Origin")
-        if any(urlsplit(origin).netloc.lower() != hosts[0].lower() for origin in origins):
+        if any(_netloc(origin) != hosts[0].lower() for origin in origins):
             return _page(http.HTTPStatus.FORBIDDEN, "Requests of other pages are refused.")
-        address = urlsplit(request.path)
-        query = parse_qsl(address.query, keep_blank_values=True)
+        _, _, query_text = request.path.partition("?")
+        query = parse_qsl(query_text, keep_blank_values=True)
         tokens = [value for key, value in query if key == TOKEN]
         if any(self._is_token(value) for value in tokens):
             rest = urlencode([(key, value) for key, value in query if key != TOKEN])
@@ -128,6 +128,14 @@ class Gate:
         cookie = f"{self._cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
         response.headers["Set-Cookie"] = cookie
         return response
+
+
+def _netloc(origin: str) -> str | None:
+    """Give the host of a page, in small letters; None where it cannot be read."""
+    try:
+        return urlsplit(origin).netloc.lower()
+    except ValueError:
+        return None
 
 
 def _page(status: http.HTTPStatus, text: str) -> Response:

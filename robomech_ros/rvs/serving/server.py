@@ -7,6 +7,7 @@ import contextlib
 import errno
 import io
 import logging
+import os
 import socket
 import threading
 import time
@@ -22,7 +23,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.rvs.serving.gate import Gate
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
 
-__all__ = ["GuardedServer", "PortTakenError", "guarded_server"]
+__all__ = ["AddressError", "GuardedServer", "PortTakenError", "guarded_server"]
 
 # Messages a second that one page may send; the next ones wait on their way here.  A page sends some
 # 20 while something is dragged.
@@ -35,12 +36,22 @@ warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
 _CONSTRUCTION = threading.Lock()
 
 
+class AddressError(RobomechError):
+    """The page cannot listen at an address, for a reason of the system."""
+
+    def __init__(self, host: str, port: int, error: OSError) -> None:
+        number = error.errno or 0
+        # Names that cannot be resolved have numbers of their own, below 0.
+        reason = os.strerror(number) if number > 0 else error.strerror
+        super().__init__(f"cannot listen on {host}:{port}: {reason}")
+
+
 class PortTakenError(RobomechError):
     """Another program listens on a port."""
 
     def __init__(self, host: str, port: int) -> None:
         super().__init__(
-            f"port {port} of {host} is taken by another program; give another one with --port "
+            f"port {port} of {host} is taken by another program; give another one "
             "(0 takes a free one)"
         )
 
@@ -109,7 +120,9 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
     Raises
     ------
     BadValueError
-        No such address or port.
+        It is no port number, or no text.
+    AddressError
+        The system does not let anybody listen there.
     PortTakenError
         Somebody else listens there.
     """
@@ -149,8 +162,7 @@ def _listener(host: str, port: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortTakenError(host, port) from None
-        reason = error.strerror or str(error)
-        raise BadValueError(f"address {host}:{port}", reason, "one of this machine") from None
+        raise AddressError(host, port, error) from None
 
 
 def _log_fault(_: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -1,0 +1,76 @@
+"""What a layer of a page is: something seen and asked for beyond the robot and its postures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.rvs.page.audience import Controls
+
+__all__ = ["Layer", "LayerMaker", "Place"]
+
+
+class Ask(Protocol):
+    """Has something done on the thread of the page, and shows what came of it."""
+
+    def __call__(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
+        """Ask; returns at once.
+
+        Parameters
+        ----------
+        kind : hashable
+            Of requests that wait, only the latest of a kind is done.
+        request : callable
+            May move the arm.  Its ``RobomechError`` is shown as a notice, and moves nothing.
+        source : object, optional
+            The control that asked, which is not set back to what it asked for.
+        """
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a layer lives.
+
+    Attributes
+    ----------
+    server : viser.ViserServer
+        Nodes and texts that all browsers see.
+    seen : SeenRobot
+        The robot as it is drawn.
+    arm : SeenArm
+        To be read and moved in requests and in :meth:`Layer.show` alone.
+    base : str
+        Node at the base of the arm, in which its poses are.
+    ask : Ask
+    """
+
+    server: Any
+    seen: SeenRobot
+    arm: SeenArm
+    base: str
+    ask: Ask
+
+    @property
+    def chain(self) -> SerialChain:
+        """The arm that is moved."""
+        return self.arm.chain
+
+
+class Layer(Protocol):
+    """A part of a page; all methods are called on its thread, ``show`` inside one update."""
+
+    def show(self) -> None:
+        """Follow the arm, which may have moved; cheap where nothing of the layer is shown."""
+
+    def controls(self, client: Any) -> Controls:
+        """Give the browser that commands (viser.ClientHandle) a folder of controls."""
+
+    def close(self) -> None:
+        """Stop what runs; nodes go with the server."""
+
+
+LayerMaker = Callable[[Place], Layer]
