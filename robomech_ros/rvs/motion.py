@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.arrays import real_array
+from robomech_ros.trajectory import PiecewisePolynomial, interpolant
 
 __all__ = ["Choice", "Motion", "NamedPosture"]
 
@@ -59,30 +62,67 @@ class Motion:
         rad or m.
     choices : tuple of Choice
         In the order of their times.
+    qd, qdd, qddd : ndarray, shape (m, n), optional
+        Velocities, accelerations and jerks, rad or m over s, s^2 and s^3, where they are known.
+    tau : ndarray, shape (m, n), optional
+        Torques or forces of the joints (N m or N), where they are known.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        No time, times that do not increase, or positions of another size or not finite.
+        No time, times that do not increase, or arrays of another size or not finite.
     """
 
     chain: SerialChain
     times: Array
     q: Array
     choices: tuple[Choice, ...] = ()
+    qd: Array | None = None
+    qdd: Array | None = None
+    qddd: Array | None = None
+    tau: Array | None = None
 
     def __post_init__(self) -> None:
         forward_kinematics(self.chain, self.q)
+        q = np.atleast_2d(np.asarray(self.q, dtype=np.float64))
         times = np.asarray(self.times, dtype=np.float64)
-        if times.ndim != 1 or not len(times) or len(times) != len(np.atleast_2d(self.q)):
+        if times.ndim != 1 or not len(times) or len(times) != len(q):
             raise BadValueError("times", times.shape, "one for each row of q")
         if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
             raise BadValueError("times", times, "finite and increasing")
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "q", q)
+        for name in ("qd", "qdd", "qddd", "tau"):
+            given = getattr(self, name)
+            if given is not None:
+                object.__setattr__(self, name, _like_q(name, given, q.shape))
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last time (s)."""
+        return float(self.times[-1] - self.times[0])
+
+    def at(self, times: ArrayLike) -> Array:
+        """Give positions (..., n) at times (...) in s, as a controller passes through q."""
+        curve: Array = self._curve.sample(np.asarray(times) - self.times[0]).position
+        return curve
+
+    @cached_property
+    def _curve(self) -> PiecewisePolynomial:
+        return interpolant(self.times - self.times[0], self.q, self.qd, self.qdd)
 
     def sampled(self, rate: float) -> tuple[Array, Array]:
         """Give times (k,) in s and positions (k, n) at a rate (Hz), the last one included."""
         first, last = float(self.times[0]), float(self.times[-1])
         count = max(round((last - first) * rate), 1)
         at = np.linspace(first, last, count + 1)
-        columns = [np.interp(at, self.times, column) for column in np.asarray(self.q).T]
-        return at, np.column_stack(columns)
+        return at, self.at(at)
+
+
+def _like_q(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    rows = real_array(name, values)
+    if rows.shape != shape:
+        raise WrongSizeError(name, rows.shape, shape)
+    if not np.isfinite(rows).all():
+        raise NonFiniteError(name, rows)
+    return rows

@@ -17,6 +17,7 @@ from robomech_ros.rvs import (
     view,
     write_motion,
 )
+from robomech_ros.trajectory import interpolant
 
 ROBOT = load_description("ur5e")
 CHAIN = ROBOT.chain()
@@ -82,3 +83,25 @@ def test_a_motion_in_a_folder_that_is_not_there_is_told(tmp_path):
         write_motion(tmp_path / "no" / "motion.html", ROBOT, motion())
     with pytest.raises(BadValueError):
         Motion(CHAIN, [0.0, 1.0], [HOME] * 3)
+
+
+def test_positions_between_the_times_are_those_of_a_controller():
+    times = np.array([0.0, 0.5, 2.0])
+    rates = np.array([[0.0] * 6, [0.4] * 6, [0.0] * 6])
+    q = HOME + np.array([0.0, 0.1, 0.5])[:, None]
+    plan = Motion(CHAIN, times + 3.0, q, qd=rates, qdd=0.0 * rates)
+    at = np.linspace(0.0, 2.0, 9)
+    np.testing.assert_allclose(
+        plan.at(at + 3.0), interpolant(times, q, rates, 0.0 * rates).sample(at).position
+    )
+    np.testing.assert_allclose(plan.at(100.0), q[-1])
+    assert plan.duration == 2.0
+
+
+@pytest.mark.parametrize("name", ["qd", "qdd", "qddd", "tau"])
+def test_rates_and_torques_of_another_size_are_refused(name):
+    times, q = [0.0, 1.0], np.array([HOME, HOME])
+    for wrong in (HOME, np.full_like(q, np.nan), "fast"):
+        with pytest.raises(RobomechError):
+            Motion(CHAIN, times, q, **{name: wrong})
+    assert getattr(Motion(CHAIN, times, q, **{name: q}), name).shape == (2, 6)

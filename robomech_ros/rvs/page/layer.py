@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
 
@@ -46,6 +47,8 @@ class Place:
     base : str
         Node at the base of the arm, in which its poses are.
     ask : Ask
+    plan : SeenPlan
+        The plan that is shown; to be read and changed where the arm is.
     """
 
     server: Any
@@ -53,6 +56,7 @@ class Place:
     arm: SeenArm
     base: str
     ask: Ask
+    plan: SeenPlan
 
     @property
     def chain(self) -> SerialChain:

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import seen_robot
+from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
 from robomech_ros.rvs.page.layer import LayerMaker, Place
 from robomech_ros.rvs.page.panel import Panel
@@ -51,7 +53,8 @@ class RobotPage:
         self._stage = Stage(self._server.viser, seen, chain)
         self._stage.show(self._arm, ())
         self._panel: Panel | None = None
-        place = Place(self._server.viser, seen, self._arm, BASE, self._ask)
+        self._plan = SeenPlan()
+        place = Place(self._server.viser, seen, self._arm, BASE, self._ask, self._plan)
         self._layers = [make(place) for make in layers]
         self._audience = Audience(self._make_controls, self._take_over)
         self._worker = Worker()
@@ -131,6 +134,28 @@ class RobotPage:
         if what == "gizmo" and self._panel is not None:
             self._panel.show_gizmo(shown)
         self._worker.submit(("show", what), lambda: self._stage.switch(what, shown))
+
+    def show_plan(self, motion: Motion, name: str = "plan") -> None:
+        """Show a motion of the arm: a sweep of ghosts, and its curves; returns at once.
+
+        Parameters
+        ----------
+        motion : Motion
+            Of the joints of this page's arm.
+        name : str, optional
+            What it is, for people.
+
+        Raises
+        ------
+        BadValueError
+            It is no motion, or one of other joints.
+        """
+        check_same_joints(motion, self._arm.chain)
+        self._ask("plan", lambda: self._plan.show(motion, name))
+
+    def forget_plan(self) -> None:
+        """Show no plan any more."""
+        self._ask("plan", self._plan.forget)
 
     # What is done, on the thread of the worker.
 
