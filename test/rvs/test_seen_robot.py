@@ -130,6 +130,39 @@ def test_a_mesh_that_cannot_be_seen_is_named_and_stood_in_for(tmp_path, mesh, sa
     assert [body for body in seen.bodies if body.link == "arm"]
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ('<cylinder radius="-0.1" length="0.5"/>', "a cylinder of -0.1 x 0.5 m"),
+        ('<cylinder radius="0" length="0.5"/>', "a cylinder of 0 x 0.5 m"),
+        ('<cylinder radius="0.1" length="1e39"/>', "a cylinder of 0.1 x 1e+39 m"),
+        ('<sphere radius="-1e-3"/>', "a sphere of -0.001 m"),
+        ('<box size="0.1 0.2 -0.3"/>', "a box of 0.1 x 0.2 x -0.3 m"),
+        ("<sphere/>", "a sphere of 0 m"),
+    ],
+)
+def test_sizes_that_no_body_has_are_named_and_stood_in_for(given, said):
+    mesh = '<mesh filename="{mesh}" scale="2 3 4"/>'
+    seen = seen_robot(load_description(URDF.replace(mesh, given)))
+    (sentence,) = seen.missing
+    assert sentence.startswith(f"arm: {said}") and "a generated body stands for it" in sentence
+    (body, *_) = [body for body in seen.bodies if body.link == "arm"]
+    assert 0.0 < np.ptp(body.solid.vertices, axis=0).max() < 10.0
+
+
+def test_a_mesh_scaled_out_of_sight_is_named_and_a_flat_body_is_seen(tmp_path):
+    mesh = '<mesh filename="{mesh}" scale="2 3 4"/>'
+    flat = seen_robot(load_description(URDF.replace(mesh, '<box size="1 1 0"/>')))
+    assert not flat.missing
+    pytest.importorskip("trimesh")
+    (tmp_path / "one.stl").write_text(STL, encoding="utf-8")
+    (tmp_path / "two.urdf").write_text(
+        URDF.format(mesh="one.stl").replace("2 3 4", "2 3e38 4"), encoding="utf-8"
+    )
+    (sentence,) = seen_robot(load_description(tmp_path / "two.urdf")).missing
+    assert "reaches 3e+38 m from its origin, at most 1e+06 m" in sentence
+
+
 @pytest.mark.parametrize("robot", ["ur5e", "puma560", "stanford", "iiwa14"])
 def test_ghosts_lie_where_the_links_are(robot):
     description = load_description(robot)

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import RobomechError
 from robomech_ros.robots import RobotDescription, urdf_from_description
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.urdf.document import description_from_urdf
@@ -25,6 +27,15 @@ Colour = tuple[float, float, float, float]
 # Of bodies without a colour of their own, and of what stands for a mesh that is missing (m).
 PLAIN: Colour = (0.72, 0.74, 0.77, 1.0)
 STAND_IN = 0.03
+
+
+class ShapeError(RobomechError):
+    """A box, cylinder or sphere has sizes that no body has; the text says which."""
+
+    def __init__(self, visual: Visual) -> None:
+        sizes = " x ".join(f"{measure:g}" for measure in visual.measures)
+        expected = f"positive sizes up to {LARGEST_LENGTH:g} m"
+        super().__init__(f"a {visual.kind} of {sizes} m cannot be shown, expected {expected}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +69,7 @@ class SeenRobot:
     bodies : tuple of SeenBody
         At least one for each rigid part.
     missing : tuple of str
-        A sentence for each mesh that cannot be shown; a generated body stands for it.
+        A sentence for each body that cannot be shown; a generated one stands for it.
     shapes : mapping of str to list of Shape
         Generated drums, rods and bars of every part, by link.
     """
@@ -114,7 +125,7 @@ def seen_robot(description: RobotDescription) -> SeenRobot:
     for visual in read_visuals(document, description.where):
         try:
             bodies += _bodies(visual, folder)
-        except MeshError as error:
+        except (MeshError, ShapeError) as error:
             missing.append(f"{visual.link}: {error}; a generated body stands for it")
             bare.add(visual.link)
     everywhere = generated_shapes(tree.root, tree.joints, ())
@@ -132,14 +143,29 @@ def _bodies(visual: Visual, folder: Path | None) -> list[SeenBody]:
             SeenBody(
                 visual.link,
                 visual.pose,
-                Solid(part.solid.vertices * visual.measures, part.solid.faces),
+                Solid(_scaled(part.solid.vertices, visual), part.solid.faces),
                 visual.colour or part.colour or PLAIN,
             )
             for part in parts
         ]
+    if not all(0.0 <= measure <= LARGEST_LENGTH for measure in visual.measures):
+        raise ShapeError(visual)
     makers: dict[str, Callable[..., Solid]] = {"box": box, "cylinder": cylinder, "sphere": sphere}
-    make = makers[visual.kind]
-    return [SeenBody(visual.link, visual.pose, make(*visual.measures), colour)]
+    solid = makers[visual.kind](*visual.measures)
+    # A flat one is seen, one without any width is not.
+    if np.count_nonzero(np.ptp(solid.vertices, axis=0)) < 2:
+        raise ShapeError(visual)
+    return [SeenBody(visual.link, visual.pose, solid, colour)]
+
+
+def _scaled(vertices: Array, visual: Visual) -> Array:
+    """Scale the vertices of a mesh (k, 3)."""
+    with np.errstate(over="ignore"):
+        scaled: Array = vertices * visual.measures
+    if not np.abs(scaled).max() <= LARGEST_LENGTH:
+        size, most = f"{np.abs(scaled).max():g}", f"{LARGEST_LENGTH:g}"
+        raise MeshError(visual.filename, f"reaches {size} m from its origin, at most {most} m")
+    return scaled
 
 
 def _generated(link: str, shape: Shape) -> SeenBody:
