@@ -28,3 +28,15 @@ def client(page):
     from raw_client import Client
 
     return Client(page)
+
+
+@pytest.fixture
+def commander(page, client):
+    """A raw client that commands the page."""
+    import msgspec.msgpack
+    from raw_client import camera, wait_until
+
+    with client.connect() as connection:
+        connection.send(msgspec.msgpack.encode(camera()))
+        wait_until(lambda: page._audience.commander is not None and page._panel is not None)
+        yield connection

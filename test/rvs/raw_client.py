@@ -4,6 +4,7 @@ import time
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
 
+import msgspec.msgpack
 import numpy as np
 import viser
 from websockets.sync.client import connect
@@ -70,6 +71,17 @@ def gizmo(position, wxyz=(1.0, 0.0, 0.0, 0.0), owner="0"):
     """The message of a gizmo that is dragged."""
     message = {"type": "TransformControlsUpdateMessage", "name": "/base/target", "owner": owner}
     return message | {"wxyz": list(wxyz), "position": list(position)}
+
+
+def slider(page, joint):
+    """The identifier of the slider of a joint."""
+    return page._panel._sliders[joint]._impl.uuid
+
+
+def send_value(connection, uuid, value):
+    """Set a control as a page does."""
+    message = {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}
+    connection.send(msgspec.msgpack.encode(message))
 
 
 def wait_until(true, patience=PATIENCE):

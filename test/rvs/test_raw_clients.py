@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("viser")
 
 import msgspec.msgpack
-from raw_client import camera, gizmo, grip, inside_limits, wait_until
+from raw_client import camera, gizmo, grip, inside_limits, send_value, slider, wait_until
 from websockets.exceptions import ConnectionClosed
 
 PACK = msgspec.msgpack.encode
@@ -46,15 +46,6 @@ GARBAGE = [
     PACK({"type": "GuiUpdateMessage", "uuid": ["x"], "updates": {"value": 1}}),
     PACK([[[[[[[[[]]]]]]]]] * 10),
 ]
-
-
-@pytest.fixture
-def commander(page, client):
-    """A client that commands the page."""
-    with client.connect() as connection:
-        connection.send(PACK(camera()))
-        wait_until(lambda: page._audience.commander is not None and page._panel is not None)
-        yield connection
 
 
 def test_a_gizmo_of_the_commander_moves_the_arm(page, commander):
@@ -95,16 +86,6 @@ def test_garbage_is_harmless(page, commander, message):
     # The next one is answered, in its turn.
     test_a_slider_moves_and_refuses(page, commander)
     assert inside_limits(page) and not np.array_equal(page._arm.q, before)
-
-
-def slider(page, joint):
-    """The identifier of the slider of a joint."""
-    return page._panel._sliders[joint]._impl.uuid
-
-
-def send_value(connection, uuid, value):
-    """Set a control as a page does."""
-    connection.send(PACK({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}))
 
 
 def test_a_slider_moves_and_refuses(page, commander):

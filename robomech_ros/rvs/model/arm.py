@@ -98,6 +98,12 @@ class SeenArm:
         inside: Array = np.clip(values, self.chain.lower, self.chain.upper)
         return inside
 
+    def like(self, chain: SerialChain) -> SeenArm:
+        """Give another arm in the same posture, or at home where it has no such posture."""
+        same = chain.joint_names == self.chain.joint_names
+        inside = same and bool(((self._q >= chain.lower) & (self._q <= chain.upper)).all())
+        return SeenArm(chain, self._q if inside else None)
+
     def set_joint(self, joint: int, value: float) -> None:
         """Move one joint (rad or m).
 

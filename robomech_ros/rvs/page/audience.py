@@ -77,14 +77,26 @@ class Audience:
         client = self._clients.get(number)
         if client is None or number == self.commander:
             return
-        if self._controls is not None and self.commander is not None:
-            self._controls.remove()
+        self.withdraw()
+        if self.commander is not None:
             self._let_watch(self._clients[self.commander])
         for handle in self._watching.pop(number, ()):
             handle.remove()
         self.commander, self._controls = number, self._make_controls(client)
         for text, _ in self._watching.values():
             text.content = _WATCHING.format(text=_OTHER)
+
+    def withdraw(self) -> None:
+        """Take the controls from the browser that commands, until it gets new ones."""
+        if self._controls is not None:
+            self._controls.remove()
+            self._controls = None
+
+    def renew(self) -> None:
+        """Give the browser that commands new controls."""
+        self.withdraw()
+        if self.commander is not None:
+            self._controls = self._make_controls(self._clients[self.commander])
 
     def _let_watch(self, client: Any) -> None:
         text = client.gui.add_html(_WATCHING.format(text=_OTHER), order=-1)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from robomech_ros.robots import SerialChain
+from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
@@ -49,6 +49,14 @@ class Place:
     ask : Ask
     plan : SeenPlan
         The plan that is shown; to be read and changed where the arm is.
+    description : RobotDescription
+        The robot.
+    replace : callable
+        Shows another robot and its arm on the same page; in requests alone.  Stage, layers and
+        controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and
+        leaves this one.
+    kept : dict
+        What layers leave here, by their names, those of the next robot find.
     """
 
     server: Any
@@ -57,6 +65,9 @@ class Place:
     base: str
     ask: Ask
     plan: SeenPlan
+    description: RobotDescription
+    replace: Callable[[RobotDescription, SerialChain], None]
+    kept: dict[str, Any]
 
     @property
     def chain(self) -> SerialChain:

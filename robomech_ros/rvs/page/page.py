@@ -11,12 +11,13 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
-from robomech_ros.rvs.model.seen_robot import seen_robot
+from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
 from robomech_ros.rvs.page.layer import LayerMaker, Place
-from robomech_ros.rvs.page.panel import Panel
+from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.stage import BASE, Stage
+from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.rvs.serving.server import guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -46,19 +47,16 @@ class RobotPage:
         host: str,
         layers: Sequence[LayerMaker] = (),
     ) -> None:
-        self._arm = SeenArm(chain)
-        seen = seen_robot(description)
-        self._reach = seen.reach
+        self._makers = tuple(layers)
+        self._switches = dict(AT_FIRST)
+        self._dark: set[int] = set()
+        self._kept: dict[str, Any] = {}
+        arm, seen = SeenArm(chain), seen_robot(description)
         self._server = guarded_server(host, port, chain.name)
-        self._stage = Stage(self._server.viser, seen, chain)
-        self._stage.show(self._arm, ())
-        self._panel: Panel | None = None
-        self._plan = SeenPlan()
-        place = Place(self._server.viser, seen, self._arm, BASE, self._ask, self._plan)
-        self._layers = [make(place) for make in layers]
+        set_theme(self._server.viser.gui, False)
+        self._set_up(description, seen, arm)
         self._audience = Audience(self._make_controls, self._take_over)
         self._worker = Worker()
-        self._stage.ghosts.on_click(self._clicked)
         self._server.viser.on_client_connect(self._came)
         self._server.viser.on_client_disconnect(self._left)
 
@@ -80,6 +78,20 @@ class RobotPage:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _set_up(self, description: RobotDescription, seen: SeenRobot, arm: SeenArm) -> None:
+        self._arm, self._reach = arm, seen.reach
+        self._panel: Panel | None = None
+        viser = self._server.viser
+        self._stage = Stage(viser, seen, arm.chain)
+        self._stage.ghosts.on_click(self._clicked)
+        for what, shown in self._switches.items():
+            self._stage.switch(what, shown)
+        self._stage.show(arm, ())
+        self._plan = SeenPlan()
+        change = (description, self._replace, self._kept)
+        place = Place(viser, seen, arm, BASE, self._ask, self._plan, *change)
+        self._layers = [make(place) for make in self._makers]
+
     # What browsers ask for, on threads of the server.
 
     async def _came(self, client: Any) -> None:
@@ -87,6 +99,7 @@ class RobotPage:
 
     async def _left(self, client: Any) -> None:
         def forget() -> None:
+            self._dark.discard(client.client_id)
             if self._audience.left(client.client_id):
                 self._panel = None
                 self._arm.release()
@@ -130,10 +143,12 @@ class RobotPage:
         self._ask("home", lambda: self._arm.move_to(self._arm.chain.home()))
 
     def show(self, what: str, shown: bool) -> None:
-        """Show a part of the scene, or not."""
-        if what == "gizmo" and self._panel is not None:
-            self._panel.show_gizmo(shown)
-        self._worker.submit(("show", what), lambda: self._stage.switch(what, shown))
+        """Show a part of the scene, or not; and the page of who commands dark, or light."""
+        self._worker.submit(("show", what), lambda: self._switch(what, shown))
+
+    def replace(self, description: RobotDescription, chain: SerialChain) -> None:
+        """Show another robot and its arm on the same page, or say why not."""
+        self._ask("replace", lambda: self._replace(description, chain))
 
     def show_plan(self, motion: Motion, name: str = "plan") -> None:
         """Show a motion of the arm: a sweep of ghosts, and its curves; returns at once.
@@ -151,7 +166,7 @@ class RobotPage:
             It is no motion, or one of other joints.
         """
         check_same_joints(motion, self._arm.chain)
-        self._ask("plan", lambda: self._plan.show(motion, name))
+        self._ask("plan", lambda: self._show_plan(motion, name))
 
     def forget_plan(self) -> None:
         """Show no plan any more."""
@@ -159,9 +174,38 @@ class RobotPage:
 
     # What is done, on the thread of the worker.
 
+    def _show_plan(self, motion: Motion, name: str) -> None:
+        # Another robot may have come meanwhile.
+        check_same_joints(motion, self._arm.chain)
+        self._plan.show(motion, name)
+
     def _make_controls(self, client: Any) -> Controls:
-        self._panel = Panel(client, self._arm, self, BASE, self._reach)
+        switches = {**self._switches, "dark": client.client_id in self._dark}
+        self._panel = Panel(client, self._arm, self, BASE, self._reach, switches)
         return AllControls([self._panel, *(layer.controls(client) for layer in self._layers)])
+
+    def _switch(self, what: str, shown: bool) -> None:
+        if what == "dark":
+            if self._audience.commander is not None:
+                change = self._dark.add if shown else self._dark.discard
+                change(self._audience.commander)
+        else:
+            self._switches[what] = shown
+            self._stage.switch(what, shown)
+        if self._panel is not None:
+            self._panel.switch(what, shown)
+
+    def _replace(self, description: RobotDescription, chain: SerialChain) -> None:
+        """Take the stage down and set it up; what can be refused is made before."""
+        seen, arm = seen_robot(description), self._arm.like(chain)
+        with self._server.viser.atomic():
+            self._audience.withdraw()
+            for layer in self._layers:
+                layer.close()
+            self._server.viser.scene.reset()
+            self._server.viser.gui.reset()
+            self._set_up(description, seen, arm)
+            self._audience.renew()
 
     def _ask(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         self._worker.submit(kind, lambda: self._do(request, source))

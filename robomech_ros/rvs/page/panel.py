@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Protocol
 
@@ -15,15 +15,15 @@ from robomech_ros.rvs.page.tables import TAKE
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.spatial import pose_from_position_quaternion
 
-__all__ = ["Commands", "Panel"]
+__all__ = ["AT_FIRST", "Commands", "Panel"]
 
 Array = NDArray[np.float64]
 
 # Steps of sliders (rad or m), and the size of the gizmo in reaches of the robot.
 STEP = 0.001
 GIZMO = 0.28
-_HIDEABLE = ("ghosts", "frames", "joint axes", "ground", "gizmo")
-_AT_FIRST = ("ghosts", "ground", "gizmo")
+# What can be shown, and whether it is at first.
+AT_FIRST = {"ghosts": True, "frames": False, "joint axes": False, "ground": True, "gizmo": True}
 
 
 class Commands(Protocol):
@@ -48,7 +48,7 @@ class Commands(Protocol):
         """Go to where the robot began."""
 
     def show(self, what: str, shown: bool) -> None:
-        """Show a part of the scene, or not."""
+        """Show a part of the scene, or not; "dark" is how the page looks."""
 
 
 class Panel:
@@ -64,10 +64,18 @@ class Panel:
         Node at the base of the arm.
     reach : float
         Of the robot (m).
+    switches : mapping of str to bool
+        What is shown, as :data:`AT_FIRST`, and whether the page is dark.
     """
 
     def __init__(
-        self, client: Any, arm: SeenArm, commands: Commands, base: str, reach: float
+        self,
+        client: Any,
+        arm: SeenArm,
+        commands: Commands,
+        base: str,
+        reach: float,
+        switches: Mapping[str, bool],
     ) -> None:
         self._client, self._commands = client, commands
         self._handles: list[Any] = []
@@ -78,9 +86,13 @@ class Panel:
         self._keep(take, lambda: commands.take(take.value))
         self._sliders = self._add_joints(arm)
         self._self_motion = self._add_self_motion() if arm.self_motion() is not None else None
-        self._add_switches()
+        self._add_switches(switches)
         self._gizmo = client.scene.add_transform_controls(
-            f"{base}/target", scale=GIZMO * reach, depth_test=False, **placed(arm.target)
+            f"{base}/target",
+            scale=GIZMO * reach,
+            depth_test=False,
+            visible=switches["gizmo"],
+            **placed(arm.target),
         )
         self._handles.append(self._gizmo)
         self._listen_to_gizmo()
@@ -127,16 +139,14 @@ class Panel:
             self._keep(slider, lambda: self._commands.slide(slider.value))
         return slider
 
-    def _add_switches(self) -> None:
+    def _add_switches(self, switches: Mapping[str, bool]) -> None:
         gui = self._client.gui
         folder = gui.add_folder("Show", order=6, expand_by_default=False)
         self._handles.append(folder)
         with folder:
-            for what in _HIDEABLE:
-                box = gui.add_checkbox(what, what in _AT_FIRST)
+            for what, shown in switches.items():
+                box = gui.add_checkbox(what, shown)
                 self._keep(box, partial(self._switch, what, box))
-            dark = gui.add_checkbox("dark", False)
-            self._keep(dark, lambda: self.set_dark(dark.value))
 
     def _move(self, joint: int, slider: Any) -> None:
         self._commands.set_joint(joint, slider.value)
@@ -144,13 +154,12 @@ class Panel:
     def _switch(self, what: str, box: Any) -> None:
         self._commands.show(what, box.value)
 
-    def set_dark(self, dark: bool) -> None:
-        """Draw the page dark or light."""
-        set_theme(self._client.gui, dark)
-
-    def show_gizmo(self, shown: bool) -> None:
-        """Show the gizmo, or not."""
-        self._gizmo.visible = shown
+    def switch(self, what: str, shown: bool) -> None:
+        """Show the gizmo or not, or draw the page dark or light; the rest is not the panel's."""
+        if what == "gizmo":
+            self._gizmo.visible = shown
+        elif what == "dark":
+            set_theme(self._client.gui, shown)
 
     def _listen_to_gizmo(self) -> None:
         gizmo = self._gizmo

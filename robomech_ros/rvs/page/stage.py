@@ -13,7 +13,6 @@ from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
-from robomech_ros.rvs.page.theme import set_theme
 
 __all__ = ["BASE", "Stage", "add_base"]
 
@@ -37,7 +36,6 @@ class Stage:
         self._server, self._seen = server, seen
         scene, gui = server.scene, server.gui
         with server.atomic():
-            set_theme(gui, False)
             # Beside the scene, not over it.
             gui.main_panel.dock_right()
             self._ground = add_surroundings(server, seen.reach)
