@@ -4,6 +4,8 @@ Messages on ``/tf`` are taken from the middleware only when somebody asks: a nod
 fast robots spends nothing while it is idle.
 """
 
+import math
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -55,12 +57,16 @@ class FrameListener:
     fault : str
         What of what was heard could not be used at last; empty if all could, or if the same frame
         was heard of rightly since.
+    heard_since : float
+        When the first of the frames in the tree was heard of (s, on the monotonic clock), infinite
+        while there is none.
     """
 
     def __init__(self, node: Node) -> None:
         self.tree = FrameTree()
         self.missing = ""
         self.fault = ""
+        self.heard_since = math.inf
         self._faulty = ""
         self._clock = node.get_clock()
         self._kind: Any = None
@@ -121,6 +127,7 @@ class FrameListener:
         # What waits is from before, too.
         list(self._waiting())
         self.tree.forget_moving()
+        self.heard_since = math.inf
 
     def _take_moving(self, data: bytes) -> None:
         self._take(data, static=False)
@@ -152,6 +159,8 @@ class FrameListener:
             )
             child = _bare(entry.child_frame_id)
             fault = self.tree.insert(child, sample, now, static=static)
+            if not fault:
+                self.heard_since = min(self.heard_since, time.monotonic())
             if fault or child == self._faulty:
                 self.fault, self._faulty = fault, child if fault else ""
 

@@ -31,6 +31,8 @@ Positions = Mapping[str, Any]
 # Some senders date their news ahead, so that they hold until the next ones; from farther ahead, s,
 # they would never get too old.
 _AHEAD = WINDOW / NANO
+# A frame that nobody speaks of is waited for no longer, s, once others are heard of.
+_NOWHERE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,16 +129,22 @@ class RobotFrames:
     async def place(self, frame: str, patience: float, stamp: Time | None = None) -> Place:
         """Find a frame as `find` does, and wait for it, up to `patience` (s).
 
+        A frame that is nowhere in tf is waited for no longer than half a second, as soon as tf has
+        had others for that long.
+
         Raises
         ------
         FrameUnavailableError
         """
-        instant, deadline = _instant(stamp), time.monotonic() + patience
+        instant, begun = _instant(stamp), time.monotonic()
         while True:
             try:
                 return self._find(frame, instant)
             except NoTransformError as error:
-                if not error.may_come or time.monotonic() >= deadline:
+                end = begun + patience
+                if self._model.full_frame(frame) not in self._listener.tree:
+                    end = min(end, max(begun, self._listener.heard_since) + _NOWHERE)
+                if not error.may_come or time.monotonic() >= end:
                     raise self._unavailable(frame, error) from None
             await pause(self._node)
 

@@ -249,6 +249,20 @@ def test_frames_that_are_not_connected_and_unknown_ones(kinematics):
     assert_solved(solve(kinematics, GOAL, ""))
 
 
+def test_a_frame_that_is_nowhere_in_tf_is_answered_long_before_the_timeout(graph):
+    """It took all of the timeout."""
+    graph.start(KinematicsNode, robot_description="puma560", state_timeout=60.0)
+    tf = Broadcaster(graph)
+    tf.fix(transform("world", "base_link", WORLD_BASE))
+    assert_solved(solve(tf, WORLD_BASE @ GOAL, "world"))
+    begun = time.monotonic()
+    response = solve(tf, np.eye(4), "wrold")
+    assert time.monotonic() - begun < 30.0
+    assert response.error_code == ErrorCode.FRAME_UNAVAILABLE
+    assert "tf has no frame 'wrold'" in response.error_msg
+    assert "known frames: base_link" in response.error_msg and "world" in response.error_msg
+
+
 def test_links_on_a_circle_do_not_keep_others_from_being_found(kinematics):
     """Another sender has the hand and a stray frame hang on each other: world was not found."""
     hand = (("tool0", "stray"), ("stray", "tool0"))
