@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         jacobian_rate,
         joint_accelerations,
     )
+    from robomech_ros.kinetostatics.best_posture import BestPosture, best_conditioned_posture
     from robomech_ros.kinetostatics.conditioning import (
         CharacteristicLength,
         ConditioningIndex,
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
         conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import DecoupledJacobian, decoupled_jacobian
+    from robomech_ros.kinetostatics.ellipsoids import (
+        ManipulabilityEllipsoid,
+        manipulability_ellipsoid,
+    )
     from robomech_ros.kinetostatics.global_indices import GlobalIndex, global_conditioning_index
     from robomech_ros.kinetostatics.indices import (
         condition_number,
@@ -39,6 +44,7 @@ if TYPE_CHECKING:
         task_jacobian,
     )
     from robomech_ros.kinetostatics.rotation_sets import even_rotations, even_turns
+    from robomech_ros.kinetostatics.self_motions import SelfMotionCurve, self_motion_curve
     from robomech_ros.kinetostatics.singularities.distance import (
         NearestSingularity,
         nearest_singular_posture,
@@ -65,18 +71,22 @@ if TYPE_CHECKING:
     from robomech_ros.kinetostatics.workspace.reach import extreme_reach
 
 __all__ = [
+    "BestPosture",
     "BoundaryCurve",
     "CharacteristicLength",
     "ConditioningIndex",
     "DecoupledJacobian",
     "GlobalIndex",
+    "ManipulabilityEllipsoid",
     "NearestSingularity",
     "OrientationWorkspace",
     "ReachMap",
+    "SelfMotionCurve",
     "SingularityFree",
     "SingularityReport",
     "SingularityReports",
     "Workspace",
+    "best_conditioned_posture",
     "bias_acceleration",
     "characteristic_length",
     "condition_number",
@@ -96,6 +106,7 @@ __all__ = [
     "least_singular_value_gradient",
     "load_reach_map",
     "manipulability",
+    "manipulability_ellipsoid",
     "manipulability_gradient",
     "nearest_singular_posture",
     "orientation_workspace",
@@ -103,6 +114,7 @@ __all__ = [
     "planar_rows",
     "point_jacobian",
     "reach_map",
+    "self_motion_curve",
     "singularity_free",
     "singularity_report",
     "task_jacobian",
@@ -111,6 +123,12 @@ __all__ = [
 ]
 
 _MODULES = {
+    "BestPosture": "best_posture",
+    "best_conditioned_posture": "best_posture",
+    "ManipulabilityEllipsoid": "ellipsoids",
+    "manipulability_ellipsoid": "ellipsoids",
+    "SelfMotionCurve": "self_motions",
+    "self_motion_curve": "self_motions",
     "BoundaryCurve": "workspace.boundary",
     "CharacteristicLength": "conditioning",
     "GlobalIndex": "global_indices",

@@ -7,7 +7,7 @@ from geometry_msgs.msg import Point
 from numpy.typing import NDArray
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robomech_ros.kinetostatics import SingularityReport, Workspace
+from robomech_ros.kinetostatics import SingularityReport, Workspace, manipulability_ellipsoid
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 
 __all__ = ["boundary_markers", "marker_array", "posture_markers"]
@@ -45,14 +45,12 @@ def posture_markers(
     report : SingularityReport
         Of the posture.
     """
-    axes, values, _ = np.linalg.svd(J[3:])
-    values = np.concatenate((values, np.zeros(3 - len(values))))
-    largest = max(float(values[0]), 1e-300)
-    velocity = np.maximum(values / largest, _FLAT)
+    found = manipulability_ellipsoid(J[3:])
+    velocity = np.maximum(found.velocity / max(float(found.velocity[0]), 1e-300), _FLAT)
     force = velocity[-1] / velocity
     markers = [
-        _ellipsoid(frame, "velocity_ellipsoid", position, axes, velocity, _VELOCITY),
-        _ellipsoid(frame, "force_ellipsoid", position, axes, force, _FORCE),
+        _ellipsoid(frame, "velocity_ellipsoid", position, found.axes, velocity, _VELOCITY),
+        _ellipsoid(frame, "force_ellipsoid", position, found.axes, force, _FORCE),
     ]
     number = 0
     for twist in report.lost_directions:
@@ -114,7 +112,7 @@ def _ellipsoid(
 ) -> Marker:
     marker = _marker(frame, name, 0, Marker.SPHERE, colour)
     T = np.eye(4)
-    T[:3, :3] = axes if np.linalg.det(axes) > 0.0 else -axes
+    T[:3, :3] = axes
     T[:3, 3] = position
     marker.pose = pose_from_matrix(T)
     scale = 2.0 * _LONGEST * half_axes

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
-from robomech_ros.rvs.model.self_motion import SelfMotionCurve, self_motion_curve
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import real_number
 

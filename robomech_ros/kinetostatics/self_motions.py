@@ -9,12 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots import SerialChain
+from robomech_ros.kinematics.joint_values import as_joint_values
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import pose_error
+from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["SelfMotionCurve", "self_motion_curve"]
 
@@ -70,7 +73,16 @@ class SelfMotionCurve:
         return float(self.length[-1])
 
     def at(self, length: float) -> Array:
-        """Give the posture (n,) at a length (rad or m), or at the end that is nearer to it."""
+        """Give the posture (n,) at a length (rad or m), or at the end that is nearer to it.
+
+        Raises
+        ------
+        BadValueError
+            It is no number.
+        """
+        length = real_number("length", length, "a number, rad or m")
+        if np.isnan(length):
+            raise BadValueError("length", length, "a number, rad or m")
         rows = [np.interp(length, self.length, column) for column in self.q.T]
         exact = _corrected(self.chain, self.target, np.array(rows))
         nearest: Array = self.q[int(np.abs(self.length - length).argmin())]
@@ -78,18 +90,54 @@ class SelfMotionCurve:
         return np.clip(posture, self.chain.lower, self.chain.upper)
 
 
-def self_motion_curve(chain: SerialChain, q: Array) -> SelfMotionCurve | None:
-    """Follow the self-motion of an arm from a posture; None where it has none.
+def self_motion_curve(chain: SerialChain, q: ArrayLike) -> SelfMotionCurve | None:
+    """Follow the self-motion of an arm from a posture, both ways until a limit.
+
+    Of several directions in which the tip stays, as of an arm of eight joints, one is followed.
 
     Parameters
     ----------
     chain : SerialChain
         Of n joints.
-    q : ndarray, shape (n,)
+    q : array_like, shape (n,)
         Inside the limits (rad or m).
+
+    Returns
+    -------
+    SelfMotionCurve or None
+        None of an arm of six joints or fewer.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        q is not n finite numbers, or outside the limits.
+
+    See Also
+    --------
+    robomech_ros.kinematics.self_motion : all of it, by the arm angle or a joint that is locked.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.kinetostatics import self_motion_curve
+    >>> from robomech_ros.robots import load_robot
+    >>> arm = load_robot("iiwa14")
+    >>> curve = self_motion_curve(arm, arm.home())
+    >>> T = forward_kinematics(arm, [curve.at(0.0), curve.at(0.5)])
+    >>> bool(np.allclose(T[0], T[1]))
+    True
     """
+    q = as_joint_values(chain, q)
+    if q.ndim != 1:
+        raise WrongSizeError("q", q.shape, (chain.n,))
     if chain.n <= CONDITIONS:
         return None
+    outside = _outside(chain, q)
+    if outside is not None:
+        low, high = float(chain.lower[outside]), float(chain.upper[outside])
+        what, unit = f"joint '{chain.joint_names[outside]}'", chain.units[outside]
+        raise BadValueError(what, float(q[outside]), f"{low:.6g} to {high:.6g} {unit}")
     T = forward_kinematics(chain, q)
     ahead, why_ahead = _followed(chain, T, q, 1.0)
     back, why_back = _followed(chain, T, q, -1.0)
