@@ -20,6 +20,7 @@ from robomech_ros.kinematics import (
     tip_poses,
 )
 from robomech_ros.kinetostatics import (
+    best_conditioned_posture,
     bias_acceleration,
     characteristic_length,
     condition_number,
@@ -38,12 +39,14 @@ from robomech_ros.kinetostatics import (
     least_singular_value_gradient,
     load_reach_map,
     manipulability,
+    manipulability_ellipsoid,
     manipulability_gradient,
     nearest_singular_posture,
     planar_jacobian,
     planar_rows,
     point_jacobian,
     reach_map,
+    self_motion_curve,
     singularity_free,
     singularity_report,
     task_jacobian,
@@ -138,6 +141,9 @@ def calls():
     for function in (singularity_report, nearest_singular_posture):
         found |= with_options(function, chain=PUMA, q=q, length=0.3)
     found |= with_options(characteristic_length, chain=PUMA)
+    found |= with_options(best_conditioned_posture, chain=PUMA, length=0.3)
+    found |= with_options(manipulability_ellipsoid, rows=np.eye(3))
+    found |= with_options(self_motion_curve, chain=PANDA, q=PANDA.home())
     found |= with_options(even_rotations, count=2) | with_options(
         even_turns, count=2, axis=[1, 0, 0]
     )

@@ -84,8 +84,10 @@ def best_conditioned_posture(chain: SerialChain, *, length: float | None = None)
     True
     """
     check_chain(chain)
-    known = characteristic_length(chain) if length is None else None
-    metres = as_length(length) if known is None else float(known)
+    known = None
+    if length is None:
+        known = length = characteristic_length(chain)
+    metres = as_length(length)
     task, weights = task_part(chain, "pose"), np.repeat((1.0, 1.0 / metres), 3)
     starts = _starts(chain, task, weights, known)
     if not starts:
