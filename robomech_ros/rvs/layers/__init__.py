@@ -1,8 +1,9 @@
 """Layers of a page: each shows one subject, and brings its own folder of controls."""
 
+from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
 __all__ = ["LAYERS"]
 
 # In the order of their folders on the page.
-LAYERS: tuple[LayerMaker, ...] = ()
+LAYERS: tuple[LayerMaker, ...] = (MotionLayer,)

@@ -14,7 +14,7 @@ from robomech_ros.rvs.model.ghosts import Ghosts, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
 
-__all__ = ["Ghost", "GhostNodes"]
+__all__ = ["Ghost", "GhostBatch", "GhostNodes"]
 
 Array = NDArray[np.float64]
 
@@ -41,6 +41,47 @@ class Ghost(NamedTuple):
     colour: Rgb
 
 
+class GhostBatch:
+    """Ghosts of one look.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    name : str
+        Of their node, at the base of the arm.
+    ghosts : Ghosts
+    opacity : float
+        From 0 to 1.
+    """
+
+    def __init__(self, scene: Any, name: str, ghosts: Ghosts, opacity: float) -> None:
+        self._ghosts = ghosts
+        solid = cylinder(1.0, 1.0)
+        self.node = scene.add_batched_meshes_simple(
+            name,
+            solid.vertices,
+            solid.faces,
+            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            batched_positions=np.zeros((1, 3)),
+            batched_scales=np.full((1, 3), 1e-6),
+            batched_colors=np.zeros((1, 3), dtype=np.uint8),
+            opacity=opacity,
+            flat_shading=True,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+
+    def place(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> None:
+        """Put them into postures (n,) in rad or m, at least one, of these colours."""
+        pieces = self._ghosts.placed(postures, colours)
+        self.node.batched_positions = pieces.positions.astype(np.float32)
+        self.node.batched_wxyzs = pieces.wxyz.astype(np.float32)
+        self.node.batched_scales = pieces.scales.astype(np.float32)
+        self.node.batched_colors = pieces.colours
+
+
 class GhostNodes:
     """The ghosts of an arm.
 
@@ -62,22 +103,7 @@ class GhostNodes:
         self._chain, self._ghosts, self._together = chain, ghosts, TOGETHER * reach
         self._shown: Sequence[Ghost] = ()
         self._wanted = True
-        solid = cylinder(1.0, 1.0)
-        self._batch = scene.add_batched_meshes_simple(
-            f"{parent}/ghosts",
-            solid.vertices,
-            solid.faces,
-            batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
-            batched_positions=np.zeros((1, 3)),
-            batched_scales=np.full((1, 3), 1e-6),
-            batched_colors=np.zeros((1, 3), dtype=np.uint8),
-            opacity=OPACITY,
-            flat_shading=True,
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-        )
+        self._batch = GhostBatch(scene, f"{parent}/ghosts", ghosts, OPACITY)
         self._labels = [
             scene.add_label(f"{parent}/numbers/{k}", "", visible=False, anchor="center-center")
             for k in range(MOST_POSTURES)
@@ -92,7 +118,7 @@ class GhostNodes:
     def on_click(self, taken: Callable[[Any, int], None]) -> None:
         """Have something done when a ghost is clicked: it gets the client and the number."""
 
-        @self._batch.on_click
+        @self._batch.node.on_click
         async def _(event: Any) -> None:
             ghosts = self._shown
             if event.instance_index is not None and self._ghosts.pieces:
@@ -103,15 +129,10 @@ class GhostNodes:
     def show(self, ghosts: Sequence[Ghost]) -> None:
         """Show these ghosts, and no others."""
         self._shown = ghosts
-        self._batch.visible = bool(ghosts) and self._wanted
+        self._batch.node.visible = bool(ghosts) and self._wanted
         self._write_numbers()
-        if not ghosts:
-            return
-        pieces = self._ghosts.placed([one.q for one in ghosts], [one.colour for one in ghosts])
-        self._batch.batched_positions = pieces.positions.astype(np.float32)
-        self._batch.batched_wxyzs = pieces.wxyz.astype(np.float32)
-        self._batch.batched_scales = pieces.scales.astype(np.float32)
-        self._batch.batched_colors = pieces.colours
+        if ghosts:
+            self._batch.place([one.q for one in ghosts], [one.colour for one in ghosts])
 
     def want(self, wanted: bool) -> None:
         """Show ghosts at all, or not."""

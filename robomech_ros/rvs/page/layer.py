@@ -55,6 +55,8 @@ class Place:
         Shows another robot and its arm on the same page; in requests alone.  Stage, layers and
         controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and
         leaves this one.
+    run : callable
+        Has something done as ``ask`` does, which shows by itself what came of it.
     kept : dict
         What layers leave here, by their names, those of the next robot find.
     """
@@ -67,6 +69,7 @@ class Place:
     plan: SeenPlan
     description: RobotDescription
     replace: Callable[[RobotDescription, SerialChain], None]
+    run: Callable[[Hashable, Callable[[], None]], None]
     kept: dict[str, Any]
 
     @property

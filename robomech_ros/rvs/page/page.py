@@ -88,7 +88,7 @@ class RobotPage:
             self._stage.switch(what, shown)
         self._stage.show(arm, ())
         self._plan = SeenPlan()
-        change = (description, self._replace, self._kept)
+        change = (description, self._replace, self._run, self._kept)
         place = Place(viser, seen, arm, BASE, self._ask, self._plan, *change)
         self._layers = [make(place) for make in self._makers]
 
@@ -209,6 +209,9 @@ class RobotPage:
 
     def _ask(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         self._worker.submit(kind, lambda: self._do(request, source))
+
+    def _run(self, kind: Hashable, request: Callable[[], None]) -> None:
+        self._worker.submit(kind, request)
 
     def _do(self, request: Callable[[], None], source: object) -> None:
         notices = []

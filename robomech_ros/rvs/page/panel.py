@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.page.robot_nodes import placed
-from robomech_ros.rvs.page.tables import TAKE
+from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.spatial import pose_from_position_quaternion
 
@@ -117,7 +117,7 @@ class Panel:
                 low, high = arm.travel(joint)
                 hint = f"{name}: {low:.4g} to {high:.4g} {chain.units[joint]}"
                 slider = gui.add_slider(
-                    _short(name), low, high, STEP, float(arm.q[joint]), hint=hint
+                    short_name(name), low, high, STEP, float(arm.q[joint]), hint=hint
                 )
                 self._keep(slider, partial(self._move, joint, slider))
                 sliders.append(slider)
@@ -208,8 +208,3 @@ class Panel:
 def _set(slider: Any, value: float) -> None:
     if slider.value != value:
         slider.value = value
-
-
-def _short(name: str) -> str:
-    """Leave out what every joint's name has."""
-    return name.removesuffix("_joint").replace("_", " ")

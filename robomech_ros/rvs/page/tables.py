@@ -14,7 +14,7 @@ from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = ["TAKE", "notice", "posture_table", "summary"]
+__all__ = ["TAKE", "notice", "posture_table", "short_name", "summary"]
 
 Array = NDArray[np.float64]
 
@@ -112,3 +112,8 @@ def _margin(value: float) -> str:
 
 def _condition(value: float) -> str:
     return "singular" if not value < SINGULAR else f"{value:.1f}"
+
+
+def short_name(joint: str) -> str:
+    """Leave out of the name of a joint what every joint's name has."""
+    return joint.removesuffix("_joint").replace("_", " ")

@@ -1,0 +1,169 @@
+"""The folder Motion of the browser that commands."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Protocol
+
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.planning import WAYS
+from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
+from robomech_ros.trajectory import PROFILES
+
+__all__ = ["MotionControls", "Played"]
+
+# Steps of the slider of the time (s), and of the speed.
+STEP, SPEED_STEP = 0.01, 0.1
+START, GOAL = "Start here", "Goal here"
+_STATUS = (
+    '<div style="font-size:0.85em;padding:0 0.85em 0.4em" data-plan><div{style}>{text}</div></div>'
+)
+_WARNS = ' style="border-left:3px solid #d9480f;padding-left:0.6em"'
+
+
+class Played(Protocol):
+    """What the folder shows and asks for; requests are to be made on the thread of the page."""
+
+    player: Player
+    way: str
+    profile: str
+    curves: str
+    sweep: bool
+    along: bool
+    traced: dict[str, bool]
+    status: str
+    warns: bool
+
+    def ask(self, kind: object, request: Callable[[], None]) -> None:
+        """Have a request done on the thread of the page."""
+
+    def remember(self, which: str) -> None:
+        """Take the present posture as start or goal, and plan if both are there."""
+
+    def choose_plan(self, way: str, profile: str) -> None:
+        """Plan in another way."""
+
+    def forget(self) -> None:
+        """Forget the plan, its start and its goal."""
+
+    def seek(self, seconds: float) -> None:
+        """Go to a time of the plan (s)."""
+
+    def play_or_pause(self) -> None:
+        """Play, or stay where it is."""
+
+    def choose_curves(self, name: str) -> None:
+        """Draw this quantity, all, or none."""
+
+    def choose_seen(self) -> None:
+        """Show the sweep and the traces that are chosen."""
+
+
+class MotionControls:
+    """The controls of one browser.
+
+    Parameters
+    ----------
+    client : viser.ClientHandle
+        The browser.
+    layer : Played
+    chain : SerialChain
+    curves : sequence of str
+        Names of what can be drawn.
+    """
+
+    def __init__(
+        self, client: Any, layer: Played, chain: SerialChain, curves: Sequence[str]
+    ) -> None:
+        self._layer, self._gui = layer, client.gui
+        self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
+        with self._folder:
+            self._add_planning()
+            self._add_playing()
+            self._add_looks(curves)
+            with client.gui.add_folder("Trace", expand_by_default=False):
+                for link in layer.traced:
+                    box = client.gui.add_checkbox(link, layer.traced[link])
+                    self._on(box, ("trace", link), partial(self._trace, link, box))
+        self.load()
+
+    def _on(self, handle: Any, kind: object, request: Callable[[], None]) -> None:
+        """Have a request done when the page changes a control."""
+
+        @handle.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                self._layer.ask(kind, request)
+
+    def _on_click(self, button: Any, request: Callable[[], None]) -> None:
+        @button.on_click
+        async def _(_: Any) -> None:
+            self._layer.ask(button.label, request)
+
+    def _add_planning(self) -> None:
+        gui, layer = self._gui, self._layer
+        self._status = gui.add_html("")
+        for label, which in ((START, "start"), (GOAL, "goal")):
+            button = gui.add_button(label, hint=f"The present posture is the {which} of a plan")
+            self._on_click(button, partial(layer.remember, which))
+        way = gui.add_dropdown("Way", WAYS, initial_value=layer.way)
+        profile = gui.add_dropdown("Profile", tuple(PROFILES), initial_value=layer.profile)
+        self._on(way, "way", lambda: layer.choose_plan(way.value, layer.profile))
+        self._on(profile, "profile", lambda: layer.choose_plan(layer.way, profile.value))
+
+    def _add_playing(self) -> None:
+        gui, layer = self._gui, self._layer
+        self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
+        self._on(self._time, "seek", lambda: layer.seek(self._time.value))
+        self._play = gui.add_button("Play")
+        self._on_click(self._play, layer.play_or_pause)
+        hint = "Times as fast as planned"
+        speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, layer.player.speed, hint=hint)
+        self._on(speed, "speed", lambda: layer.player.set_speed(speed.value))
+        loop = gui.add_checkbox("loop", layer.player.loop)
+        self._on(loop, "loop", lambda: setattr(layer.player, "loop", bool(loop.value)))
+        hint = "The arm itself goes where the ghost at the time is"
+        along = gui.add_checkbox("the arm goes along", layer.along, hint=hint)
+        self._on(along, "along", lambda: setattr(layer, "along", bool(along.value)))
+
+    def _add_looks(self, curves: Sequence[str]) -> None:
+        gui, layer = self._gui, self._layer
+        drawn = gui.add_dropdown("Curves", tuple(curves), initial_value=layer.curves)
+        self._on(drawn, "curves", lambda: layer.choose_curves(drawn.value))
+        sweep = gui.add_checkbox("sweep of ghosts", layer.sweep)
+        self._on(sweep, "sweep", lambda: self._sweep(bool(sweep.value)))
+        forget = gui.add_button("Forget the plan")
+        self._on_click(forget, layer.forget)
+
+    def _sweep(self, shown: bool) -> None:
+        self._layer.sweep = shown
+        self._layer.choose_seen()
+
+    def _trace(self, link: str, box: Any) -> None:
+        self._layer.traced[link] = bool(box.value)
+        self._layer.choose_seen()
+
+    def load(self) -> None:
+        """Show another plan."""
+        duration = self._layer.player.duration
+        there = duration > 0.0
+        self._time.disabled = self._play.disabled = not there
+        self._time.max = max(duration, STEP)
+        self.update()
+
+    def update(self, *, keep_time: bool = False) -> None:
+        """Show where the player is; the slider of the time is left where it is if it asked."""
+        layer = self._layer
+        if not keep_time and self._time.value != layer.player.time:
+            self._time.value = layer.player.time
+        label = "Pause" if layer.player.playing else "Play"
+        if self._play.label != label:
+            self._play.label = label
+        style = _WARNS if layer.warns else ""
+        self._status.content = _STATUS.format(style=style, text=html.escape(layer.status))
+
+    def remove(self) -> None:
+        """Take the controls from the browser."""
+        self._folder.remove()

@@ -1,0 +1,123 @@
+"""A plan in the scene: a sweep of ghosts, the ghost at one time, and traces of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics import link_poses
+from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts, Rgb
+from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.page.ghost_nodes import GhostBatch
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.spatial import quaternion_from_matrix
+
+__all__ = ["MotionScene", "SweptPlan", "swept"]
+
+Array = NDArray[np.float64]
+
+# Ghosts of a sweep, from the colour of the start to that of the goal, and the one at the time.
+SWEEP = 12
+START_COLOUR, GOAL_COLOUR, NOW_COLOUR = (40, 140, 90), (190, 60, 150), (245, 130, 30)
+SWEEP_OPACITY, NOW_OPACITY = 0.16, 0.9
+# Points of a trace; its width and the axes along it, in reaches of the robot.
+TRACE = 200
+TRACE_WIDTH, AXES_LENGTH, AXES_RADIUS = 0.006, 0.05, 0.0025
+
+
+class SweptPlan(NamedTuple):
+    """What of a plan is seen at once.
+
+    Parameters
+    ----------
+    motion : Motion
+    sweep : ndarray, shape (k, n)
+        Postures at even times (rad or m).
+    traces : dict of str to ndarray, shape (m, 4, 4)
+        Poses of each link in the base at even times (m).
+    """
+
+    motion: Motion
+    sweep: Array
+    traces: dict[str, Array]
+
+
+def swept(motion: Motion) -> SweptPlan:
+    """Prepare what of a plan is seen at once."""
+    chain, first, last = motion.chain, motion.times[0], motion.times[-1]
+    links = chain.links
+    poses = link_poses(chain, motion.at(np.linspace(first, last, TRACE)), links)
+    sweep = motion.at(np.linspace(first, last, SWEEP))
+    return SweptPlan(motion, sweep, {link: poses[:, k] for k, link in enumerate(links)})
+
+
+class MotionScene:
+    """The nodes of a plan, which all browsers see.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._scene, self._root = place.server.scene, f"{place.base}/plan"
+        self._reach = place.seen.reach
+        chain = place.chain
+        drawn = place.seen.tree.chain(chain.base, chain.tip)
+        pieces = Ghosts(drawn, place.seen.shapes)
+        self._scene.add_frame(self._root, show_axes=False)
+        self._sweep = GhostBatch(self._scene, f"{self._root}/sweep", pieces, SWEEP_OPACITY)
+        self._now = GhostBatch(self._scene, f"{self._root}/now", pieces, NOW_OPACITY)
+        self._lines: list[Any] = []
+
+    def show(self, plan: SweptPlan | None, sweep: bool, traced: Iterable[str]) -> None:
+        """Show a plan, or none: its sweep if wanted, and the traces of these links."""
+        self._sweep.node.visible = plan is not None and sweep
+        self._now.node.visible = plan is not None
+        for line in self._lines:
+            line.remove()
+        self._lines = []
+        if plan is None:
+            return
+        parts = np.linspace(0.0, 1.0, len(plan.sweep))
+        self._sweep.place(list(plan.sweep), [_between(part) for part in parts])
+        for number, link in enumerate(traced):
+            self._trace(number, plan.traces[link])
+
+    def go_to(self, q: Array) -> None:
+        """Put the ghost at the time into its posture (n,), rad or m."""
+        self._now.place([q], [NOW_COLOUR])
+
+    def _trace(self, number: int, poses: Array) -> None:
+        points = poses[:, :3, 3]
+        length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        if length > 1e-6:
+            segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
+            self._lines.append(
+                self._scene.add_line_segments(
+                    f"{self._root}/trace_{number}",
+                    segments,
+                    PALETTE[number % len(PALETTE)],
+                    thickness=TRACE_WIDTH * self._reach,
+                )
+            )
+        at = poses[np.linspace(0, len(poses) - 1, SWEEP).astype(np.int64)]
+        self._lines.append(
+            self._scene.add_batched_axes(
+                f"{self._root}/axes_{number}",
+                np.roll(quaternion_from_matrix(at[:, :3, :3]), 1, axis=-1),
+                at[:, :3, 3],
+                axes_length=AXES_LENGTH * self._reach,
+                axes_radius=AXES_RADIUS * self._reach,
+            )
+        )
+
+
+def _between(part: float) -> Rgb:
+    red, green, blue = (
+        round((1.0 - part) * a + part * b) for a, b in zip(START_COLOUR, GOAL_COLOUR, strict=True)
+    )
+    return red, green, blue

@@ -1,0 +1,233 @@
+"""Plans: made between two remembered postures or given, swept, traced, drawn and played."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.rvs.layers.motion_controls import MotionControls
+from robomech_ros.rvs.layers.motion_scene import MotionScene, SweptPlan, swept
+from robomech_ros.rvs.model.motion_curves import QUANTITIES, MotionCurves, motion_curves
+from robomech_ros.rvs.model.planning import JOINTS, WAYS, MadePlan, plan_between
+from robomech_ros.rvs.model.player import Player
+from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.trajectory import PROFILES
+
+__all__ = ["MotionLayer"]
+
+# A motion that plays moves on so often (s).
+BEAT = 0.04
+# Instead of the name of a quantity.
+NO_CURVES = "none"
+CURVES = (*QUANTITIES, ALL, NO_CURVES)
+
+
+class MotionLayer:
+    """The plan of a page.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._place, self._chain = place, place.chain
+        self._scene = MotionScene(place)
+        gui = place.server.gui
+        # Below the folder of the controls, for all browsers.
+        self._picture = gui.add_html("", order=40.5)
+        self._cursor = gui.add_html("", order=40.6)
+        self.player = Player()
+        self.way, self.profile = JOINTS, "poly345"
+        self.curves, self.sweep, self.along = QUANTITIES[0], True, False
+        self.traced = {link: link == self._chain.tip for link in self._chain.links}
+        self.status, self.warns = "No plan yet: press Start here, move the arm, Goal here.", False
+        self._ends: dict[str, Any] = {}
+        self._asked: Motion | None = None
+        self._plan: SweptPlan | None = None
+        self._drawn: MotionCurves | None = None
+        self._controls: MotionControls | None = None
+        self._computing = Worker()
+        self._beating = threading.Event()
+        self._closing = threading.Event()
+        self._beater: threading.Thread | None = None
+        self._last = 0.0
+
+    # What the page calls.
+
+    def show(self) -> None:
+        """Follow the plan of the page."""
+        motion = self._place.plan.motion
+        if motion is not self._asked:
+            self._asked = motion
+            if motion is None:
+                self._display(None, None)
+            else:
+                self._computing.submit("prepare", lambda: self._prepare(motion))
+
+    def controls(self, client: Any) -> Controls:
+        """Give the browser that commands the folder Motion."""
+        self._controls = MotionControls(client, self, self._chain, CURVES)
+        self._controls.update()
+        return self._controls
+
+    def close(self) -> None:
+        """Stop what plays and computes."""
+        self._closing.set()
+        self._beating.set()
+        if self._beater is not None and self._beater is not threading.current_thread():
+            self._beater.join()
+        self._computing.close()
+
+    def ask(self, kind: object, request: Callable[[], None]) -> None:
+        """Have a request done on the thread of the page."""
+        self._place.ask(("motion", kind), request)
+
+    # What the controls ask for, each on the thread of the page.
+
+    def choose_plan(self, way: str, profile: str) -> None:
+        """Plan in another way."""
+        self.way = as_choice("way", way, WAYS)
+        self.profile = as_choice("profile", profile, tuple(PROFILES))
+        self.make_plan()
+
+    def remember(self, which: str) -> None:
+        """Take the present posture as start or goal, and plan if both are there."""
+        self._ends[which] = self._place.arm.q.copy()
+        self.make_plan()
+
+    def make_plan(self) -> None:
+        """Plan from start to goal, as far as they are there."""
+        missing = [which for which in ("start", "goal") if which not in self._ends]
+        if missing:
+            self._say(f"The {' and the '.join(missing)} of a plan: not chosen yet.", False)
+            return
+        start, goal, way, profile = self._ends["start"], self._ends["goal"], self.way, self.profile
+
+        def compute() -> None:
+            try:
+                made = plan_between(self._chain, start, goal, way, profile)
+            except RobomechError as error:
+                made = MadePlan(None, str(error), False)
+            self._place.ask("plan", lambda: self._take(made))
+
+        self._computing.submit("plan", compute)
+
+    def forget(self) -> None:
+        """Forget the plan, its start and its goal."""
+        self._ends = {}
+        self._place.plan.forget()
+        self._say("No plan.", False)
+
+    def seek(self, seconds: float) -> None:
+        """Go to a time of the plan (s)."""
+        self.player.seek(seconds)
+        self._move(from_slider=True)
+
+    def play_or_pause(self) -> None:
+        """Play, or stay where it is."""
+        if self._plan is None:
+            raise BadValueError("plan", "none", "a plan to play")
+        if self.player.playing:
+            self.player.pause()
+        else:
+            self.player.play()
+            self._begin_to_beat()
+        self._move()
+
+    def choose_curves(self, name: str) -> None:
+        """Draw this quantity, all, or none."""
+        self.curves = as_choice("curves", name, CURVES)
+        self._draw()
+
+    def choose_seen(self) -> None:
+        """Show the sweep and the traces that are chosen."""
+        self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
+
+    # What happens inside.
+
+    def _prepare(self, motion: Motion) -> None:
+        plan, curves = swept(motion), motion_curves(motion)
+
+        def take() -> None:
+            # Another one may have come meanwhile, or another robot.
+            if motion is self._asked and not self._closing.is_set():
+                self._display(plan, curves)
+
+        self._place.ask("prepared", take)
+
+    def _take(self, made: MadePlan) -> None:
+        self._say(made.sentence, not made.complete)
+        if made.motion is None:
+            self._place.plan.forget()
+        else:
+            self._place.plan.show(made.motion, "plan")
+
+    def _display(self, plan: SweptPlan | None, curves: MotionCurves | None) -> None:
+        self._plan, self._drawn = plan, curves
+        self.player.load(0.0 if plan is None else plan.motion.duration)
+        self.choose_seen()
+        self._draw()
+        name = self._place.plan.name
+        if plan is not None and name != "plan":
+            self._say(f"{name}: {plan.motion.duration:.2f} s", False)
+        if self._controls is not None:
+            self._controls.load()
+        self._move()
+
+    def _draw(self) -> None:
+        text = ""
+        if self._drawn is not None and self.curves != NO_CURVES:
+            text = curves_picture(self._chain, self._drawn, self.curves)
+        self._picture.content = text
+
+    def _say(self, sentence: str, warns: bool) -> None:
+        self.status, self.warns = sentence, warns
+        if self._controls is not None:
+            self._controls.update()
+
+    def _move(self, *, from_slider: bool = False) -> None:
+        """Show the time where the player is."""
+        if self._plan is None:
+            return
+        motion, player = self._plan.motion, self.player
+        q = motion.at(motion.times[0] + player.time)
+        with self._place.server.atomic():
+            self._scene.go_to(q)
+            self._cursor.content = cursor_rule(player.time / max(player.duration, 1e-9))
+            if self._controls is not None:
+                self._controls.update(keep_time=from_slider)
+        if self.along:
+            self._place.ask("along", lambda: self._place.arm.move_to(q))
+
+    def _begin_to_beat(self) -> None:
+        self._last = time.monotonic()
+        self._beating.set()
+        if self._beater is None:
+            self._beater = threading.Thread(target=self._beat, name="player", daemon=True)
+            self._beater.start()
+
+    def _beat(self) -> None:
+        while not self._closing.is_set():
+            self._beating.wait()
+            self._place.run("beat", self._step)
+            self._closing.wait(BEAT)
+
+    def _step(self) -> None:
+        now = time.monotonic()
+        if self._closing.is_set():
+            return
+        if self.player.playing:
+            self.player.advance(now - self._last)
+            self._move()
+        if not self.player.playing:
+            self._beating.clear()
+        self._last = now

@@ -1,0 +1,91 @@
+"""Where in a motion one is, and how it goes on."""
+
+from __future__ import annotations
+
+import math
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import real_number
+
+__all__ = ["FASTEST", "SLOWEST", "Player"]
+
+# Times the speed of the motion.
+SLOWEST, FASTEST = 0.1, 10.0
+
+
+class Player:
+    """A place in a motion that goes on while it plays.
+
+    Attributes
+    ----------
+    duration : float
+        Of the motion (s).
+    time : float
+        Since its beginning (s).
+    speed : float
+        Times that of the motion.
+    loop : bool
+        Whether it begins again at its end.
+    playing : bool
+    """
+
+    def __init__(self) -> None:
+        self.duration = self.time = 0.0
+        self.speed = 1.0
+        self.loop = self.playing = False
+
+    def load(self, duration: float) -> None:
+        """Begin a motion (s), at rest."""
+        self.duration, self.time, self.playing = duration, 0.0, False
+
+    def seek(self, time: float) -> None:
+        """Go to a time (s), at most to an end.
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number.
+        """
+        self.time = min(max(_finite("time", time, "s"), 0.0), self.duration)
+
+    def set_speed(self, speed: float) -> None:
+        """Play so many times as fast.
+
+        Raises
+        ------
+        BadValueError
+            It is no number from 0.1 to 10.
+        """
+        value = _finite("speed", speed, "times that of the motion")
+        if not SLOWEST <= value <= FASTEST:
+            raise BadValueError("speed", speed, f"{SLOWEST:g} to {FASTEST:g}")
+        self.speed = value
+
+    def play(self) -> None:
+        """Play on, from the beginning where the end is reached."""
+        self.playing = self.duration > 0.0
+        if self.time >= self.duration:
+            self.time = 0.0
+
+    def pause(self) -> None:
+        """Stay where it is."""
+        self.playing = False
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass (s)."""
+        if not self.playing:
+            return
+        time = self.time + self.speed * max(seconds, 0.0)
+        if self.loop:
+            self.time = math.fmod(time, self.duration)
+        else:
+            self.time = min(time, self.duration)
+            self.playing = time < self.duration
+
+
+def _finite(what: str, value: object, unit: str) -> float:
+    expected = f"a finite number, {unit}"
+    number = real_number(what, value, expected)
+    if not math.isfinite(number):
+        raise BadValueError(what, value, expected)
+    return number
