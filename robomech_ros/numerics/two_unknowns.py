@@ -23,11 +23,12 @@ from robomech_ros.numerics.grid_crossings import (
 )
 from robomech_ros.numerics.nonlinear import Iteration, newton_gauss
 
-__all__ = ["Bivariate", "bivariate", "refine_root"]
+__all__ = ["ANGLES", "Bivariate", "bivariate", "refine_root"]
 
 Array = NDArray[np.float64]
 
-_ANGLES = ((-np.pi, np.pi), (-np.pi, np.pi))
+# A turn of both unknowns.
+ANGLES = ((-np.pi, np.pi), (-np.pi, np.pi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class Bivariate:
 
 def bivariate(
     equations: Equations,
-    bounds: ArrayLike = _ANGLES,
+    bounds: ArrayLike = ANGLES,
     *,
     pair: tuple[int, int] = (0, 1),
     period: float | None = None,
@@ -99,6 +100,7 @@ def bivariate(
     See Also
     --------
     refine_root : one root from a rough estimate.
+    CurvePair : one root after the other, where somebody points at.
     robomech_ros.kinematics.oracles.solve_bivariate : the postures of an arm.
 
     References

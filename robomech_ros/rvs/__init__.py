@@ -1,6 +1,15 @@
 """The robot seen and moved in a browser; needs viser, which the extra ``view`` installs."""
 
+from robomech_ros.rvs.equations import view_equations
 from robomech_ros.rvs.motion import Choice, Motion, NamedPosture
 from robomech_ros.rvs.opening import ViewUnavailableError, view, write_motion
 
-__all__ = ["Choice", "Motion", "NamedPosture", "ViewUnavailableError", "view", "write_motion"]
+__all__ = [
+    "Choice",
+    "Motion",
+    "NamedPosture",
+    "ViewUnavailableError",
+    "view",
+    "view_equations",
+    "write_motion",
+]

@@ -14,7 +14,15 @@ from robomech_ros.rvs.motion import Motion
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
 
-__all__ = ["HOST", "PORT", "ViewUnavailableError", "page_of", "view", "write_motion"]
+__all__ = [
+    "HOST",
+    "PORT",
+    "ViewUnavailableError",
+    "page_of",
+    "require_viser",
+    "view",
+    "write_motion",
+]
 
 # Only this machine; the port is viser's.
 HOST, PORT = "127.0.0.1", 8080
@@ -86,7 +94,7 @@ def page_of(
     description: RobotDescription, chain: SerialChain, *, port: int, host: str
 ) -> RobotPage:
     """Serve the page of an arm of a robot; parameters and errors are those of :func:`view`."""
-    _require_viser()
+    require_viser()
     from robomech_ros.rvs.layers import LAYERS
     from robomech_ros.rvs.page.page import RobotPage
 
@@ -123,12 +131,13 @@ def write_motion(
     OSError
         The file cannot be written.
     """
-    _require_viser()
+    require_viser()
     from robomech_ros.rvs.page.recording import record_motion
 
     return record_motion(Path(path), description, motion, title or description.name)
 
 
-def _require_viser() -> None:
+def require_viser() -> None:
+    """Refuse to open a view where viser is not installed, by ViewUnavailableError."""
     if find_spec("viser") is None:
         raise ViewUnavailableError

@@ -77,7 +77,7 @@ class Tab:
         deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
             assert self._process.poll() is None, "Chromium has ended"
-            with contextlib.suppress(OSError, ValueError):
+            with contextlib.suppress(OSError, ValueError, IndexError):
                 port = int(said.read_text(encoding="utf-8").split()[0])
                 return self._page(port)
             time.sleep(0.05)

@@ -152,14 +152,14 @@ def _refined(equations: ClosureEquations, start: Array) -> Array | None:
     return end.x if np.abs(end.residual).max() < _ACCEPTED else None
 
 
-def measured(equations: ClosureEquations, q: Array) -> Intersection:
-    """Measure how well a posture (6,) is conditioned."""
+def measured(equations: ClosureEquations, q: Array, pair: ArrayLike = PAIR) -> Intersection:
+    """Measure how well a posture (6,) is conditioned, and how the contours of two minors cross."""
     q4, q5 = float(q[3]), float(q[4])
     G = np.einsum("eijk,j,k->ei", equations.free, circle(q4), circle(q5))
     step = 1e-6
     around = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)]
     four, five = (np.array([q4, q5])[:, None] + np.array(around).T).tolist()
-    values = minors(equations, four, five, PAIR)
+    values = minors(equations, four, five, pair)
     (a, b), (c, d) = values[:, [0, 2]] - values[:, [1, 3]]
     crossing = float(np.arctan2(abs(a * d - b * c), abs(a * c + b * d)))
     return Intersection(q, float(np.linalg.cond(G[:, :2])), crossing)

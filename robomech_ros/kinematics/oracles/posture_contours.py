@@ -10,6 +10,7 @@ Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.4.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -20,22 +21,18 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.oracles.bivariate import PAIR, Intersection, measured, minors
 from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
-from robomech_ros.numerics import bivariate, refine_root
-from robomech_ros.numerics.grid_crossings import zero_curves
+from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["Crossing", "PostureContours"]
+__all__ = ["MINORS", "Crossing", "PostureContours"]
 
 Array = NDArray[np.float64]
 
-# All three rows of six, those of the drawn pair first.
-_ROWS = (*PAIR, *(rows for rows in combinations(range(6), 3) if rows not in PAIR))
-# Points in each direction on which curves are followed, and on which minors are sized.
-_DRAWN, _COARSE = 241, 25
-# What a crossing leaves of the drawn minors, as part of their size, and a posture of the other
-# equations, where contours touch: there a crossing is known to the root of the rounding, and its
-# posture is this near (rad).
-_CROSSED, _LEFT, _NEAR = 1e-9, 1e-4, 1e-3
+# All three rows of six.
+MINORS = tuple(combinations(range(6), 3))
+# What a posture leaves of the other equations where contours touch: there a crossing is known to
+# the root of the rounding, and its posture is this near (rad).
+_LEFT, _NEAR = 1e-4, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +42,14 @@ class Crossing:
     Parameters
     ----------
     angles : ndarray, shape (2,)
-        Joints 4 and 5 (rad).
+        Joints 4 and 5 (rad), from -pi to pi.
     path : ndarray, shape (k, 2)
         The steps from the estimate to it.
     left_over : float
         The greatest of the other minors, as part of its size, or what is left of
         ``cos^2 + sin^2 = 1`` for joint 3; 0 at a posture.
+    across : float
+        Angle (rad) at which the contours cross; near 0 the posture is nearly singular.
     posture : Intersection or None
         The posture with its conditioning; None where the crossing is spurious.
     """
@@ -58,6 +57,7 @@ class Crossing:
     angles: Array
     path: Array
     left_over: float
+    across: float
     posture: Intersection | None
 
 
@@ -69,27 +69,33 @@ class PostureContours:
     chain : SerialChain
     T : array_like, shape (4, 4)
         Target pose of the tip in the base (m).
+    pair : sequence of two of ``MINORS``, optional
+        The two minors, each by its three rows of six, from 0.
 
     Raises
     ------
     BadValueError
-        No arm of six revolute joints, or no pose.
+        No arm of six revolute joints, no pose, or no two different minors.
     WrongSizeError, NonFiniteError
         No pose.
     """
 
-    def __init__(self, chain: SerialChain, T: ArrayLike) -> None:
+    def __init__(
+        self, chain: SerialChain, T: ArrayLike, *, pair: Sequence[Sequence[int]] = PAIR
+    ) -> None:
+        drawn = _pair(pair)
         self._equations = ClosureEquations.of(chain, as_targets(T)[0])
-        angles = np.linspace(-np.pi, np.pi, _COARSE)
-        values = self._minors(angles[:, None], angles[None, :])
-        self._sizes = np.sqrt(np.mean(values**2, axis=(1, 2)))
-        self._sizes[self._sizes == 0.0] = 1.0
+        self._drawn = drawn
+        others = [rows for rows in MINORS if rows not in drawn]
+        self._curves = CurvePair(
+            lambda q4, q5: minors(self._equations, q4, q5, drawn),
+            others=lambda q4, q5: minors(self._equations, q4, q5, others),
+            period=2.0 * np.pi,
+        )
 
     def curves(self) -> tuple[tuple[Array, ...], ...]:
         """Give the two contours over a turn of joints 4 and 5, in pieces (k, 2) (rad)."""
-        angles = np.linspace(-np.pi, np.pi, _DRAWN)
-        values = minors(self._equations, angles[:, None], angles[None, :], PAIR)
-        return tuple(zero_curves(angles, angles, each) for each in values)
+        return self._curves.curves()
 
     def refine(self, estimate: ArrayLike) -> Crossing:
         """Refine an estimate of a crossing by Newton-Gauss.
@@ -106,34 +112,33 @@ class PostureContours:
         WrongSizeError, NonFiniteError
             No two finite numbers.
         """
-        end = refine_root(self._drawn, estimate)
-        if np.abs(end.residual).max() > _CROSSED:
-            raise BadValueError("estimate", estimate, "a place near a crossing of the contours")
-        return self._crossing(end.x, end.path)
+        return self._judged(self._curves.refine(estimate))
 
     def all(self) -> list[Crossing]:
         """Find all crossings, postures and spurious ones; takes some tenths of a second."""
-        found = bivariate(self._drawn, period=2.0 * np.pi)
-        return [self._crossing(each, each[None]) for each in found.crossings]
+        return [self._judged(each) for each in self._curves.all()]
 
-    def _minors(self, q4: Array, q5: Array) -> Array:
-        return minors(self._equations, q4, q5, _ROWS)
-
-    def _drawn(self, q4: Array, q5: Array) -> Array:
-        values = minors(self._equations, q4, q5, PAIR)
-        sizes: Array = self._sizes[:2].reshape(2, *[1] * (values.ndim - 1))
-        return values / sizes
-
-    def _crossing(self, angles: Array, path: Array) -> Crossing:
-        turned = (angles + np.pi) % (2.0 * np.pi) - np.pi
-        left = np.abs(self._minors(angles[:1], angles[1:])[:, 0] / self._sizes)[len(PAIR) :]
+    def _judged(self, crossing: CurveCrossing) -> Crossing:
+        angles = crossing.point
         G = np.einsum("eijk,j,k->ei", self._equations.free, *circle(angles).T)
         c, s = np.linalg.lstsq(G[:, :2], -G[:, 2], rcond=None)[0]
         off_circle = abs(c**2 + s**2 - 1.0) / (c**2 + s**2 + 1.0)
-        left_over = float(max(left.max(), off_circle))
+        left_over = float(max(crossing.left_over, off_circle))
+        known = (angles, crossing.path, left_over, crossing.angle)
         if left_over > _LEFT:
-            return Crossing(turned, path, left_over, None)
+            return Crossing(*known, None)
         q = posture_of(self._equations, float(np.arctan2(s, c)), *angles.tolist())
         if q is None or np.abs((q[3:5] - angles + np.pi) % (2.0 * np.pi) - np.pi).max() > _NEAR:
-            return Crossing(turned, path, left_over, None)
-        return Crossing(turned, path, left_over, measured(self._equations, q))
+            return Crossing(*known, None)
+        return Crossing(*known, measured(self._equations, q, self._drawn))
+
+
+def _pair(pair: Sequence[Sequence[int]]) -> tuple[tuple[int, ...], ...]:
+    expected = "two different rows of three out of 0 to 5, each increasing"
+    try:
+        rows = tuple(tuple(each) for each in pair)
+    except TypeError:
+        raise BadValueError("pair", pair, expected) from None
+    if len(rows) != 2 or rows[0] == rows[1] or not all(each in MINORS for each in rows):
+        raise BadValueError("pair", pair, expected)
+    return rows

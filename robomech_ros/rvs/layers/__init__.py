@@ -1,9 +1,10 @@
 """Layers of a page: each shows one subject, and brings its own folder of controls."""
 
+from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
 __all__ = ["LAYERS"]
 
 # In the order of their folders on the page.
-LAYERS: tuple[LayerMaker, ...] = (MotionLayer,)
+LAYERS: tuple[LayerMaker, ...] = (ContoursLayer, MotionLayer)

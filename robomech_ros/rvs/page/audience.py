@@ -67,7 +67,9 @@ class Audience:
         self._watching.pop(number, None)
         if number != self.commander:
             return False
-        self.commander, self._controls = None, None
+        # What computes for it ends, too.
+        self.withdraw()
+        self.commander = None
         for text, _ in self._watching.values():
             text.content = _WATCHING.format(text=_NOBODY)
         return True

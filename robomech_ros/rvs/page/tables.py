@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.model.postures import Posture
+from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = ["TAKE", "notice", "posture_table", "short_name", "summary"]
+__all__ = ["TAKE", "notice", "posture_table", "short_name", "small_text", "summary"]
 
 Array = NDArray[np.float64]
 
@@ -23,16 +24,9 @@ TAKE = "Take posture"
 
 _STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 _WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"
-# The page is a React page: a field takes a value only by its native setter, and an event. The same
-# number with a blank is another value.
 _CLICK = (
-    "var r=event.target.closest('tr[data-posture]'),"
-    "l=[].slice.call(document.querySelectorAll('label')).find(function(l){"
-    f"return l.textContent==='{TAKE}'}}),"
-    "i=l&&l.closest('.mantine-Flex-root').querySelector('input');"
-    "if(r&&i){var n=r.dataset.posture;"
-    "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set"
-    ".call(i,i.value===n?n+' ':n);i.dispatchEvent(new Event('input',{bubbles:true}))}"
+    "var r=event.target.closest('tr[data-posture]'),text=r?r.dataset.posture:'';"
+    f"{script_that_fills(TAKE)}"
 )
 _CELL = "padding:0.12em 0.4em;text-align:right"
 # From here on a condition number says no more than that the arm is singular.
@@ -62,6 +56,12 @@ def notice(texts: Sequence[str]) -> str:
     """Write what went wrong, as HTML; empty for nothing."""
     lines = "".join(f'<div style="{_WARN}">{html.escape(text)}</div>' for text in texts)
     return f'<div style="{_STYLE}" data-notice>{lines}</div>' if lines else ""
+
+
+def small_text(sentences: Sequence[str], *, escaped: bool = False) -> str:
+    """Write sentences, one a line, as HTML; ``escaped`` says that they are HTML already."""
+    lines = (one if escaped else html.escape(one) for one in sentences)
+    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
 
 
 def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Sequence[str]) -> str:

@@ -1,0 +1,150 @@
+"""Contours of two equations over joints 4 and 5, whose crossings are the postures of the arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.curve_drawing import ROOT
+from robomech_ros.rvs.model.curve_problems import (
+    JOINTS,
+    CurveProblem,
+    Finding,
+    PostureProblem,
+    minor_names,
+    what_is_missing,
+)
+from robomech_ros.rvs.model.ghosts import PALETTE
+from robomech_ros.rvs.page.audience import AllControls, Controls
+from robomech_ros.rvs.page.curve_view import CurveView
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.tables import small_text
+from robomech_ros.rvs.serving.worker import Worker
+
+__all__ = ["ContoursLayer"]
+
+Array = NDArray[np.float64]
+
+ORDER = 30
+# The same pose (m, and entries of the rotation), and the same posture (rad).
+SAME_POSE, SAME_POSTURE = 1e-7, 1e-4
+
+
+class ContoursLayer:
+    """The folder with the contours of the pose that the tip is to take.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    root, roots = "a posture", "postures"
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        self._worker = Worker()
+        self._view: CurveView | None = None
+        self._on = False
+        self._target: Array | None = None
+        self._study = place.arm.study
+        self._q = place.arm.q
+
+    # What a page calls.
+
+    def show(self) -> None:
+        """Draw the contours of another pose; nothing where they are off."""
+        if self._view is None or self._view.removed or not self._on:
+            return
+        arm = self._place.arm
+        moved = not np.array_equal(arm.q, self._q)
+        self._study, self._q = arm.study, arm.q
+        if self._target is None or np.abs(arm.target - self._target).max() > SAME_POSE:
+            self._target = arm.target
+            self._view.draw(_here(arm.q))
+        elif moved:
+            self._view.mark_here(_here(arm.q))
+
+    def controls(self, client: Any) -> Controls:
+        """Give the folder: a switch, or a sentence for arms that have no contours."""
+        gui = client.gui
+        self._view, self._on, self._target = None, False, None
+        folder = gui.add_folder("Contours", order=ORDER, expand_by_default=False)
+        with folder:
+            missing = what_is_missing(self._place.chain)
+            if missing:
+                gui.add_html(small_text([missing]))
+                return AllControls([folder])
+            hint = "Postures are where both curves cross and the other equations vanish, too"
+            switch = gui.add_checkbox("contours", False, hint=hint)
+            names = minor_names()
+            self._view = CurveView(gui, self, names, (0, len(names) - 1))
+        self._view.show(False)
+
+        @switch.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                self._place.ask("contours", lambda: self._switch(switch.value))
+
+        return AllControls([self._view, folder])
+
+    def close(self) -> None:
+        """End its thread."""
+        self._worker.close()
+
+    def _switch(self, on: bool) -> None:
+        """Switch on or off; what is shown follows by ``show``, after each request."""
+        self._on, self._target = on, None
+        if self._view is not None:
+            self._view.show(on)
+
+    # What the view of the curves calls.
+
+    def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
+        """Do something on the thread of this layer."""
+        self._worker.submit(kind, request)
+
+    def present(self, kind: Hashable, request: Callable[[], None]) -> None:
+        """Do something on the thread of the page."""
+        self._place.ask(("contours", kind), request)
+
+    def problem(self, pair: tuple[int, int]) -> CurveProblem:
+        """Give the contours of the pose."""
+        T = self._target
+        assert T is not None, "drawn before a pose is known"
+        return PostureProblem(self._place.chain, T, pair)
+
+    def disc(self, found: Finding) -> tuple[str, str]:
+        """Give the number and the colour of a posture in the table, none outside the limits."""
+        number = self._number(found)
+        if number is None:
+            return "", ROOT
+        return str(number + 1), f"rgb{PALETTE[number % len(PALETTE)]}"
+
+    def take(self, found: Finding) -> None:
+        """Have the arm take a posture, each joint in the turn that is inside its limits."""
+        if found.q is None:
+            return
+        number = self._number(found)
+        near = self._q if number is None else self._study.postures[number].q
+        turn = 2.0 * math.pi
+        self._place.arm.move_to(found.q + turn * np.round((near - found.q) / turn))
+
+    def _number(self, found: Finding) -> int | None:
+        for number, posture in enumerate(self._study.postures):
+            if found.q is not None and _apart(posture.q, found.q) < SAME_POSTURE:
+                return number
+        return None
+
+
+def _here(q: Array) -> Array:
+    """Give joints 4 and 5 within the turn that is drawn."""
+    here: Array = (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
+    return here
+
+
+def _apart(q: Array, p: Array) -> float:
+    return float(np.abs((q - p + np.pi) % (2.0 * np.pi) - np.pi).max())

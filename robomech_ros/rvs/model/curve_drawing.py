@@ -1,0 +1,222 @@
+"""Crossing curves as SVG: axes with ticks, curves, marks, and the steps of an iteration."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.curve_problems import Axis
+
+__all__ = ["COLOURS", "Mark", "draw_curves", "place_script"]
+
+Array = NDArray[np.float64]
+
+# Of the first and the second curve, and of the steps; told apart on light and dark ground.
+COLOURS = ("#2f7fd1", "#e07b1a")
+STEPS, ROOT = "#d6336c", "rgb(47,158,68)"
+# The picture, and the rectangle in it that shows the plane: its left and lower edges and its sides.
+WIDTH, HEIGHT = 360.0, 352.0
+LEFT, BOTTOM, SIDE, TOP = 46.0, 312.0, 306.0, 304.0
+# Points of a curve that are nearer to each other than this are drawn as one.
+FINE = 0.6
+TICK = 4.0
+MOST_TICKS = 6
+
+
+class Mark(NamedTuple):
+    """What is drawn at a point: a crossing, or where something is now.
+
+    Parameters
+    ----------
+    kind : str
+        ``root``, ``spurious`` or ``here``.
+    point : ndarray, shape (2,)
+    text : str
+        In a root's disc.
+    colour : str
+        Of a root's disc.
+    """
+
+    kind: str
+    point: Array
+    text: str = ""
+    colour: str = ROOT
+
+
+def draw_curves(
+    axes: tuple[Axis, Axis],
+    curves: Sequence[Sequence[Array]],
+    marks: Sequence[Mark] = (),
+    path: Array | None = None,
+    on_press: str = "",
+) -> str:
+    """Draw two curves as SVG that is as wide as there is room.
+
+    Parameters
+    ----------
+    axes : tuple of two Axis
+    curves : sequence of two sequences of ndarray, shape (k, 2)
+        Pieces of each curve.
+    marks : sequence of Mark
+    path : ndarray, shape (k, 2), optional
+        Steps of an iteration, the estimate first.
+    on_press : str, optional
+        JavaScript that runs when the drawing is pressed: it may be drawn anew before a click ends.
+
+    Returns
+    -------
+    str
+    """
+    lines = "".join(
+        f'<path data-curve="{number}" d="{_line(axes, pieces)}" fill="none" '
+        f'stroke="{colour}" stroke-width="1.4" stroke-linejoin="round"/>'
+        for number, (pieces, colour) in enumerate(zip(curves, COLOURS, strict=True), start=1)
+    )
+    inside = f'<g clip-path="url(#plane)">{lines}{_steps(axes, path)}</g>'
+    frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{SIDE}" height="{TOP}"'
+    return (
+        f'<svg data-plot viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+        f'onpointerdown="{html.escape(on_press)}" '
+        'style="display:block;width:100%;max-height:80vh;cursor:crosshair;font-size:10.5px" '
+        'fill="currentColor" role="img">'
+        f'<clipPath id="plane"><rect {frame}/></clipPath>'
+        f'<rect data-plane {frame} fill="currentColor" fill-opacity="0.04" stroke="currentColor" '
+        f'stroke-opacity="0.5"/>{_across(axes[0])}{_up(axes[1])}{inside}'
+        f"{''.join(_mark(axes, mark) for mark in marks)}</svg>"
+    )
+
+
+def place_script(axes: tuple[Axis, Axis]) -> str:
+    """Give JavaScript that makes ``text`` of where the drawing is clicked; empty outside."""
+    (_, _, x, right), (_, _, y, top) = axes
+    return (
+        "var p=new DOMPoint(event.clientX,event.clientY)"
+        ".matrixTransform(this.getScreenCTM().inverse()),"
+        f"u=(p.x-{LEFT})/{SIDE},v=({BOTTOM}-p.y)/{TOP},"
+        "text=u<0||u>1||v<0||v>1?'':"
+        f"({x!r}+u*({right - x!r})).toPrecision(9)+', '+({y!r}+v*({top - y!r})).toPrecision(9);"
+    )
+
+
+def _placed(axes: tuple[Axis, Axis], points: Array) -> Array:
+    """Give points (k, 2) of the plane in the picture."""
+    low = np.array([axis.low for axis in axes])
+    width = np.array([axis.high - axis.low for axis in axes])
+    parts = (np.asarray(points, float) - low) / width
+    return np.stack([LEFT + SIDE * parts[..., 0], BOTTOM - TOP * parts[..., 1]], axis=-1)
+
+
+def _line(axes: tuple[Axis, Axis], pieces: Sequence[Array]) -> str:
+    text = []
+    for piece in pieces:
+        points = _thinned(_placed(axes, piece))
+        text.append("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()))
+    return "".join(text)
+
+
+def _thinned(points: Array) -> Array:
+    """Leave out points of a line that are close to each other, but not its ends."""
+    if len(points) < 3:
+        return points
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    first = np.diff(np.floor(way / FINE), prepend=-1.0) > 0.0
+    first[-1] = True
+    return points[first]
+
+
+def _steps(axes: tuple[Axis, Axis], path: Array | None) -> str:
+    if path is None or not len(path):
+        return ""
+    points = _placed(axes, path).tolist()
+    line = "L".join(f"{x:.2f} {y:.2f}" for x, y in points)
+    dots = "".join(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="2"/>' for x, y in points[1:])
+    x, y = points[0]
+    cross = f"M{x - 5:.2f} {y:.2f}h10M{x:.2f} {y - 5:.2f}v10"
+    return (
+        f'<g data-steps="{len(points) - 1}" stroke="{STEPS}" fill="{STEPS}">'
+        f'<path d="M{line}" fill="none" stroke-width="1.2"/>'
+        f'<path d="{cross}" stroke-width="1.6"/>{dots}</g>'
+    )
+
+
+def _mark(axes: tuple[Axis, Axis], mark: Mark) -> str:
+    x, y = _placed(axes, mark.point).tolist()
+    at = f'cx="{x:.2f}" cy="{y:.2f}"'
+    what = f'data-mark="{mark.kind}"'
+    if mark.kind == "spurious":
+        return (
+            f'<path {what} d="M{x:.2f} {y - 4.5:.2f}l4.5 4.5l-4.5 4.5l-4.5-4.5z" '
+            'fill="none" stroke="currentColor" stroke-opacity="0.75"/>'
+        )
+    if mark.kind == "here":
+        return f'<circle {what} {at} r="9.5" fill="none" stroke="{STEPS}" stroke-width="1.8"/>'
+    disc = f'<circle {what} {at} r="{6.5 if mark.text else 4.0}" fill="{mark.colour}"/>'
+    if not mark.text:
+        return disc
+    return (
+        f'{disc}<text x="{x:.2f}" y="{y + 3.2:.2f}" text-anchor="middle" fill="#fff" '
+        f'font-size="9" font-weight="600" pointer-events="none">{html.escape(mark.text)}</text>'
+    )
+
+
+def _across(axis: Axis) -> str:
+    text = []
+    for value, label in _ticks(axis):
+        x = LEFT + SIDE * (value - axis.low) / (axis.high - axis.low)
+        text.append(_tick_line(f"M{x:.1f} {BOTTOM}v{TICK}"))
+        text.append(_words(label, f'x="{x:.1f}" y="{BOTTOM + 15:g}"'))
+    place = f'x="{LEFT + 0.5 * SIDE:g}" y="{HEIGHT - 6:g}"'
+    return "".join([*text, _words(_title(axis), place)])
+
+
+def _up(axis: Axis) -> str:
+    text = []
+    for value, label in _ticks(axis):
+        y = BOTTOM - TOP * (value - axis.low) / (axis.high - axis.low)
+        text.append(_tick_line(f"M{LEFT} {y:.1f}h{-TICK}"))
+        text.append(_words(label, f'x="{LEFT - 7:g}" y="{y + 3.5:.1f}"', "end"))
+    place = f'transform="translate(11 {BOTTOM - 0.5 * TOP:g}) rotate(-90)"'
+    return "".join([*text, _words(_title(axis), place)])
+
+
+def _words(text: str, place: str, anchor: str = "middle") -> str:
+    return f'<text {place} text-anchor="{anchor}">{html.escape(text)}</text>'
+
+
+def _tick_line(d: str) -> str:
+    return f'<path d="{d}" stroke="currentColor" stroke-opacity="0.6"/>'
+
+
+def _title(axis: Axis) -> str:
+    return f"{axis.name} ({axis.unit})" if axis.unit else axis.name
+
+
+def _ticks(axis: Axis) -> list[tuple[float, str]]:
+    """Give where an axis has ticks, and what is written there."""
+    width = axis.high - axis.low
+    if axis.unit == "rad" and math.isclose(width, 2.0 * math.pi):
+        # A turn: halves of pi, whatever it begins with.
+        first = math.ceil(axis.low / (0.5 * math.pi) - 1e-9)
+        last = math.floor(axis.high / (0.5 * math.pi) + 1e-9)
+        return [(0.5 * math.pi * k, _of_pi(k)) for k in range(first, last + 1)]
+    least = width / MOST_TICKS
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(power * k for k in (1.0, 2.0, 5.0, 10.0) if power * k >= least)
+    first, last = math.ceil(axis.low / step - 1e-9), math.floor(axis.high / step + 1e-9)
+    return [
+        (step * k, f"{step * k:.6g}".replace("-", "\N{MINUS SIGN}")) for k in range(first, last + 1)
+    ]
+
+
+def _of_pi(halves: int) -> str:
+    if halves == 0:
+        return "0"
+    sign = "\N{MINUS SIGN}" if halves < 0 else ""
+    count, odd = abs(halves), abs(halves) % 2
+    number = count if odd else count // 2
+    return f"{sign}{'' if number == 1 else number}π{'/2' if odd else ''}"

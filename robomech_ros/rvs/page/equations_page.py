@@ -1,0 +1,106 @@
+"""The page of equations in two unknowns: any browser may point at crossings, and all see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import Any
+
+from robomech_ros.numerics.grid_crossings import Equations
+from robomech_ros.rvs.model.curve_drawing import ROOT
+from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, EquationsProblem, Finding
+from robomech_ros.rvs.page.curve_view import CurveView
+from robomech_ros.rvs.page.theme import set_theme
+from robomech_ros.rvs.serving.server import guarded_server
+from robomech_ros.rvs.serving.worker import Worker
+
+__all__ = ["EquationsPage"]
+
+# Width of the panel with the curves (pixels).
+WIDTH = 620
+
+
+class EquationsPage:
+    """A page of equations, served until it is closed.
+
+    Parameters
+    ----------
+    equations : callable
+        As in :func:`~robomech_ros.rvs.view_equations`.
+    axes : tuple of two Axis
+    count : int
+        How many equations there are.
+    period : float or None
+    pair : tuple of int
+        Those that are drawn at first, from 0.
+    port, host : int, str
+        As for :func:`robomech_ros.rvs.view`.
+    """
+
+    root, roots = "a root", "roots"
+
+    def __init__(
+        self,
+        equations: Equations,
+        axes: tuple[Axis, Axis],
+        count: int,
+        period: float | None,
+        *,
+        pair: tuple[int, int],
+        port: int,
+        host: str,
+    ) -> None:
+        self._make = lambda both: EquationsProblem(equations, axes, both, count, period)
+        self._server = guarded_server(host, port, "equations")
+        self._worker = Worker()
+        gui: Any = self._server.viser.gui
+        with self._server.viser.atomic():
+            set_theme(gui, False)
+            gui.main_panel.dock_right()
+            gui.main_panel.set_width(WIDTH)
+            names = [f"equation {number}" for number in range(1, count + 1)]
+            self._view = CurveView(gui, self, names, pair)
+            dark = gui.add_checkbox("dark", False)
+
+        @dark.on_update
+        async def _(_: Any) -> None:
+            set_theme(gui, dark.value)
+
+        self._view.draw()
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token that it asks for."""
+        return self._server.url
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._worker.close()
+        self._server.close()
+
+    def __enter__(self) -> EquationsPage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # What the view of the curves calls.
+
+    def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
+        """Do something on the thread of this page."""
+        self._worker.submit(kind, request)
+
+    def present(self, _: Hashable, request: Callable[[], None]) -> None:
+        """Show something at once: there is one thread."""
+        with self._server.viser.atomic():
+            request()
+
+    def problem(self, pair: tuple[int, int]) -> CurveProblem:
+        """Give the curves of two equations."""
+        return self._make(pair)
+
+    def disc(self, _: Finding) -> tuple[str, str]:
+        """Give the disc of a root."""
+        return "", ROOT
+
+    def take(self, found: Finding) -> None:
+        """Do nothing with a root but show it."""
