@@ -86,16 +86,16 @@ class MotionControls:
             with client.gui.add_folder("Trace", expand_by_default=False):
                 for link in layer.traced:
                     box = client.gui.add_checkbox(link, layer.traced[link])
-                    self._on(box, ("trace", link), partial(self._trace, link, box))
+                    self._on(box, ("trace", link), partial(self._trace, link))
         self.load()
 
-    def _on(self, handle: Any, kind: object, request: Callable[[], None]) -> None:
-        """Have a request done when the page changes a control."""
+    def _on(self, handle: Any, kind: object, request: Callable[[Any], None]) -> None:
+        """Have a request done with the value to which the page changes a control."""
 
         @handle.on_update
         async def _(event: Any) -> None:
             if event.client is not None:
-                self._layer.ask(kind, request)
+                self._layer.ask(kind, partial(request, handle.value))
 
     def _on_click(self, button: Any, request: Callable[[], None]) -> None:
         @button.on_click
@@ -110,39 +110,39 @@ class MotionControls:
             self._on_click(button, partial(layer.remember, which))
         way = gui.add_dropdown("Way", WAYS, initial_value=layer.way)
         profile = gui.add_dropdown("Profile", tuple(PROFILES), initial_value=layer.profile)
-        self._on(way, "way", lambda: layer.choose_plan(way.value, layer.profile))
-        self._on(profile, "profile", lambda: layer.choose_plan(layer.way, profile.value))
+        self._on(way, "way", lambda value: layer.choose_plan(value, layer.profile))
+        self._on(profile, "profile", lambda value: layer.choose_plan(layer.way, value))
 
     def _add_playing(self) -> None:
         gui, layer = self._gui, self._layer
         self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
-        self._on(self._time, "seek", lambda: layer.seek(self._time.value))
+        self._on(self._time, "seek", layer.seek)
         self._play = gui.add_button("Play")
         self._on_click(self._play, layer.play_or_pause)
         hint = "Times as fast as planned"
         speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, layer.player.speed, hint=hint)
-        self._on(speed, "speed", lambda: layer.player.set_speed(speed.value))
+        self._on(speed, "speed", layer.player.set_speed)
         loop = gui.add_checkbox("loop", layer.player.loop)
-        self._on(loop, "loop", lambda: setattr(layer.player, "loop", bool(loop.value)))
+        self._on(loop, "loop", lambda value: setattr(layer.player, "loop", bool(value)))
         hint = "The arm itself goes where the ghost at the time is"
         along = gui.add_checkbox("the arm goes along", layer.along, hint=hint)
-        self._on(along, "along", lambda: setattr(layer, "along", bool(along.value)))
+        self._on(along, "along", lambda value: setattr(layer, "along", bool(value)))
 
     def _add_looks(self, curves: Sequence[str]) -> None:
         gui, layer = self._gui, self._layer
         drawn = gui.add_dropdown("Curves", tuple(curves), initial_value=layer.curves)
-        self._on(drawn, "curves", lambda: layer.choose_curves(drawn.value))
+        self._on(drawn, "curves", layer.choose_curves)
         sweep = gui.add_checkbox("sweep of ghosts", layer.sweep)
-        self._on(sweep, "sweep", lambda: self._sweep(bool(sweep.value)))
+        self._on(sweep, "sweep", self._sweep)
         forget = gui.add_button("Forget the plan")
         self._on_click(forget, layer.forget)
 
-    def _sweep(self, shown: bool) -> None:
-        self._layer.sweep = shown
+    def _sweep(self, shown: object) -> None:
+        self._layer.sweep = bool(shown)
         self._layer.choose_seen()
 
-    def _trace(self, link: str, box: Any) -> None:
-        self._layer.traced[link] = bool(box.value)
+    def _trace(self, link: str, shown: object) -> None:
+        self._layer.traced[link] = bool(shown)
         self._layer.choose_seen()
 
     def load(self) -> None:
