@@ -34,7 +34,9 @@ _HEAD = (
 def main() -> int:
     """Have the faults happen, print the table, and return 0 where nothing is wrong."""
     parser = argparse.ArgumentParser(prog="make faults", description=__doc__)
-    parser.add_argument("--robot", default="puma560", help="which robot (puma560)")
+    parser.add_argument(
+        "--robot", default="puma560", help="which robot (puma560), but for the gripper"
+    )
     parser.add_argument("--only", default="", help="cases whose line has this regular expression")
     parser.add_argument(
         "--slack", type=float, default=1.0, help="how many times as long reasons may take (1)"
@@ -63,10 +65,11 @@ def findings(
 ) -> Iterator[tuple[Case, Finding | None, str]]:
     """Have faults happen; gives what came of each, and what is wrong with that."""
     log = os.environ.get("FAULTS_LOG", os.devnull)
-    for (nodes, simulated), same in groupby(sorted(chosen, key=_kind), _kind):
+    for (nodes, simulated, fingers), same in groupby(sorted(chosen, key=_kind), _kind):
         waiting = list(same)
         while waiting:
-            with bench(robot, nodes, simulated=simulated, log=log) as (session, works):
+            options = {"simulated": simulated, "fingers": fingers, "log": log}
+            with bench(robot, nodes, **options) as (session, works):
                 while waiting:
                     case = waiting.pop(0)
                     try:
@@ -80,8 +83,8 @@ def findings(
                     yield case, finding, gone or judge(case, finding, slack)
 
 
-def _kind(case: Case) -> tuple[tuple[str, ...], bool]:
-    return case.nodes, case.node == ALL_NODES
+def _kind(case: Case) -> tuple[tuple[str, ...], bool, bool]:
+    return case.nodes, case.node == ALL_NODES, case.fingers
 
 
 def row(case: Case, finding: Finding) -> str:

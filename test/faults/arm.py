@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 from callers import ByAction, ByExecute, ByRequests, ByServo, ByTopic
-from control_msgs.action import FollowJointTrajectory
+from control_msgs.action import FollowJointTrajectory, GripperCommand
+from control_msgs.msg import GripperCommand as GripperCommandMessage
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from session import Session, Work
@@ -31,6 +32,9 @@ __all__ = ["Arm"]
 Array = NDArray[np.float64]
 
 _CONTROLLER = "joint_trajectory_controller"
+_GRIPPER = "gripper_controller/gripper_cmd"
+# Where a finger is that has opened, m.
+_OPEN = 0.04
 # The first joint goes from here to there and back, rad from home, and the others a little.
 _FAR, _LITTLE = 2.0, 0.3
 # On the way a joint is faster than these parts of its limit; by the servo it goes as fast as that.
@@ -71,6 +75,8 @@ class Arm:
         node = self._session.node
         motions = [ByExecute(node), ByTopic(node), *self._actions()]
         works = [Work(each, self._plan, self._moves(_FAST), self.next) for each in motions]
+        hand = self._hand()
+        works.append(Work(hand, self._grip, self._fingers_move, lambda: self._next_grip(hand)))
         servo = ByServo(node, self._moves(_DRIVEN))
         works.append(Work(servo, self._command, self._moves(_DRIVEN), self.next))
         for kind, service, make in (
@@ -99,6 +105,31 @@ class Arm:
                 lambda result: result.error_string,
             ),
         ]
+
+    def _hand(self) -> ByAction:
+        return ByAction(
+            self._session.node,
+            GripperCommand,
+            _GRIPPER,
+            lambda command: GripperCommand.Goal(command=command),
+            lambda result: "",
+        )
+
+    def _grip(self) -> GripperCommandMessage:
+        """Open the fingers where they are closed, and close them where they are not."""
+        at = self._session.samples.latest()[0][-1]
+        return GripperCommandMessage(position=0.0 if at > 0.5 * _OPEN else _OPEN)
+
+    def _fingers_move(self) -> bool:
+        samples = self._session.samples
+        return samples.silent < _FRESH and bool(samples.latest()[1][-1])
+
+    def _next_grip(self, hand: ByAction) -> str:
+        """Move the fingers to the other end; returns what came of it."""
+        self._session.until(lambda: self._session.samples.stands, "the robot stands")
+        hand.begin(self._grip())
+        self._session.until(hand.over, "the fingers arrive")
+        return _ARRIVED if hand.over() == "succeeded" else hand.over()
 
     def next(self) -> str:
         """Plan and execute a motion from where the robot stands; returns what came of it."""

@@ -14,7 +14,8 @@ __all__ = ["ALL_NODES", "Case", "cases", "judge"]
 
 ALL_NODES = "all nodes"
 _ACTIONS = ("execute_trajectory", "follow_joint_trajectory")
-_MOTIONS = ("execute", "topic", "execute_trajectory", "follow_joint_trajectory", "servo")
+_GRIPPER = "gripper_cmd"
+_MOTIONS = ("execute", "topic", "execute_trajectory", "follow_joint_trajectory", "servo", _GRIPPER)
 _REQUESTS = {
     "kinematics": "solve_ik_batch",
     "dynamics": "summarize_torques",
@@ -38,7 +39,7 @@ _SUCCESS = {
     "topic": "^arrived",
     "servo": "^moves as commanded$",
     **dict.fromkeys(_REQUESTS.values(), "^all answered, 0 NONE$"),
-    **dict.fromkeys(_ACTIONS, "^succeeded"),
+    **dict.fromkeys((*_ACTIONS, _GRIPPER), "^succeeded"),
 }
 # How long a caller of a controller that ends may hear nothing, s; and others, who hear of the end
 # of a motion or of a node that was started again, on top of the time that a node was stopped.
@@ -77,6 +78,11 @@ class Case:
         return least if more in least else (*least, more)
 
     @property
+    def fingers(self) -> bool:
+        """Whether it needs a robot with a gripper."""
+        return self.caller == _GRIPPER
+
+    @property
     def expected(self) -> str:
         """What the caller has to hear, as a regular expression."""
         success = _SUCCESS[self.caller]
@@ -92,7 +98,7 @@ class Case:
 
     def _of_controller(self, success: str) -> str:
         """What is to be heard of faults of the controller."""
-        actions = self.caller in _ACTIONS
+        actions = self.caller in (*_ACTIONS, _GRIPPER)
         if self.fault.stop:
             if self.fault.stop < 0.5:
                 return success
@@ -101,7 +107,8 @@ class Case:
         if self.caller == "servo":
             return _STILL
         if self.fault.asked:
-            return f"shuts down|{_GONE}"
+            # The results of the gripper's action have no place for a reason.
+            return "^aborted$" if self.fingers else f"shuts down|{_GONE}"
         return _UNKNOWN if actions else _GONE
 
     @property

@@ -16,7 +16,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.nodes.middleware.polled_subscription import Unattended
 
-__all__ = ["TOLERANCE", "Limits", "Ratios", "Samples"]
+__all__ = ["TOLERANCE", "Jump", "Limits", "Ratios", "Samples"]
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,20 @@ class Limits:
     names: tuple[str, ...]
     velocity: Array
     acceleration: Array
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A jump of the clock: the time before (ns), and by how much it jumped (s)."""
+
+    before: int
+    by: float
+
+    def step(self, stamps: NDArray[np.int64]) -> int:
+        """Find the step of stamps (ns) in which it is: on, over what was not, or back."""
+        later = stamps > self.before
+        steps = later[1:] & ~later[:-1] if self.by > 0.0 else np.diff(stamps) < 0
+        return int(np.flatnonzero(steps)[0])
 
 
 @dataclass(frozen=True)
@@ -128,7 +142,7 @@ class Samples:
         first: int,
         restarts: Sequence[tuple[int, int]],
         resets: Sequence[int],
-        jumps: Sequence[float],
+        jump: Jump | None,
     ) -> Ratios:
         """Compare with the limits.
 
@@ -141,16 +155,16 @@ class Samples:
             was killed (ns): there it stands since then, or since 20 ms before.
         resets : sequence of int
             Which are the first ones of a robot that begins elsewhere.
-        jumps : sequence of float
-            Steps of the clock in the meantime, s: they are no time for a motion.
+        jump : Jump or None
+            Of the clock in the meantime: it is no time for a motion.
         """
         rows = [self._read(packed) for packed in self._packed[first:]]
         stamps, position, velocity = (np.array(part) for part in zip(*rows, strict=True))
         passed = _NANO * np.diff(stamps)
-        for jump in jumps:
-            step = int(np.argmin(np.abs(passed - jump)))
+        if jump is not None:
+            step = jump.step(stamps)
             # The cycle of a jump is as long as any.
-            passed[step] = max(passed[step] - jump, float(np.median(passed)))
+            passed[step] = max(passed[step] - jump.by, float(np.median(passed)))
         went, gained = np.abs(np.diff(position, axis=0)), np.abs(np.diff(velocity, axis=0))
         for index, killed_at in restarts:
             last = index - first - 1

@@ -12,7 +12,7 @@ from callers import Caller
 from faults import Fault
 from processes import CONTROLLER, PATIENCE, PUBLISHER, Processes
 from rclpy.node import Node
-from samples import Ratios, Samples
+from samples import Jump, Ratios, Samples
 from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.middleware.deep_queues import ask
@@ -133,11 +133,11 @@ class Session:
     samples : Samples
         The joint states.
     jump : callable
-        Has simulated time jump by so many s.
+        Has simulated time jump by so many s, and gives the time before (ns).
     """
 
     def __init__(
-        self, node: Node, processes: Processes, samples: Samples, jump: Callable[[float], None]
+        self, node: Node, processes: Processes, samples: Samples, jump: Callable[[float], int]
     ) -> None:
         self.node, self.processes, self.samples, self._jump = node, processes, samples, jump
 
@@ -178,7 +178,7 @@ class Session:
         resets: list[int] = []
         self._begin(work)
         with _Ear(caller) as ear:
-            self._happen(node, fault)
+            jump = self._happen(node, fault)
             over_at = time.time_ns()
             if fault.ends:
                 # What became of the motion of a publisher that was killed its successor tells.
@@ -199,8 +199,7 @@ class Session:
         came_of_it = work.next()
         self.until(lambda: samples.stands, "the robot stands")
         got = tuple(dict.fromkeys((first_words, last_words)))
-        jumps = [fault.jump] if fault.jump else []
-        ratios = samples.ratios(first, restarts, resets, jumps)
+        ratios = samples.ratios(first, restarts, resets, jump)
         return Finding(node, fault.name, caller.name, got, after, ratios, came_of_it)
 
     def _begin(self, work: Work) -> None:
@@ -222,11 +221,11 @@ class Session:
             self.until(lambda: self.samples.count > known + _FEW, "the robot is heard of")
         return known
 
-    def _happen(self, node: str, fault: Fault) -> None:
-        """Have it happen."""
+    def _happen(self, node: str, fault: Fault) -> Jump | None:
+        """Have it happen; returns the jump of the clock, if it is one."""
         if fault.jump:
-            self._jump(fault.jump)
-        elif fault.stop:
+            return Jump(self._jump(fault.jump), fault.jump)
+        if fault.stop:
             self.processes.hold_up(node, fault.stop)
         elif fault.asked:
             code = self.processes.terminate(node)
@@ -235,3 +234,4 @@ class Session:
             self.processes.kill(node)
         if fault.at_once:
             self.processes.start(node)
+        return None

@@ -9,6 +9,7 @@ CHOSEN = (
     "joint_trajectory_controller: SIGTERM: follow_joint_trajectory",
     "joint_trajectory_controller: SIGSTOP 1 s: topic",
     "trajectory_publisher: kill -9: execute",
+    "joint_trajectory_controller: kill -9: gripper_cmd",
 )
 
 

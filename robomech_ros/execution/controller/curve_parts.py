@@ -1,6 +1,7 @@
 """Pieces of curves: later, cut, put one after the other, prolonged backwards; and their peaks."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -31,16 +32,21 @@ _BESIDE = 5e-6
 _LIKE_TIME = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
 
-def rebased(coefficients: FloatArray, by: float) -> FloatArray:
-    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s)."""
-    order = len(coefficients)
-    shift = np.array(
-        [
-            [math.comb(i, k) * by ** (i - k) if i >= k else 0.0 for i in range(order)]
-            for k in range(order)
-        ]
-    )
-    return shift @ coefficients
+@cache
+def _binomials(order: int) -> tuple[FloatArray, FloatArray]:
+    """Give the binomial coefficients of row k and column i, and the differences i - k."""
+    powers = np.maximum(np.arange(order) - np.arange(order)[:, None], 0.0)
+    rows = [[float(math.comb(i, k)) for i in range(order)] for k in range(order)]
+    return np.array(rows), powers
+
+
+def rebased(coefficients: FloatArray, by: float | FloatArray) -> FloatArray:
+    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s).
+
+    Of m times the result is (m, order + 1, n).
+    """
+    factors, powers = _binomials(len(coefficients))
+    return (factors * np.asarray(by)[..., None, None] ** powers) @ coefficients
 
 
 def shifted(curve: PiecewisePolynomial, by: float) -> PiecewisePolynomial:

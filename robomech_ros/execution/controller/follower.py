@@ -3,6 +3,7 @@
 It knows neither ROS nor a clock: its owner gives the time.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
@@ -32,6 +33,8 @@ _AGAIN = 0.01
 _IN_STEP = 1e-6
 # A jump of the clock by more than this is of interest to who waits for a motion (s).
 _REMARKABLE = 0.2
+# For so long after a jump the senders of trajectories may be off by what they left out (s).
+_UNSETTLED = 1.0
 
 
 class Phase(Enum):
@@ -83,6 +86,7 @@ class Follower:
         self.active: TrajectoryGoal | None = None
         self.waiting: TrajectoryGoal | None = None
         self.now = self.held_since = now
+        self._unsettled_until = -math.inf
         self._ending: tuple[End, int, str] = (End.ABORTED, Code.PREEMPTED, "")
 
     @property
@@ -140,20 +144,20 @@ class Follower:
         self.advance(now)
         late = max(-delay, 0.0)
         delay = max(delay, 0.0)
-        streamed = streamed and waypoints.times[-1] <= STREAM
+        judged = not streamed or waypoints.times[-1] > STREAM
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
         present = self.desired
         if delay > 0.0 and self.active is not None and self.phase is Phase.MOVING:
             present = self.motion.state_ahead(self.active, delay)
-        way = self._way_onto(waypoints, present, late, self.now)
-        strain = "" if streamed else self._strain(waypoints, present, late)
+        way = self._way_onto(waypoints, present, late, self.now, streamed)
+        strain = self._strain(waypoints, present, late) if judged else ""
         if way.blocked:
             self._let_go_by(way)
             delay, late = _AGAIN, late + _AGAIN
         begin = self.now + delay
         goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, strain=strain)
-        goal.belt = way.belt
+        goal.belt, goal.streamed = way.belt, streamed
         if self.settings.interpolate and waypoints.velocities is not None:
             goal.braking = braking_time(waypoints.velocities[-1], self.joints)
         self._drop_waiting(f"replaced by {by}")
@@ -185,6 +189,7 @@ class Follower:
 
         The motion under way goes on from where it is, and says so; what waits keeps to its stamp.
         """
+        self._unsettled_until = self.now + _UNSETTLED
         if self.active is not None and abs(by) > _REMARKABLE:
             how = "forward" if by > 0.0 else "back"
             self.active.remark = (
@@ -238,10 +243,15 @@ class Follower:
         self.active, self.phase = goal, Phase.MOVING
         self.motion.begin()
 
-    def _way_onto(self, waypoints: Waypoints, present: State, late: float, at: float) -> Way:
+    def _way_onto(
+        self, waypoints: Waypoints, present: State, late: float, at: float, streamed: bool
+    ) -> Way:
         """Find the way at a time (s), up to which the robot has moved."""
-        before = self._belt(at) if late > 0.0 else None
-        return way_onto(waypoints, present, self.joints, self.settings, late, before)
+        unsettled = streamed and self.now < self._unsettled_until
+        before = self._belt(at) if late > 0.0 or unsettled else None
+        if unsettled and before is not None and not before.in_time:
+            self._unsettled_until = self.now + _UNSETTLED
+        return way_onto(waypoints, present, self.joints, self.settings, late, before, unsettled)
 
     def _strain(self, waypoints: Waypoints, present: State, late: float) -> str:
         """Refuse what is far too hard on a joint, and say what is a little so."""
@@ -266,7 +276,7 @@ class Follower:
     def _begin_waiting(self, goal: TrajectoryGoal) -> None:
         self.waiting = None
         try:
-            way = self._way_onto(goal.waypoints, self.desired, goal.late, goal.begin)
+            way = self._way_onto(goal.waypoints, self.desired, goal.late, goal.begin, goal.streamed)
         except RobomechError as error:
             text = f"when its time had come: {error}"
             goal.finish(End.ABORTED, Code.REJECTED, text, self.actual.position)

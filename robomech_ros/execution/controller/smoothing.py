@@ -54,10 +54,9 @@ def with_fading(
     curve = _with_break(curve, time)
     coefficients = np.zeros((6, *curve.coefficients.shape[1:]))
     coefficients[: len(curve.coefficients)] = curve.coefficients
-    for segment, begin in enumerate(curve.breaks[:-1]):
-        if begin >= time:
-            break
-        coefficients[:, segment] += rebased(fading.coefficients[:, 0], float(begin))
+    begins = curve.breaks[:-1][curve.breaks[:-1] < time]
+    added = rebased(fading.coefficients[:, 0], begins)
+    coefficients[:, : len(begins)] += added.transpose(1, 0, 2)
     return PiecewisePolynomial(curve.breaks, coefficients)
 
 

@@ -75,6 +75,8 @@ class TrajectoryGoal:
         By how much it is over the limits of acceleration; empty if it is not.
     belt : Belt or None
         Where the trajectory is, if it came late and the robot catches up with it.
+    streamed : bool
+        Whether it may be one of a stream.
     """
 
     waypoints: Waypoints
@@ -90,6 +92,7 @@ class TrajectoryGoal:
     remark: str = ""
     strain: str = ""
     belt: Belt | None = None
+    streamed: bool = False
 
     @property
     def last_position(self) -> FloatArray:

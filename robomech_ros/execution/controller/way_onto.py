@@ -53,8 +53,12 @@ def way_onto(
     settings: FollowerSettings,
     late: float,
     before: Belt | None,
+    unsettled: bool = False,
 ) -> Way:
     """Join a trajectory; catch up with one that comes late where to join it would be too hard.
+
+    So is one of a stream in time that comes soon after a jump of the clock, since its sender and
+    the robot left out different times.
 
     Parameters
     ----------
@@ -64,6 +68,8 @@ def way_onto(
         How it is joined.
     before : Belt or None
         What the robot follows, in time, on a clock that is 0 now; None where it stands.
+    unsettled : bool
+        Whether it is of a stream, and the clock has jumped lately.
 
     Returns
     -------
@@ -76,7 +82,8 @@ def way_onto(
     """
     joined = join if settings.interpolate else join_in_steps
     known = completed(waypoints, present)
-    may_catch_up = late > 0.0 and settings.interpolate and _can_be_caught(known, late)
+    off_time = late > 0.0 or (unsettled and before is not None)
+    may_catch_up = off_time and settings.interpolate and _can_be_caught(known, late)
     behind = may_catch_up and before is not None and not before.in_time
     curve: PiecewisePolynomial | None = None
     refused: Exception | None = None

@@ -93,9 +93,18 @@ class CommandedJoints:
         self.follower = Follower(joints, simulated_joints, follower_settings(settings), clock.now())
         clock.on_jump(self.follower.clock_jumped)
 
+    @property
+    def time(self) -> float:
+        """The present time, s, on the clock of the follower."""
+        return self._clock.now()
+
     def advance(self) -> None:
         """Move on to the present time."""
-        self.follower.advance(self._clock.now())
+        self.advance_to(self.time)
+
+    def advance_to(self, time: float) -> None:
+        """Move on to a time (s): one for all joints whose states have the same stamp."""
+        self.follower.advance(time)
 
     def stamp(self) -> tuple[int, int]:
         """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""

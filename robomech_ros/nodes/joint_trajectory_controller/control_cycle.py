@@ -83,8 +83,9 @@ class ControlCycle:
     def run(self) -> None:
         """Do what is to be done in one cycle."""
         with self._robot.lock:
+            time = self._robot.time
             for joints in self._commanded:
-                self._move(joints)
+                self._move(joints, time)
             self.publish_joint_states()
             self._log_saturation()
             self._on_moved()
@@ -94,9 +95,9 @@ class ControlCycle:
         """Publish where the joints are; the robot's lock is to be held."""
         self.states.publish(self._robot.stamp())
 
-    def _move(self, joints: CommandedJoints) -> None:
+    def _move(self, joints: CommandedJoints, time: float) -> None:
         try:
-            joints.advance()
+            joints.advance_to(time)
         except RobomechError as error:
             self._logger.error(str(error), throttle_duration_sec=_SELDOM)
             joints.follower.halt(Code.PATH_TOLERANCE, str(error))

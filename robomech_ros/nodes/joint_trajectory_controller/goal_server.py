@@ -20,7 +20,6 @@ from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.pauses import wake
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
-from robomech_ros.nodes.middleware.signs_of_life import LIVELY
 from robomech_ros.outcomes import Code
 
 __all__ = ["ActionMessages", "GoalServer"]
@@ -72,7 +71,7 @@ class GoalServer(ServedAction[TrajectoryGoal]):
         self._robot = robot
         self._messages = messages
         name = f"{robot.place}/{messages.name}"
-        super().__init__(node, robot, messages.kind, name, status_pub_qos_profile=LIVELY)
+        super().__init__(node, robot, messages.kind, name)
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         ended: Future = Future()

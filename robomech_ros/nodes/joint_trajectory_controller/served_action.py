@@ -10,6 +10,7 @@ from rclpy.task import Future
 
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.deep_queues import serve_action
+from robomech_ros.nodes.middleware.signs_of_life import LIVELY
 
 __all__ = ["ServedAction"]
 
@@ -21,6 +22,8 @@ Motion = TypeVar("Motion")
 
 class ServedAction(ABC, Generic[Motion]):
     """Serves an action; the joints are moved by the node's cycles, nothing here waits.
+
+    Its clients see by the liveliness of its status when the process is killed.
 
     Parameters
     ----------
@@ -52,6 +55,7 @@ class ServedAction(ABC, Generic[Motion]):
             self._execute,
             cancel_callback=self._cancel,
             result_timeout=_RESULT_KEPT,
+            status_pub_qos_profile=LIVELY,
             **options,
         )
 

@@ -26,5 +26,8 @@ class SimulatedTime:
         return Time(sec=sec, nanosec=nanosec)
 
     def jump(self, by):
+        """Jump, and return the time before (ns)."""
         with self._lock:
+            before = round(self._now * 1e9)
             self._now += by - self._step
+        return before

@@ -153,9 +153,9 @@ class Gripper(CommandedJoints):
         super().close(why)
         self._fingers.close(why)
 
-    def advance(self) -> None:
-        """Move on to the present time, and judge what has been commanded."""
-        super().advance()
+    def advance_to(self, time: float) -> None:
+        """Move on to a time (s), and judge what has been commanded."""
+        super().advance_to(time)
         self._fingers.look()
 
     def reset(self, text: str) -> None:
