@@ -5,7 +5,8 @@ import threading
 import webbrowser
 
 from robomech_ros.robots import load_description, main_chain, semantics_of
-from robomech_ros.rvs.opening import HOST, PORT, page_of
+from robomech_ros.rvs.opening import page_of
+from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
 
 __all__ = ["add_arguments", "run"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,22 +11,20 @@ from typing import TYPE_CHECKING
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
 from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
+    from robomech_ros.rvs.model.live_robot import LiveRobot
     from robomech_ros.rvs.page.page import RobotPage
 
 __all__ = [
-    "HOST",
-    "PORT",
     "ViewUnavailableError",
+    "live_page_of",
     "page_of",
     "require_viser",
     "view",
     "write_motion",
 ]
-
-# Only this machine; the port is viser's.
-HOST, PORT = "127.0.0.1", 8080
 
 
 class ViewUnavailableError(RobomechError):
@@ -99,6 +98,29 @@ def page_of(
     from robomech_ros.rvs.page.page import RobotPage
 
     return RobotPage(description, chain, port=port, host=host, layers=LAYERS)
+
+
+def live_page_of(
+    description: RobotDescription, chain: SerialChain, robot: LiveRobot, *, port: int, host: str
+) -> RobotPage:
+    """Serve the page of a robot that runs; parameters and errors are those of :func:`view`.
+
+    Parameters
+    ----------
+    description : RobotDescription
+    chain : SerialChain
+        The arm of it that is commanded.
+    robot : LiveRobot
+        Carries out what the page asks for, and tells it how the robot is.
+    port, host : int, str
+    """
+    require_viser()
+    from robomech_ros.rvs.layers import LAYERS
+    from robomech_ros.rvs.layers.live import LiveLayer
+    from robomech_ros.rvs.page.page import RobotPage
+
+    layers = [partial(LiveLayer, robot=robot), *LAYERS]
+    return RobotPage(description, chain, port=port, host=host, layers=layers, fixed=True)
 
 
 def write_motion(

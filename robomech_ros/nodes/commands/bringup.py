@@ -18,6 +18,8 @@ from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import load_description, main_chain, semantics_of
+from robomech_ros.rvs.opening import require_viser
+from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 
 __all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
 
@@ -80,6 +82,13 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
+        "--view", action="store_true", help="show the robot in a browser, too; prints the address"
+    )
+    parser.add_argument("--view-port", type=int, help=f"of the page; 0 takes a free one ({PORT})")
+    parser.add_argument(
+        "--view-host", help=f"address that the page listens on ({HOST}: this machine alone)"
+    )
+    parser.add_argument(
         "--ros-args",
         nargs=argparse.REMAINDER,
         default=[],
@@ -115,6 +124,9 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         dynamic=args.dynamic,
         params_files=tuple(args.params_file),
         servo=not args.no_servo,
+        view=args.view,
+        view_port=args.view_port,
+        view_host=args.view_host,
         ros_args=tuple(args.ros_args),
     )
 
@@ -158,8 +170,21 @@ def check(args: argparse.Namespace) -> None:
     if args.frame_prefix and args.frame_prefix.startswith("/"):
         expected = "a text without a slash in front, such as left/"
         raise BadValueError("--frame-prefix", args.frame_prefix, expected)
+    _check_view(args)
     if args.ros_args:
         _check_ros_args(args.ros_args)
+
+
+def _check_view(args: argparse.Namespace) -> None:
+    """Refuse what the view could not use, and its options without it."""
+    for option in ("view_port", "view_host"):
+        if getattr(args, option) is not None and not args.view:
+            name = f"--{option.replace('_', '-')}"
+            raise BadValueError(name, getattr(args, option), "nothing without --view")
+    if args.view:
+        require_viser()
+        if args.view_port is not None and not 0 <= args.view_port <= GREATEST_PORT:
+            raise BadValueError("--view-port", args.view_port, f"0 to {GREATEST_PORT}")
 
 
 def _check_ros_args(words: list[str]) -> None:

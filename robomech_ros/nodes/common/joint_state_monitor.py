@@ -68,6 +68,11 @@ class JointStateMonitor:
             return None
         return np.array(states, dtype=np.float64)
 
+    def known_positions(self, joint_names: Sequence[str]) -> dict[str, float]:
+        """Give the present positions (rad or m) of those of the joints that are known."""
+        self._take_all(joint_names)
+        return {n: self._states[n].position for n in joint_names if n in self._states}
+
     def velocities(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
         """Give the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
 

@@ -43,6 +43,12 @@ class LaunchOptions:
         Paths of YAML files with parameters.
     servo : bool, optional
         Whether the servo is one of the nodes.
+    view : bool, optional
+        Whether the browser view is one of the nodes.
+    view_port : int, optional
+        Of its page; default the node's own.
+    view_host : str, optional
+        Address that its page listens on; default the node's own.
     ros_args : tuple of str, optional
         Other ROS arguments for every node; parameters among them replace those of the options.
     """
@@ -59,12 +65,16 @@ class LaunchOptions:
     dynamic: bool = False
     params_files: tuple[str, ...] = ()
     servo: bool = True
+    view: bool = False
+    view_port: int | None = None
+    view_host: str | None = None
     ros_args: tuple[str, ...] = ()
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes, in the order in which they are started."""
-        return tuple(node for node in NODE_MODULES if self.servo or node != "servo")
+        wanted = {"servo": self.servo, "rvs": self.view}
+        return tuple(node for node in NODE_MODULES if wanted.get(node, True))
 
     def commands(self) -> dict[str, list[str]]:
         """Give the command line of each node's process."""
@@ -97,6 +107,10 @@ class LaunchOptions:
             result += ["-p", f"joint_trajectory_controller:publish_rate:={float(self.rate)}"]
         if self.dynamic:
             result += ["-p", "joint_trajectory_controller:simulation:=dynamic"]
+        if self.view and self.view_port is not None:
+            result += ["-p", f"rvs:port:={self.view_port}"]
+        if self.view and self.view_host is not None:
+            result += ["-p", f"rvs:host:={json.dumps(self.view_host)}"]
         return [*result, *self._addressed()]
 
     def _addressed(self) -> list[str]:

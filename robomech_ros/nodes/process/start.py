@@ -22,6 +22,7 @@ __all__ = [
     "joint_state_simulator_node",
     "kinematics_node",
     "main",
+    "rvs_node",
     "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
@@ -35,6 +36,7 @@ NODE_MODULES = {
     "trajectory_planner": "robomech_ros.nodes.trajectory_planner.node",
     "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher.node",
     "servo": "robomech_ros.nodes.servo.node",
+    "rvs": "robomech_ros.nodes.rvs.node",
 }
 
 EXIT_CANNOT_START = 2
@@ -74,6 +76,11 @@ def joint_state_simulator_node() -> NoReturn:
 def servo_node() -> NoReturn:
     """Run the node servo, and end the process."""
     _run("servo", sys.argv)
+
+
+def rvs_node() -> NoReturn:
+    """Run the node rvs, and end the process."""
+    _run("rvs", sys.argv)
 
 
 def _run(node: str, argv: Sequence[str]) -> NoReturn:

@@ -11,6 +11,7 @@ from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.robot_nodes import RobotNodes
 
 __all__ = ["Layer", "LayerMaker", "Place"]
 
@@ -59,6 +60,9 @@ class Place:
         Has something done as ``ask`` does, which shows by itself what came of it.
     kept : dict
         What layers leave here, by their names, those of the next robot find.
+    separate : callable
+        Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
+        then on; gives the nodes of the robot and of the goal.
     """
 
     server: Any
@@ -71,6 +75,7 @@ class Place:
     replace: Callable[[RobotDescription, SerialChain], None]
     run: Callable[[Hashable, Callable[[], None]], None]
     kept: dict[str, Any]
+    separate: Callable[[], tuple[RobotNodes, RobotNodes]]
 
     @property
     def chain(self) -> SerialChain:

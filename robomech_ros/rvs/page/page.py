@@ -14,7 +14,7 @@ from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
-from robomech_ros.rvs.page.layer import LayerMaker, Place
+from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.stage import BASE, Stage
 from robomech_ros.rvs.page.theme import set_theme
@@ -36,6 +36,8 @@ class RobotPage:
         As for :func:`robomech_ros.rvs.view`.
     layers : sequence of callable
         Each makes a layer of the page.
+    fixed : bool, optional
+        Whether another robot is refused, as where this one runs.
     """
 
     def __init__(
@@ -46,17 +48,18 @@ class RobotPage:
         port: int,
         host: str,
         layers: Sequence[LayerMaker] = (),
+        fixed: bool = False,
     ) -> None:
-        self._makers = tuple(layers)
+        self._makers, self._fixed = tuple(layers), fixed
         self._switches = dict(AT_FIRST)
         self._dark: set[int] = set()
         self._kept: dict[str, Any] = {}
         arm, seen = SeenArm(chain), seen_robot(description)
         self._server = guarded_server(host, port, chain.name)
         set_theme(self._server.viser.gui, False)
+        self._worker = Worker()
         self._set_up(description, seen, arm)
         self._audience = Audience(self._make_controls, self._take_over)
-        self._worker = Worker()
         self._server.viser.on_client_connect(self._came)
         self._server.viser.on_client_disconnect(self._left)
 
@@ -64,6 +67,11 @@ class RobotPage:
     def url(self) -> str:
         """The address of the page, with the token that it asks for."""
         return self._server.url
+
+    @property
+    def browsers(self) -> int:
+        """How many browsers show the page."""
+        return len(self._server.viser.get_clients())
 
     def close(self) -> None:
         """Stop serving."""
@@ -89,8 +97,10 @@ class RobotPage:
         self._stage.show(arm, ())
         self._plan = SeenPlan()
         change = (description, self._replace, self._run, self._kept)
-        place = Place(viser, seen, arm, BASE, self._ask, self._plan, *change)
-        self._layers = [make(place) for make in self._makers]
+        asked = (viser, seen, arm, BASE, self._ask)
+        place = Place(*asked, self._plan, *change, self._stage.separate)
+        self._layers: list[Layer] = []
+        self._layers += [make(place) for make in self._makers]
 
     # What browsers ask for, on threads of the server.
 
@@ -197,6 +207,8 @@ class RobotPage:
 
     def _replace(self, description: RobotDescription, chain: SerialChain) -> None:
         """Take the stage down and set it up; what can be refused is made before."""
+        if self._fixed:
+            raise BadValueError("robot", description.name, "the one that runs; no other is shown")
         seen, arm = seen_robot(description), self._arm.like(chain)
         with self._server.viser.atomic():
             self._audience.withdraw()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.rvs.model.seen_robot import Colour, SeenRobot
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.spatial import position_quaternion_from_pose
 
@@ -36,10 +36,17 @@ class RobotNodes:
     ----------
     scene : viser.SceneApi
     seen : SeenRobot
+    root : str, optional
+        Name of the node above all links.
+    tint : tuple of four float, optional
+        One colour for all bodies, from 0 to 1 with alpha; default their own.
     """
 
-    def __init__(self, scene: Any, seen: SeenRobot) -> None:
-        self._seen = seen
+    def __init__(
+        self, scene: Any, seen: SeenRobot, root: str = ROOT, tint: Colour | None = None
+    ) -> None:
+        self._seen, self._root, self._tint = seen, root, tint
+        self._whole = scene.add_frame(root, show_axes=False)
         self._moved: dict[str, Any] = {}
         self._at: dict[str, Array] = {}
         self._frames: list[Any] = []
@@ -55,7 +62,7 @@ class RobotNodes:
         size = {"axes_length": FRAME_LENGTH * reach, "axes_radius": FRAME_RADIUS * reach}
         for number, (link, _) in enumerate(tree.link_poses().items()):
             joint = to_parent.get(link)
-            above = ROOT if joint is None else self._paths[joint.parent]
+            above = self._root if joint is None else self._paths[joint.parent]
             # Names of links may contain what separates names of nodes.
             path = f"{above}/{number}_{link.replace('/', '_')}"
             pose = np.eye(4) if joint is None else joint.pose(joint.rest)
@@ -85,7 +92,7 @@ class RobotNodes:
 
     def _add_bodies(self, scene: Any) -> None:
         for number, body in enumerate(self._seen.bodies):
-            *colour, alpha = body.colour
+            *colour, alpha = self._tint or body.colour
             scene.add_mesh_simple(
                 f"{self._paths[body.link]}/body_{number}",
                 body.solid.vertices,
@@ -111,6 +118,15 @@ class RobotNodes:
                 node.position = place["position"]
             if before is None or not np.array_equal(before[:3, :3], pose[:3, :3]):
                 node.wxyz = place["wxyz"]
+
+    def path(self, link: str) -> str:
+        """Give the name of the node of a link."""
+        return self._paths[link]
+
+    def show(self, shown: bool) -> None:
+        """Show the robot, or not."""
+        if self._whole.visible != shown:
+            self._whole.visible = shown
 
     def show_frames(self, shown: bool) -> None:
         """Show the frame of every link, or none."""

@@ -19,6 +19,8 @@ __all__ = ["BASE", "Stage", "add_base"]
 # The node at the base of the arm, in which its poses are.
 BASE = "/base"
 NEAREST_COLOUR = (120, 120, 120)
+# Where the arm is to go, beside a robot that is elsewhere: red, green, blue and alpha.
+GOAL_ROOT, GOAL_TINT = "/goal", (1.0, 0.55, 0.1, 0.4)
 
 
 class Stage:
@@ -39,7 +41,7 @@ class Stage:
             # Beside the scene, not over it.
             gui.main_panel.dock_right()
             self._ground = add_surroundings(server, seen.reach)
-            self._robot = RobotNodes(scene, seen)
+            self._robot = self._arm = RobotNodes(scene, seen)
             add_base(scene, seen, chain)
             drawn = seen.tree.chain(chain.base, chain.tip)
             pieces = Ghosts(drawn, seen.shapes)
@@ -60,11 +62,23 @@ class Stage:
         if study.nearest is not None:
             ghosts = [Ghost(0, study.nearest, NEAREST_COLOUR)]
         with self._server.atomic():
-            self._robot.move(dict(zip(arm.chain.joint_names, arm.q.tolist(), strict=True)))
+            self._arm.move(dict(zip(arm.chain.joint_names, arm.q.tolist(), strict=True)))
             self.ghosts.show(ghosts)
             self._summary.content = summary(arm)
             self._notice.content = notice([*self._seen.missing, *notices])
             self._table.content = posture_table(study.postures, colours, arm.chain.units)
+
+    def separate(self) -> tuple[RobotNodes, RobotNodes]:
+        """Draw the arm as a goal, translucent, beside the robot, which the caller moves.
+
+        Returns
+        -------
+        robot, goal : RobotNodes
+            The goal is to be shown or hidden by the caller, and is moved here.
+        """
+        with self._server.atomic():
+            self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)
+        return self._robot, self._arm
 
     def switch(self, what: str, shown: bool) -> None:
         """Show a part of the scene, or not."""

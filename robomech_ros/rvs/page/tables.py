@@ -15,15 +15,24 @@ from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 
-__all__ = ["TAKE", "notice", "posture_table", "short_name", "small_text", "summary"]
+__all__ = [
+    "STYLE",
+    "TAKE",
+    "WARN",
+    "notice",
+    "posture_table",
+    "short_name",
+    "small_text",
+    "summary",
+]
 
 Array = NDArray[np.float64]
 
 # Label of the text field with which a posture is taken; rows of the table write into it.
 TAKE = "Take posture"
 
-_STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
-_WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"
+STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
+WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"
 _CLICK = (
     "var r=event.target.closest('tr[data-posture]'),text=r?r.dataset.posture:'';"
     f"{script_that_fills(TAKE)}"
@@ -42,26 +51,26 @@ def summary(arm: SeenArm) -> str:
         f"<div><b>{html.escape(chain.tip)}</b> in {html.escape(chain.base)}: "
         f"{place} m, roll pitch yaw {turn} rad</div>"
     ]
-    style = "" if study.postures else f' style="{_WARN}"'
+    style = "" if study.postures else f' style="{WARN}"'
     lines.append(f"<div{style} data-sentence>{html.escape(study.sentence)}</div>")
     if study.nearest is not None:
         lines.append(
             f"<div>The nearest posture, in grey, misses it by {study.position_error:.4g} m and "
             f"{study.orientation_error:.4g} rad.</div>"
         )
-    return f'<div style="{_STYLE}">{"".join(lines)}</div>'
+    return f'<div style="{STYLE}">{"".join(lines)}</div>'
 
 
 def notice(texts: Sequence[str]) -> str:
     """Write what went wrong, as HTML; empty for nothing."""
-    lines = "".join(f'<div style="{_WARN}">{html.escape(text)}</div>' for text in texts)
-    return f'<div style="{_STYLE}" data-notice>{lines}</div>' if lines else ""
+    lines = "".join(f'<div style="{WARN}">{html.escape(text)}</div>' for text in texts)
+    return f'<div style="{STYLE}" data-notice>{lines}</div>' if lines else ""
 
 
 def small_text(sentences: Sequence[str], *, escaped: bool = False) -> str:
     """Write sentences, one a line, as HTML; ``escaped`` says that they are HTML already."""
     lines = (one if escaped else html.escape(one) for one in sentences)
-    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
+    return f'<div style="{STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
 
 
 def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Sequence[str]) -> str:
@@ -82,7 +91,7 @@ def posture_table(postures: Sequence[Posture], colours: Sequence[Rgb], units: Se
         f'<table onclick="{_CLICK}" style="border-collapse:collapse;width:100%">'
         f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
     )
-    return f'<div style="{_STYLE}" data-postures>{table}</div>'
+    return f'<div style="{STYLE}" data-postures>{table}</div>'
 
 
 def _row(number: int, posture: Posture, colour: Rgb) -> str:

@@ -20,6 +20,7 @@ import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.rvs.serving.address import GREATEST_PORT
 from robomech_ros.rvs.serving.gate import Gate
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
 
@@ -28,7 +29,6 @@ __all__ = ["AddressError", "GuardedServer", "PortTakenError", "guarded_server"]
 # Messages a second that one page may send; the next ones wait on their way here.  A page sends some
 # 20 while something is dragged.
 FASTEST, BURST = 200.0, 100.0
-GREATEST_PORT = 65535
 
 _LOG = logging.getLogger(__name__)
 # Of messages to a browser that has just gone.

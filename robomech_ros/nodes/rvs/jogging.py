@@ -1,0 +1,113 @@
+"""Jogs the robot through the servo, while a page holds a button."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from geometry_msgs.msg import TwistStamped
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.jog import JogDirection, JogSwitch
+
+__all__ = ["Jogger"]
+
+# How often the servo is commanded (s): well within the time after which it brakes by itself.
+_PERIOD = 0.02
+
+
+class _Way(NamedTuple):
+    """Axes, of the base or of the tip, and the part of the greatest speed."""
+
+    frame: str
+    speed: float
+
+
+class Jogger:
+    """Sends commands to the servo from a thread of its own, which nothing else delays.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publishers.
+    model : RobotModel
+        The robot.
+    settings : RvsSettings
+    complain : callable
+        Told when nobody listens to the commands.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        model: RobotModel,
+        settings: RvsSettings,
+        complain: Callable[[str], None],
+    ) -> None:
+        self._clock, self._model, self._settings = node.get_clock(), model, settings
+        self._complain = complain
+        self._switch = JogSwitch(settings.jog_silence, time.monotonic)
+        self._way = _Way("base", 0.0)
+        servo = settings.servo
+        self._twists = node.create_publisher(TwistStamped, f"{servo}/delta_twist_cmds", 10)
+        self._joints = node.create_publisher(JointState, f"{servo}/joint_velocity_cmds", 10)
+        self._thread = threading.Thread(target=self._run, name="jog", daemon=True)
+        self._thread.start()
+
+    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+        """Go on with a press, or begin one; see ``LiveRobot``."""
+        self._way = _Way(frame, speed)
+        self._switch.hold(direction, press)
+
+    def let_go(self) -> None:
+        """End the press."""
+        self._switch.release()
+
+    @property
+    def held(self) -> bool:
+        """Whether a button is held."""
+        return self._switch.held() is not None
+
+    def close(self) -> None:
+        """End what is held, and the thread."""
+        self._switch.close()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while self._switch.wait():
+            last: JogDirection | None = None
+            while (direction := self._switch.held()) is not None:
+                if last is None and not self._heard(direction):
+                    self._switch.release()
+                    break
+                self._send(direction, self._way)
+                last = direction
+                time.sleep(_PERIOD)
+            if last is not None:
+                self._send(last, self._way._replace(speed=0.0))
+
+    def _heard(self, direction: JogDirection) -> bool:
+        publisher = self._joints if direction.kind == "joint" else self._twists
+        if publisher.get_subscription_count():
+            return True
+        self._complain(f"No servo listens on '{publisher.topic_name}'.")
+        return False
+
+    def _send(self, direction: JogDirection, way: _Way) -> None:
+        given, stamp = self._settings, self._clock.now().to_msg()
+        linear = way.speed * given.jog_linear_speed
+        if direction.kind == "joint":
+            speed = way.speed * given.jog_joint_speed
+            command = joint_jog(self._model.chain, direction, speed, linear)
+            command.header.stamp = stamp
+            self._joints.publish(command)
+            return
+        chain = self._model.chain
+        frame = self._model.frame_of(chain.tip if way.frame == "tip" else chain.base)
+        twist = twist_jog(frame, direction, linear, way.speed * given.jog_angular_speed)
+        twist.header.stamp = stamp
+        self._twists.publish(twist)

@@ -1,0 +1,147 @@
+"""Messages that the view reads, as what is shown, and those that it sends."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import Marker
+
+from robomech_interfaces.msg import ServoStatus
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.execution.received_trajectory import read_waypoints
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.received_trajectory import received_trajectory
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs import Motion
+from robomech_ros.rvs.model.jog import JogDirection
+from robomech_ros.rvs.model.live_robot import SeenMarker, ServoNews
+
+__all__ = ["joint_jog", "motion_from_trajectory", "seen_marker", "servo_news", "twist_jog"]
+
+Array = NDArray[np.float64]
+
+# Of one plan, and of one marker; more would hold the page up.
+_MOST_POINTS = 100_000
+_LONGEST = 1e6
+_KINDS = {
+    Marker.ARROW: "arrow",
+    Marker.CUBE: "box",
+    Marker.SPHERE: "sphere",
+    Marker.CYLINDER: "cylinder",
+    Marker.LINE_STRIP: "lines",
+    Marker.LINE_LIST: "lines",
+}
+_LINEAR_THEN_ANGULAR = ("linear", "angular")
+# What is so whenever nobody commands limits nothing.
+_SILENT = (ServoStatus.NO_WARNING, ServoStatus.STALE_COMMAND)
+
+
+def motion_from_trajectory(chain: SerialChain, trajectory: JointTrajectory) -> Motion:
+    """Read a planned trajectory.
+
+    Raises
+    ------
+    RobomechError
+        It is no trajectory of these joints.
+    """
+    given = read_waypoints(
+        received_trajectory(trajectory), chain.joint_names, _MOST_POINTS, _LONGEST
+    )
+    rates = [
+        None if rows is None or not np.isfinite(rows).all() else rows
+        for rows in (given.velocities, given.accelerations)
+    ]
+    return Motion(chain, given.times, given.positions, qd=rates[0], qdd=rates[1])
+
+
+def servo_news(status: ServoStatus) -> ServoNews:
+    """Read what limits the motion."""
+    return ServoNews("" if status.code in _SILENT else status.message, float(status.scale))
+
+
+def joint_jog(
+    chain: SerialChain, direction: JogDirection, turning: float, sliding: float
+) -> JointState:
+    """Make the command that moves one joint.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    direction : JogDirection
+        Of a joint.
+    turning, sliding : float
+        Speeds (rad/s, m/s).
+    """
+    slides = chain.types[direction.index] == PRISMATIC
+    speed = direction.sign * (sliding if slides else turning)
+    return JointState(name=[chain.joint_names[direction.index]], velocity=[speed])
+
+
+def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float) -> TwistStamped:
+    """Make the command that moves the tip along or about an axis of a frame.
+
+    Parameters
+    ----------
+    frame : str
+    direction : JogDirection
+        Of the tip.
+    linear, angular : float
+        Speeds (m/s, rad/s).
+    """
+    message = TwistStamped()
+    message.header.frame_id = frame
+    speeds = dict(zip(_LINEAR_THEN_ANGULAR, (linear, angular), strict=True))
+    part = getattr(message.twist, direction.kind)
+    setattr(part, "xyz"[direction.index], direction.sign * speeds[direction.kind])
+    return message
+
+
+def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
+    """Read a marker that is to be drawn.
+
+    Raises
+    ------
+    BadValueError
+        It is of a kind that is not drawn, or in a frame that is none of the robot's.
+    NonFiniteError, BadQuaternionError
+        A number of it is NaN or infinite, or its orientation is none.
+    """
+    kind = _KINDS.get(marker.type)
+    if kind is None:
+        expected = "an arrow, a cube, a sphere, a cylinder or lines"
+        raise BadValueError("type of the marker", marker.type, expected)
+    link = model.link_of(marker.header.frame_id or model.base_frame)
+    if link not in model.description.links:
+        raise BadValueError("frame of the marker", marker.header.frame_id, "one of the robot's")
+    points = _points(marker, kind)
+    size, colour = marker.scale, marker.color
+    measures = (float(size.x), float(size.y), float(size.z))
+    if kind == "arrow" and not len(marker.points):
+        # Along x, so long as x says.
+        points = np.array([[0.0, 0.0, 0.0], [measures[0], 0.0, 0.0]])
+        measures = (measures[1], 2.0 * measures[1], 0.25 * measures[0])
+    numbers = [*measures, colour.r, colour.g, colour.b, colour.a, *points.ravel().tolist()]
+    if not np.isfinite(numbers).all():
+        raise NonFiniteError("marker", numbers)
+    shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
+    pose = matrix_from_pose(marker.pose)
+    return SeenMarker(f"{marker.ns}/{marker.id}", link, kind, pose, measures, points, shade)
+
+
+def _points(marker: Marker, kind: str) -> Array:
+    """Give the ends of an arrow, or pairs of ends of lines, shape (m, 3)."""
+    if len(marker.points) > _MOST_POINTS:
+        raise BadValueError("points of the marker", len(marker.points), f"{_MOST_POINTS} at most")
+    points: Sequence[object] = [(p.x, p.y, p.z) for p in marker.points]
+    ends = np.array(points, dtype=np.float64).reshape(-1, 3)
+    if kind == "arrow":
+        return ends[:2] if len(ends) > 1 else np.empty((0, 3))
+    if kind != "lines":
+        return np.empty((0, 3))
+    if marker.type == Marker.LINE_STRIP:
+        return np.stack([ends[:-1], ends[1:]], axis=1).reshape(-1, 3)
+    return ends[: len(ends) // 2 * 2]

@@ -1,0 +1,79 @@
+"""The node that shows the running robot in a browser, and has it moved from there."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.status_report import NodeCondition, StatusReport
+from robomech_ros.nodes.process.run import run_node
+from robomech_ros.nodes.rvs.running_robot import RunningRobot
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.opening import live_page_of, require_viser
+
+# How often it is looked whether who is to answer is still there (s).
+_LOOK = 1.0
+
+
+class RvsNode(Node):
+    """Shows the running robot on a page, plans, executes and jogs from there."""
+
+    SETTINGS = RvsSettings
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("rvs", **options)
+        require_viser()
+        self._settings = NodeParameters(self, RvsSettings).settings
+        when_robot_known(self, self._settings, self._serve)
+
+    def _serve(self, model: RobotModel) -> None:
+        settings = self._settings
+        robot = RunningRobot(self, model, settings)
+        where = {"port": settings.port, "host": settings.host}
+        self._page = live_page_of(model.description, model.chain, robot, **where)
+        self._robot = robot
+        StatusReport(self, "view", model.chain.name, self._condition)
+        self.create_timer(_LOOK, robot.look)
+        # Not logged: the log goes to a topic that everybody reads, and the address has the token.
+        print(f"{self.get_fully_qualified_name()}: open {self._page.url}", flush=True)
+        self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints")
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with its token."""
+        return self._page.url
+
+    def _condition(self) -> NodeCondition:
+        browsers, fault = self._page.browsers, self._robot.condition
+        summary = f"{browsers} browsers" if browsers else "nobody looks"
+        values = {
+            "address": self._page.url.partition("?")[0],
+            "browsers": browsers,
+            "jogging": self._robot.jogs,
+            "joint states": fault or "as they come",
+        }
+        return NodeCondition(f"{summary}; {fault}" if fault else summary, bool(fault), values)
+
+    def stop(self) -> None:
+        """End a jog; a motion that was sent goes on."""
+        if hasattr(self, "_robot"):
+            self._robot.let_go()
+
+    def destroy_node(self) -> None:
+        """Close the page, and take leave of ROS."""
+        if hasattr(self, "_robot"):
+            self._page.close()
+            self._robot.close()
+        super().destroy_node()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; returns the exit code."""
+    return run_node(RvsNode, args)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

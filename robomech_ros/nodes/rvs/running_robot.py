@@ -1,0 +1,156 @@
+"""The robot of a page: plans, stops and jogs through the nodes of the suite."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.sparing_log import SparingLog
+from robomech_ros.nodes.rvs.jogging import Jogger
+from robomech_ros.nodes.rvs.messages import motion_from_trajectory, seen_marker
+from robomech_ros.nodes.rvs.motions import Motions
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.nodes.rvs.state_feed import StateFeed
+from robomech_ros.rvs.model.jog import JogDirection
+from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
+
+__all__ = ["RunningRobot"]
+
+Array = NDArray[np.float64]
+
+# Markers that are drawn at the most.
+_MOST_MARKERS = 1000
+_PLANS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class RunningRobot:
+    """Carries out what a page asks for, see ``LiveRobot``, and tells it what is heard.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of all that it needs.
+    model : RobotModel
+        The robot.
+    settings : RvsSettings
+    """
+
+    def __init__(self, node: Node, model: RobotModel, settings: RvsSettings) -> None:
+        self._node, self._model, self._settings = node, model, settings
+        self._log = SparingLog(node.get_logger())
+        self._listening: list[Subscription] = []
+        self._markers: dict[str, dict[str, SeenMarker]] = {}
+
+    def begin(self, view: LiveView) -> None:
+        """Tell this page, from now on."""
+        node, model, settings = self._node, self._model, self._settings
+        self._view = view
+        self._motions = Motions(node, model.chain, settings, view)
+        self._jogger = Jogger(
+            node, model, settings, lambda text: view.show_result(text, failed=True)
+        )
+        self._feed = StateFeed(node, model, settings, view)
+        topic = f"{settings.planner}/planned_trajectory"
+        node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
+
+    @property
+    def condition(self) -> str:
+        """What is wrong with the joint states."""
+        return self._feed.condition
+
+    @property
+    def jogs(self) -> bool:
+        """Whether a jog button is held."""
+        return self._jogger.held
+
+    def plan(self, q: Array) -> None:
+        """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
+        self._soon(lambda: self._motions.plan(q))
+
+    def execute(self, q: Array) -> None:
+        """Plan such a motion, and execute it."""
+        self._soon(lambda: self._motions.execute(q))
+
+    def stop(self) -> None:
+        """Stop whatever moves the robot."""
+        self._jogger.let_go()
+        self._soon(self._motions.stop)
+
+    def let_plans_wait(self, waiting: bool) -> None:
+        """Have plans executed on request only, or each as it is made."""
+        self._soon(lambda: self._motions.let_plans_wait(waiting))
+
+    def want_markers(self, wanted: bool) -> None:
+        """Listen to markers, or not."""
+        self._soon(lambda: self._listen(wanted))
+
+    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+        """Jog while this is said again and again; see ``LiveRobot``."""
+        self._jogger.hold(direction, press, frame, speed)
+
+    def let_go(self) -> None:
+        """End the jog."""
+        self._jogger.let_go()
+
+    def look(self) -> None:
+        """Look from time to time whether all is as it was."""
+        if self._view.wait_until_seen(0.0):
+            self._motions.look()
+
+    def close(self) -> None:
+        """End what was begun; the topics go with the node."""
+        self._jogger.close()
+        self._feed.close()
+
+    def _soon(self, what: Callable[[], None]) -> None:
+        """Have something done on the thread that serves the node."""
+        executor = self._node.executor
+        if executor is not None:
+            executor.create_task(what)
+
+    def _take_plan(self, trajectory: JointTrajectory) -> None:
+        try:
+            self._view.show_plan(motion_from_trajectory(self._model.chain, trajectory))
+        except RobomechError as error:
+            self._log.error(f"a planned trajectory cannot be shown: {error}")
+
+    def _listen(self, wanted: bool) -> None:
+        for subscription in self._listening:
+            self._node.destroy_subscription(subscription)
+        self._listening = []
+        for number, topic in enumerate(self._settings.marker_topics):
+            source = f"markers_{number}"
+            self._markers[source] = {}
+            self._view.show_markers(source, ())
+            if wanted:
+                self._listening.append(
+                    self._node.create_subscription(
+                        MarkerArray,
+                        topic,
+                        lambda message, source=source: self._take_markers(source, message),
+                        LATCHED,
+                    )
+                )
+
+    def _take_markers(self, source: str, message: MarkerArray) -> None:
+        kept = self._markers[source]
+        for marker in message.markers:
+            name = f"{marker.ns}/{marker.id}"
+            if marker.action == Marker.DELETEALL:
+                kept.clear()
+            elif marker.action == Marker.DELETE:
+                kept.pop(name, None)
+            elif len(kept) < _MOST_MARKERS or name in kept:
+                try:
+                    kept[name] = seen_marker(self._model, marker)
+                except RobomechError as error:
+                    kept.pop(name, None)
+                    self._log.error(f"marker '{name}' cannot be shown: {error}")
+        self._view.show_markers(source, list(kept.values()))

@@ -1,0 +1,58 @@
+"""Parameters of the browser view."""
+
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
+
+__all__ = ["RvsSettings"]
+
+
+@dataclass(frozen=True)
+class RvsSettings(RobotSettings):
+    """Parameters of the node."""
+
+    port: int = parameter(PORT, "Port of the page; 0 = a free one", 0, GREATEST_PORT)
+    host: str = parameter(
+        HOST,
+        "Address of this machine that the page listens on; by default only this machine reaches "
+        "it. Whoever has the printed address of the page may command the robot",
+    )
+    rate: float = parameter(
+        60.0,
+        "How often the robot is drawn at most, while somebody looks",
+        1.0,
+        60.0,
+        "Hz",
+    )
+    state_timeout: float = parameter(
+        1.0, "Age from which on joint states are called old", 0.1, 60.0, "s"
+    )
+    planner: str = parameter("trajectory_planner", "Name of the trajectory planner")
+    publisher: str = parameter("trajectory_publisher", "Name of the trajectory publisher")
+    controller: str = parameter(
+        "joint_trajectory_controller", "Name of the controller, whose service hold stops the robot"
+    )
+    servo: str = parameter("servo", "Name of the servo, by which the robot is jogged")
+    marker_topics: tuple[str, ...] = parameter(
+        ("kinematics/markers",),
+        "Topics of visualization_msgs/MarkerArray that the page shows where that is wanted",
+    )
+    jog_silence: float = parameter(
+        0.4,
+        "How long a page that holds a jog button may say nothing before the robot is stopped; it "
+        "says so ten times a second",
+        0.2,
+        2.0,
+        "s",
+    )
+    jog_joint_speed: float = parameter(
+        0.5, "Greatest jogging speed of joints that turn", 1e-3, 10.0, "rad/s"
+    )
+    jog_linear_speed: float = parameter(
+        0.1, "Greatest jogging speed of the tip, and of joints that slide", 1e-3, 10.0, "m/s"
+    )
+    jog_angular_speed: float = parameter(
+        0.5, "Greatest speed at which the tip is turned by jogging", 1e-3, 10.0, "rad/s"
+    )

@@ -1,0 +1,112 @@
+"""Tells the page where the joints are, and what the servo says, while somebody looks."""
+
+import math
+import threading
+import time
+
+from rclpy.node import Node
+
+from robomech_interfaces.msg import ServoStatus
+from robomech_ros.nodes.common.error_codes import NoStateError
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+from robomech_ros.nodes.rvs.messages import servo_news
+from robomech_ros.nodes.rvs.settings import RvsSettings
+from robomech_ros.rvs.model.live_robot import LiveView, ServoNews
+
+__all__ = ["StateFeed"]
+
+# How often it is looked whether somebody looks, and what states and servo say (s).
+_IDLE, _SELDOM = 0.2, 0.1
+# At rest the servo speaks once a second.
+_SERVO_GONE = 3.0
+# Statuses that wait at the most; the latest counts.
+_DEPTH = 10
+
+
+class StateFeed:
+    """Reads joint states and the servo's status by hand, from a thread of its own.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscriptions.
+    model : RobotModel
+        The robot.
+    settings : RvsSettings
+    view : LiveView
+    """
+
+    def __init__(
+        self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
+    ) -> None:
+        self._view, self._settings = view, settings
+        self._chain, self._joints = model.chain.joint_names, model.joint_names
+        self._monitor = JointStateMonitor(node)
+        self._topic = node.resolve_topic_name("joint_states")
+        self._inbox = Inbox(node, ServoStatus, f"{settings.servo}/status", _DEPTH, lambda: None)
+        self._inbox.attend(False)
+        self._heard, self._heard_at = 0, -math.inf
+        self._servo: ServoNews | None = None
+        self._servo_at, self._looked_at = -math.inf, -math.inf
+        self._condition = ""
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="states", daemon=True)
+        self._thread.start()
+
+    @property
+    def condition(self) -> str:
+        """What is wrong with the joint states; empty for nothing, or if nobody looks."""
+        return self._condition
+
+    def close(self) -> None:
+        """End the thread."""
+        self._closing.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        period = 1.0 / self._settings.rate
+        due = time.monotonic()
+        while not self._closing.is_set():
+            if not self._view.wait_until_seen(_IDLE):
+                self._condition = ""
+                continue
+            now = time.monotonic()
+            self._look(now)
+            # What was missed is not made up for.
+            due = max(due + period, now)
+            self._closing.wait(max(due - time.monotonic(), 0.0))
+
+    def _look(self, now: float) -> None:
+        known = self._monitor.known_positions(self._joints)
+        heard = self._monitor.heard(self._chain)
+        if heard > self._heard:
+            self._heard, self._heard_at = heard, now
+            self._view.show_joints(known)
+        if now - self._looked_at >= _SELDOM:
+            self._looked_at = now
+            self._condition = self._fault(now)
+            self._view.show_state(self._condition)
+            self._hear_servo(now)
+
+    def _fault(self, now: float) -> str:
+        """Say what is wrong with the joint states."""
+        age = now - self._heard_at
+        if age <= self._settings.state_timeout:
+            return ""
+        if math.isfinite(age):
+            return (
+                f"No joint states on '{self._topic}' for {age:.0f} s: the robot may be elsewhere."
+            )
+        try:
+            self._monitor.require(self._chain)
+        except NoStateError as error:
+            return f"{str(error)[:1].upper()}{str(error)[1:]}."
+        return ""
+
+    def _hear_servo(self, now: float) -> None:
+        for status in self._inbox.take():
+            self._servo, self._servo_at = servo_news(status), now
+        gone = now - self._servo_at > _SERVO_GONE
+        self._view.show_servo(None if gone else self._servo)

@@ -1,0 +1,181 @@
+"""A robot that runs: it is drawn where its joints are, and the arm of the page is its goal."""
+
+from __future__ import annotations
+
+import html
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.model.following_goal import FollowingGoal
+from robomech_ros.rvs.model.live_robot import LiveRobot, SeenMarker, ServoNews
+from robomech_ros.rvs.motion import Motion
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.live_controls import LiveControls
+from robomech_ros.rvs.page.marker_nodes import MarkerNodes
+from robomech_ros.rvs.page.tables import STYLE, WARN
+
+__all__ = ["LiveLayer"]
+
+Array = NDArray[np.float64]
+
+
+class LiveLayer:
+    """The robot on its page, as :class:`~robomech_ros.rvs.model.live_robot.LiveView`.
+
+    Parameters
+    ----------
+    place : Place
+    robot : LiveRobot
+    """
+
+    def __init__(self, place: Place, robot: LiveRobot) -> None:
+        self._place, self._robot = place, robot
+        self._nodes, self._goal_nodes = place.separate()
+        self._goal_nodes.show(False)
+        self._markers = MarkerNodes(place.server.scene, self._nodes.path)
+        self._goal = FollowingGoal(place.arm.q)
+        self._names = place.chain.joint_names
+        self._seen, self._clients = threading.Event(), set[int]()
+        self._speaking = threading.Lock()
+        self._lines = {"state": "", "servo": "", "result": ""}
+        self._controls: LiveControls | None = None
+        self._waiting, self._wants_markers = False, False
+        gui = place.server.gui
+        self._html = gui.add_html("", order=-0.2)
+        hint = "Stops whatever moves the robot; every browser may"
+        stop = gui.add_button("Stop", color="red", hint=hint, order=-0.15)
+
+        @stop.on_click
+        async def _(_: Any) -> None:
+            robot.stop()
+
+        place.server.on_client_connect(self._came)
+        place.server.on_client_disconnect(self._left)
+        robot.begin(self)
+
+    # Of the page, on its thread.
+
+    def show(self) -> None:
+        """Show the goal where it is not the robot."""
+        self._goal.put(self._place.arm.q)
+        self._goal_nodes.show(self._goal.is_apart)
+
+    def controls(self, client: Any) -> LiveControls:
+        """Give the browser that commands its controls."""
+        self._controls = LiveControls(
+            client,
+            self._place.chain,
+            self._robot,
+            self,
+            waiting=self._waiting,
+            markers=self._wants_markers,
+        )
+        return self._controls
+
+    def close(self) -> None:
+        """End what is jogged."""
+        self._robot.let_go()
+
+    # Of the controls.
+
+    def plan(self) -> None:
+        """Plan to the goal."""
+        self._place.ask("plan to goal", lambda: self._robot.plan(self._place.arm.q.copy()))
+
+    def execute(self) -> None:
+        """Plan to the goal, and execute."""
+        self._place.ask("execute", lambda: self._robot.execute(self._place.arm.q.copy()))
+
+    def bring_goal(self) -> None:
+        """Put the goal where the robot is, and keep it there."""
+        self._goal.follow()
+        self._place.ask("goal", self._follow)
+
+    def want_markers(self, wanted: bool) -> None:
+        """Show markers, or not."""
+        self._wants_markers = wanted
+        self._robot.want_markers(wanted)
+
+    def refuse(self, error: BadValueError) -> None:
+        """Say that something was refused."""
+        self.show_result(f"Refused: {error}", failed=True)
+
+    def _follow(self) -> None:
+        """Put the goal where the robot is, at the limits where that is outside."""
+        q = self._goal.followed()
+        if q is not None:
+            chain = self._place.chain
+            self._place.arm.move_to(np.clip(q, chain.lower, chain.upper))
+            self._goal.put(self._place.arm.q, followed=True)
+
+    async def _came(self, client: Any) -> None:
+        self._clients.add(client.client_id)
+        self._seen.set()
+
+    async def _left(self, client: Any) -> None:
+        self._clients.discard(client.client_id)
+        if not self._clients:
+            self._seen.clear()
+        if self._controls is not None and self._controls.client_id == client.client_id:
+            self._robot.let_go()
+
+    # Of the robot, on any thread.
+
+    def wait_until_seen(self, seconds: float) -> bool:
+        """Wait until somebody looks, at most so long; says whether somebody does."""
+        return self._seen.wait(seconds)
+
+    def show_joints(self, positions: Mapping[str, float]) -> None:
+        """Draw the robot with its joints there (rad or m, by name)."""
+        with self._place.server.atomic():
+            self._nodes.move(positions)
+        q = np.array([positions[name] for name in self._names])
+        if self._goal.robot_is_at(q, time.monotonic()):
+            self._place.ask("goal", self._follow)
+
+    def show_state(self, text: str) -> None:
+        """Say what is wrong with the joint states; empty for nothing."""
+        self._say("state", text)
+
+    def show_servo(self, news: ServoNews | None) -> None:
+        """Show what the servo says; None if nothing is heard of it."""
+        text = "" if news is None else news.text
+        if news is not None and text and news.scale < 1.0:
+            text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"
+        self._say("servo", f"Servo: {text}" if text else "")
+
+    def show_result(self, text: str, *, failed: bool = False) -> None:
+        """Say what came of a request."""
+        self._say("result", text, failed)
+
+    def show_plan(self, motion: Motion) -> None:
+        """Show a planned motion."""
+        plan = self._place.plan
+        self._place.ask("plan", lambda: plan.show(motion, "planned_trajectory"))
+
+    def show_markers(self, source: str, markers: Sequence[SeenMarker]) -> None:
+        """Draw the markers of a source, instead of those it had."""
+        with self._place.server.atomic():
+            self._markers.show(source, markers)
+
+    def show_waiting(self, waiting: bool) -> None:
+        """Say whether plans wait to be executed on request."""
+        self._waiting = waiting
+        if self._controls is not None:
+            self._controls.show_waiting(waiting)
+
+    def _say(self, line: str, text: str, failed: bool = True) -> None:
+        with self._speaking:
+            row = f'<div style="{WARN if failed else ""}" data-{line}>{html.escape(text)}</div>'
+            row = row if text else ""
+            if self._lines[line] == row:
+                return
+            self._lines[line] = row
+            rows = "".join(self._lines.values())
+            self._html.content = f'<div style="{STYLE}" data-live>{rows}</div>' if rows else ""

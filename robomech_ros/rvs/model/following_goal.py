@@ -1,0 +1,84 @@
+"""A goal that stays with the robot until it is put elsewhere, and again once the robot is there."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FollowingGoal"]
+
+Array = NDArray[np.float64]
+
+# A joint nearer to its goal is there, and one that moves by less stands (rad or m); the tolerance
+# of the controller is larger than the first.
+THERE, STILL = 2e-3, 1e-4
+# A robot that has not moved for so long rests (s).
+REST = 0.3
+
+
+class FollowingGoal:
+    """Where a robot is and is to go; for several threads.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n,)
+        The goal at first (rad or m).
+    """
+
+    def __init__(self, q: Array) -> None:
+        self._lock = threading.Lock()
+        self._goal, self._follows = q, True
+        self._robot: Array | None = None
+        # Where the robot was when it last moved, when that was (s), and where it was when the goal
+        # was last put elsewhere.
+        self._moved_to: Array | None = None
+        self._moved_at = 0.0
+        self._left: Array | None = None
+        self._brought: Array | None = None
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether the goal was put elsewhere than the robot is."""
+        with self._lock:
+            return not self._follows and not _near(self._robot, self._goal, THERE)
+
+    def put(self, q: Array, *, followed: bool = False) -> None:
+        """Put the goal somewhere; unless it followed the robot, it stays there."""
+        with self._lock:
+            if not followed and not np.array_equal(q, self._goal):
+                self._follows, self._left = False, self._robot
+            self._goal = q
+
+    def robot_is_at(self, q: Array, now: float) -> bool:
+        """Note where the robot is (rad or m) now (s); says whether the goal is to be brought."""
+        with self._lock:
+            self._robot = q
+            if not _near(self._moved_to, q, STILL):
+                self._moved_to, self._moved_at = q, now
+            if now - self._moved_at < REST:
+                return False
+            came = _near(q, self._goal, THERE) and not _near(self._left, q, THERE)
+            self._follows = self._follows or came
+            if not self._follows or _near(self._brought, q, STILL):
+                return False
+            self._brought = q
+            return True
+
+    def follow(self) -> None:
+        """Keep the goal with the robot from now on."""
+        with self._lock:
+            self._follows = True
+
+    def followed(self) -> Array | None:
+        """Give where the goal is to be brought (rad or m); None if it stays where it is."""
+        with self._lock:
+            return self._robot if self._follows else None
+
+
+def _near(a: Array | None, b: Array | None, tolerance: float) -> bool:
+    """Say whether both are known, and all joints are nearer than a tolerance (rad or m)."""
+    if a is None or b is None:
+        return False
+    return bool((np.abs(a - b) <= tolerance).all())

@@ -1,0 +1,131 @@
+"""A robot that runs: what a page asks of it, and what it tells a page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.jog import JogDirection
+from robomech_ros.rvs.motion import Motion
+
+__all__ = ["LiveRobot", "LiveView", "SeenMarker", "ServoNews"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SeenMarker:
+    """Something to be drawn beside the robot.
+
+    Parameters
+    ----------
+    name : str
+        One of a kind among those that are shown together.
+    link : str
+        In whose frame it is.
+    kind : {"sphere", "box", "cylinder", "arrow", "lines"}
+    pose : ndarray, shape (4, 4)
+        In the frame of the link (m).
+    measures : tuple of three float
+        Diameters, or lengths of edges (m); of lines the first is the width, of arrows the
+        diameters of shaft and head and the length of the head.
+    points : ndarray, shape (m, 3)
+        Ends of an arrow, or pairs of ends of lines, in the frame of the pose (m).
+    colour : tuple of four float
+        Red, green, blue and alpha from 0 to 1.
+    """
+
+    name: str
+    link: str
+    kind: str
+    pose: Array
+    measures: tuple[float, float, float]
+    points: Array
+    colour: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class ServoNews:
+    """What the servo says.
+
+    Parameters
+    ----------
+    text : str
+        What limits the motion; empty if nothing does.
+    scale : float
+        At which part of the commanded speed the robot moves.
+    """
+
+    text: str
+    scale: float
+
+
+class LiveView(Protocol):
+    """What a robot tells a page; methods may be called from any thread, and return soon."""
+
+    def wait_until_seen(self, seconds: float) -> bool:
+        """Wait until somebody looks, at most so long; says whether somebody does."""
+
+    def show_joints(self, positions: Mapping[str, float]) -> None:
+        """Draw the robot with its joints there (rad or m, by name)."""
+
+    def show_state(self, text: str) -> None:
+        """Say what is wrong with the joint states; empty for nothing."""
+
+    def show_servo(self, news: ServoNews | None) -> None:
+        """Show what the servo says; None if nothing is heard of it."""
+
+    def show_result(self, text: str, *, failed: bool = False) -> None:
+        """Say what came of a request."""
+
+    def show_plan(self, motion: Motion) -> None:
+        """Show a planned motion."""
+
+    def show_markers(self, source: str, markers: Sequence[SeenMarker]) -> None:
+        """Draw the markers of a source, instead of those it had."""
+
+    def show_waiting(self, waiting: bool) -> None:
+        """Say whether plans wait to be executed on request."""
+
+
+class LiveRobot(Protocol):
+    """What a page asks of a robot; methods return at once, and answers go to the view."""
+
+    def begin(self, view: LiveView) -> None:
+        """Tell this page, from now on."""
+
+    def plan(self, q: Array) -> None:
+        """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
+
+    def execute(self, q: Array) -> None:
+        """Plan such a motion, and execute it."""
+
+    def stop(self) -> None:
+        """Stop whatever moves the robot."""
+
+    def let_plans_wait(self, waiting: bool) -> None:
+        """Have plans executed on request only, or each as it is made."""
+
+    def want_markers(self, wanted: bool) -> None:
+        """Listen to markers, or not."""
+
+    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+        """Jog while this is said again and again.
+
+        Parameters
+        ----------
+        direction : JogDirection
+        press : int
+            Of the button; one that was let go does nothing any more.
+        frame : {"base", "tip"}
+            Whose axes those of the tip's motion are.
+        speed : float
+            Part of the greatest jogging speed, from 0 to 1.
+        """
+
+    def let_go(self) -> None:
+        """End the jog."""

@@ -1,0 +1,152 @@
+"""What the browser that commands has for a robot that runs: plan, execute, jog."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.jog import read_hold
+from robomech_ros.rvs.model.live_robot import LiveRobot
+from robomech_ros.rvs.page.jog_pad import jog_pad
+from robomech_ros.rvs.page.tables import short_name
+
+__all__ = ["GOAL", "LiveCommands", "LiveControls"]
+
+# Label of the buttons about the goal, and what they do.
+GOAL = "Goal"
+PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"
+# Parts of the greatest jogging speed.
+SLOWEST, AT_FIRST = 0.05, 0.5
+
+
+class LiveCommands(Protocol):
+    """What the controls ask of their layer; each returns at once."""
+
+    def plan(self) -> None:
+        """Plan to the goal."""
+
+    def execute(self) -> None:
+        """Plan to the goal, and execute."""
+
+    def bring_goal(self) -> None:
+        """Put the goal where the robot is."""
+
+    def want_markers(self, wanted: bool) -> None:
+        """Show markers, or not."""
+
+    def refuse(self, error: BadValueError) -> None:
+        """Say that something was refused."""
+
+
+class LiveControls:
+    """The controls of one browser.
+
+    Parameters
+    ----------
+    client : viser.ClientHandle
+        The browser.
+    chain : SerialChain
+        The arm.
+    robot : LiveRobot
+    commands : LiveCommands
+    waiting : bool
+        Whether plans wait to be executed on request.
+    markers : bool
+        Whether markers are shown.
+    """
+
+    def __init__(
+        self,
+        client: Any,
+        chain: SerialChain,
+        robot: LiveRobot,
+        commands: LiveCommands,
+        *,
+        waiting: bool,
+        markers: bool,
+    ) -> None:
+        self._robot, self._commands, self._joints = robot, commands, chain.n
+        self.client_id = client.client_id
+        self._handles: list[Any] = []
+        gui = client.gui
+        self._add_goal(gui)
+        self._add_jog(gui, chain)
+        folder = gui.add_folder("ROS", order=50, expand_by_default=False)
+        self._handles.append(folder)
+        with folder:
+            hint = "Off: the trajectory publisher executes every plan as soon as it is made"
+            self._waiting = gui.add_checkbox("plans wait", waiting, hint=hint)
+            shown = gui.add_checkbox("markers", markers, hint="What the nodes publish as markers")
+
+        @self._waiting.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                robot.let_plans_wait(self._waiting.value)
+
+        @shown.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                commands.want_markers(shown.value)
+
+    def _add_goal(self, gui: Any) -> None:
+        hint = (
+            "Plan a motion from the robot to the goal, the orange arm; plan and execute it; put "
+            "the goal where the robot is"
+        )
+        group = gui.add_button_group(GOAL, (PLAN, EXECUTE, TO_ROBOT), hint=hint, order=-0.1)
+        self._handles.append(group)
+        ways = {
+            PLAN: self._commands.plan,
+            EXECUTE: self._commands.execute,
+            TO_ROBOT: self._commands.bring_goal,
+        }
+
+        @group.on_click
+        async def _(event: Any) -> None:
+            way = ways.get(event.target.value)
+            if way is not None:
+                way()
+
+    def _add_jog(self, gui: Any, chain: SerialChain) -> None:
+        folder = gui.add_folder("Jog", order=3.5, expand_by_default=False)
+        self._handles.append(folder)
+        with folder:
+            hint = "Part of the greatest jogging speed, a parameter of the node"
+            self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
+            hint = "Axes along and about which the tip is jogged"
+            self._frame = gui.add_dropdown("axes of", ("base", "tip"), hint=hint)
+            self._field = gui.add_text("jog", "")
+            names = [short_name(name) for name in chain.joint_names]
+            gui.add_html(jog_pad(self._field._impl.uuid, names))
+
+        # On the server's own thread: no other request of the page may delay the end of a jog.
+        @self._field.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                self._hold(self._field.value)
+
+    def _hold(self, text: str) -> None:
+        if not text.strip():
+            self._robot.let_go()
+            return
+        try:
+            direction, press = read_hold(text, self._joints)
+            speed = self._speed.value
+            if not SLOWEST <= speed <= 1.0:
+                raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
+            self._robot.hold(direction, press, str(self._frame.value), float(speed))
+        except BadValueError as error:
+            self._robot.let_go()
+            self._commands.refuse(error)
+
+    def show_waiting(self, waiting: bool) -> None:
+        """Show whether plans wait to be executed on request."""
+        if self._waiting.value != waiting:
+            self._waiting.value = waiting
+
+    def remove(self) -> None:
+        """Take the controls from the browser, and end its jog."""
+        self._robot.let_go()
+        for handle in reversed(self._handles):
+            handle.remove()
