@@ -17,8 +17,8 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.nodes.process.free_domain import free_domain
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.reach import stay_on_this_machine
-from robomech_ros.nodes.process.start import NODE_MODULES
 
 __all__ = ["RunningSuite", "running_suite"]
 
@@ -54,13 +54,13 @@ class RunningSuite:
         pid, found = self._process.pid, {}
         for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
             words = Path(f"/proc/{child}/cmdline").read_bytes().decode().split("\0")
-            found.update({node: int(child) for node in NODE_MODULES if node in words})
+            found.update({node: int(child) for node in LaunchOptions().nodes if node in words})
         return found
 
     def wait_until_ready(self, node: Node) -> None:
         """Wait until every node serves, seen by somebody in the same domain whom nobody spins."""
         deadline = time.monotonic() + PATIENCE
-        for name in NODE_MODULES:
+        for name in LaunchOptions().nodes:
             client = ask(node, Trigger, f"{name}/ready")
             while not client.service_is_ready():
                 assert self.alive() and time.monotonic() < deadline, f"{name} does not come up"

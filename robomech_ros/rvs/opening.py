@@ -117,9 +117,10 @@ def live_page_of(
     require_viser()
     from robomech_ros.rvs.layers import LAYERS
     from robomech_ros.rvs.layers.live import LiveLayer
+    from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 
-    layers = [partial(LiveLayer, robot=robot), *LAYERS]
+    layers: list[LayerMaker] = [partial(LiveLayer, robot=robot), *LAYERS]
     return RobotPage(description, chain, port=port, host=host, layers=layers, fixed=True)
 
 

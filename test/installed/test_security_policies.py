@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from robomech_ros.nodes.commands.policy_xml import rights_of
-from robomech_ros.nodes.process.start import NODE_MODULES
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 
 PATIENCE = 120.0
 ENCLAVE = "/cell_1/left"
@@ -60,11 +60,11 @@ def test_the_policy_has_the_schemas_form_and_allows_what_running_nodes_do(
 ):
     check_structure(policy)
     assert policy.find("enclaves/enclave").get("path") == ENCLAVE
-    assert [p.get("node") for p in policy.iter("profile")] == list(NODE_MODULES)
+    assert [p.get("node") for p in policy.iter("profile")] == list(LaunchOptions().nodes)
     assert {p.get("ns") for p in policy.iter("profile")} == {"/left"}
     with bringup(*OPTIONS):
         deadline = time.monotonic() + PATIENCE
-        for node in NODE_MODULES:
+        for node in LaunchOptions().nodes:
             for way in ("publish", "subscribe", "reply", "request", "execute", "call"):
                 wanted = allowed(policy, node, way)
                 if (node, way) == ("joint_trajectory_controller", "subscribe"):

@@ -33,8 +33,8 @@ from running_suite import RunningSuite, running_suite  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 from valid import ValidMaker  # noqa: E402
 
+from robomech_ros.nodes.process.launch_options import LaunchOptions  # noqa: E402
 from robomech_ros.nodes.process.run import Spinner  # noqa: E402
-from robomech_ros.nodes.process.start import NODE_MODULES  # noqa: E402
 from robomech_ros.robots import load_robot  # noqa: E402
 
 # What comes from rcl itself, with a queue of ten.
@@ -126,7 +126,7 @@ def services(node: Node) -> Interfaces:
     """Name all services of all nodes, with their types."""
     return [
         (name, kinds[0])
-        for owner in NODE_MODULES
+        for owner in LaunchOptions().nodes
         for name, kinds in node.get_service_names_and_types_by_node(owner, node.get_namespace())
         if "/_action/" not in name and not name.endswith(_OF_RCL)
     ]
@@ -137,7 +137,7 @@ def actions(node: Node) -> Interfaces:
     own = node.get_namespace()
     return [
         (name, kinds[0])
-        for owner in NODE_MODULES
+        for owner in LaunchOptions().nodes
         for name, kinds in get_action_server_names_and_types_by_node(node, owner, own)
     ]
 

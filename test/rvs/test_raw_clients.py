@@ -105,7 +105,7 @@ def test_a_value_beyond_a_limit_is_refused_in_words(page, commander):
         "elbow_joint" in page._stage._notice.content
         and "3.14159 rad" in page._stage._notice.content
     )
-    assert page._panel._sliders[2].value == pytest.approx(page._arm.q[2])
+    wait_until(lambda: page._panel._sliders[2].value == pytest.approx(page._arm.q[2]))
 
 
 def test_a_flood_is_slowed_down_and_harmless(page, client, commander):

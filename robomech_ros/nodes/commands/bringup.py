@@ -18,8 +18,6 @@ from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
 from robomech_ros.robots import load_description, main_chain, semantics_of
-from robomech_ros.rvs.opening import require_viser
-from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 
 __all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
 
@@ -84,9 +82,9 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--view", action="store_true", help="show the robot in a browser, too; prints the address"
     )
-    parser.add_argument("--view-port", type=int, help=f"of the page; 0 takes a free one ({PORT})")
+    parser.add_argument("--view-port", type=int, help="of the page; 0 takes a free one (8080)")
     parser.add_argument(
-        "--view-host", help=f"address that the page listens on ({HOST}: this machine alone)"
+        "--view-host", help="address that the page listens on (127.0.0.1: this machine alone)"
     )
     parser.add_argument(
         "--ros-args",
@@ -182,6 +180,9 @@ def _check_view(args: argparse.Namespace) -> None:
             name = f"--{option.replace('_', '-')}"
             raise BadValueError(name, getattr(args, option), "nothing without --view")
     if args.view:
+        from robomech_ros.rvs.opening import require_viser
+        from robomech_ros.rvs.serving.address import GREATEST_PORT
+
         require_viser()
         if args.view_port is not None and not 0 <= args.view_port <= GREATEST_PORT:
             raise BadValueError("--view-port", args.view_port, f"0 to {GREATEST_PORT}")

@@ -49,7 +49,8 @@ class Motions:
     def __init__(
         self, node: Node, chain: SerialChain, settings: RvsSettings, view: LiveView
     ) -> None:
-        self._names, self._view, self._publisher = chain.joint_names, view, settings.publisher
+        self._node, self._view, self._publisher = node, view, settings.publisher
+        self._names = chain.joint_names
         planner, publisher, controller = settings.planner, settings.publisher, settings.controller
         self._planner = ask(node, PlanJoint, f"{planner}/plan_joint")
         self._executor = ask(node, Execute, f"{publisher}/execute")
@@ -119,7 +120,7 @@ class Motions:
         if there:
             self._view.show_result("Stopped.")
             return
-        names = " and ".join(f"'{client.srv_name}'" for client in self._stoppers)
+        names = " and ".join(self._name(client) for client in self._stoppers)
         self._view.show_result(f"Nobody serves {names}: only the jog is stopped.", failed=True)
 
     def let_plans_wait(self, waiting: bool) -> None:
@@ -142,7 +143,7 @@ class Motions:
         if awaited is not None and not awaited.service_is_ready():
             self._awaited = None
             self._number += 1
-            self._view.show_result(f"No answer: '{awaited.srv_name}' is gone.", failed=True)
+            self._view.show_result(f"No answer: {self._name(awaited)} is gone.", failed=True)
         if self._reader.service_is_ready():
             future = self._reader.call_async(GetParameters.Request(names=[_AUTOMATIC]))
             future.add_done_callback(
@@ -160,7 +161,7 @@ class Motions:
     def _call(self, number: int, client: Client, request: Any, take: Callable[[Any], None]) -> None:
         """Call a service, and take its answer unless another request has come meanwhile."""
         if not client.service_is_ready():
-            self._view.show_result(f"Nobody serves '{client.srv_name}'.", failed=True)
+            self._view.show_result(f"Nobody serves {self._name(client)}.", failed=True)
             return
         self._awaited = client
 
@@ -175,6 +176,9 @@ class Motions:
                 take(future.result())
 
         client.call_async(request).add_done_callback(answered)
+
+    def _name(self, client: Client) -> str:
+        return f"'{self._node.resolve_service_name(client.srv_name)}'"
 
     def _said_no(self, what: str, answer: Any) -> bool:
         if answer.error_code:

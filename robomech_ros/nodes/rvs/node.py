@@ -32,8 +32,8 @@ class RvsNode(Node):
     def _serve(self, model: RobotModel) -> None:
         settings = self._settings
         robot = RunningRobot(self, model, settings)
-        where = {"port": settings.port, "host": settings.host}
-        self._page = live_page_of(model.description, model.chain, robot, **where)
+        described = model.description, model.chain
+        self._page = live_page_of(*described, robot, port=settings.port, host=settings.host)
         self._robot = robot
         StatusReport(self, "view", model.chain.name, self._condition)
         self.create_timer(_LOOK, robot.look)

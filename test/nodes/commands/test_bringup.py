@@ -35,8 +35,30 @@ def test_every_node_gets_the_robot_and_its_own_file():
 
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
-    assert every - without == {"servo"} and every == set(NODE_MODULES)
+    assert every - without == {"servo"} and every == set(NODE_MODULES) - {"rvs"}
     assert set(LaunchOptions("scara", servo=False).commands()) == without
+
+
+def test_the_view_is_one_of_the_nodes_where_it_is_wanted():
+    given = ("--view", "--view-port", "0", "--view-host", "0.0.0.0")
+    every = commands("--robot", "scara", *given)
+    assert list(every)[-1] == "rvs" and set(every) == set(NODE_MODULES)
+    for option in ("rvs:port:=0", 'rvs:host:="0.0.0.0"'):
+        assert option in every["rvs"]
+    assert not [word for word in commands("--view")["rvs"] if word.startswith("rvs:")]
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        (("--view-port", "8081"), "--view-port is 8081, expected nothing without --view"),
+        (("--view-host", "::1"), "--view-host is '::1', expected nothing without --view"),
+        (("--view", "--view-port", "70000"), "--view-port is 70000, expected 0 to 65535"),
+    ],
+)
+def test_options_of_the_view_are_checked(given, text):
+    with pytest.raises(BadValueError, match=text):
+        bringup.run(parsed("--robot", "puma560", *given))
 
 
 def test_paths_are_made_absolute(tmp_path, monkeypatch):
@@ -196,4 +218,6 @@ def test_every_parameter_is_documented_with_its_default(node):
 
 @pytest.mark.parametrize("node", NODE_MODULES)
 def test_every_node_is_found_and_has_its_name(node, graph):
-    assert graph.start(bringup.node_class(node), robot_description="scara").get_name() == node
+    more = {"port": 0} if node == "rvs" else {}
+    started = graph.start(bringup.node_class(node), robot_description="scara", **more)
+    assert started.get_name() == node

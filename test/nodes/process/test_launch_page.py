@@ -10,6 +10,7 @@ import pytest
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.parameters import table_rows
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.start import NODE_MODULES
 
 ROOT = Path(__file__).parents[3]
@@ -41,7 +42,7 @@ def test_files_are_python_and_describe_a_launch(source):
 
 def test_nodes_and_parameters_exist():
     nodes = literal(FILES[1], "NODES")
-    assert {node for _, node, _ in nodes} == set(NODE_MODULES)
+    assert {node for _, node, _ in nodes} == set(LaunchOptions().nodes)
     shared = re.findall(r'^        "(\w+)": ParameterValue', FILES[1], re.MULTILINE)
     assert shared == ["robot_description", "frame_prefix"]
     setup = (ROOT / "setup.py").read_text(encoding="utf-8")

@@ -1,0 +1,339 @@
+"""The node rvs over real DDS, with pages that are no browsers."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
+
+import msgspec.msgpack
+from diagnostic_msgs.msg import DiagnosticArray
+from drivers import Driver
+from raw_client import Client, camera, wait_until
+from servo_operator import START
+
+from robomech_interfaces.srv import AnalyzeSingularity
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.rvs.node import RvsNode
+from robomech_ros.nodes.servo.node import ServoNode
+from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
+from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
+from robomech_ros.rvs.serving.server import PortTakenError
+
+PACK = msgspec.msgpack.encode
+ROBOT = "puma560"
+
+
+class Browser:
+    """A connection to the page of a node, and what the node shows there."""
+
+    def __init__(self, node):
+        self.node, self.page = node, node._page
+        self.layer = self.page._layers[0]
+        self.client = Client(node)
+        self._socket = self.client.connect()
+        self._presses = self._beats = 0
+        self.send(camera())
+        wait_until(lambda: self.layer._controls is not None)
+
+    def send(self, message):
+        self._socket.send(PACK(message))
+
+    def set(self, handle, value):
+        """Set a control as a page does."""
+        message = {"type": "GuiUpdateMessage", "uuid": handle._impl.uuid}
+        self.send(message | {"updates": {"value": value}})
+
+    def click(self, what):
+        """Click one of the buttons about the goal."""
+        self.set(self.layer._controls._handles[0], what)
+
+    def press(self):
+        self._presses += 1
+
+    def hold(self, direction):
+        """Say that a button is held."""
+        self._beats += 1
+        text = f"{direction} {self._presses} {self._beats}"
+        self.set(self.layer._controls._field, text)
+
+    def said(self, line="result"):
+        """What the page says."""
+        return self.layer._lines[line]
+
+    def close(self):
+        self._socket.close()
+
+
+@pytest.fixture
+def browse():
+    """Open pages of nodes; all are closed at the end."""
+    opened = []
+
+    def start(node):
+        opened.append(Browser(node))
+        return opened[-1]
+
+    yield start
+    for one in opened:
+        one.close()
+
+
+@pytest.fixture
+def shown(graph, arm, browse):
+    """A simulated PUMA, and a page of it."""
+    return browse(graph.start(RvsNode, robot_description=ROBOT, port=0))
+
+
+def drawn(browser):
+    """Where the robot is drawn (rad), shape (n,)."""
+    latest = browser.layer._goal._robot
+    return np.full(6, np.nan) if latest is None else latest
+
+
+def test_the_robot_is_drawn_where_its_joints_are_and_the_goal_follows(shown, arm):
+    wait_until(lambda: np.allclose(drawn(shown), arm.position, atol=1e-6))
+    arm.execute(arm.trajectory((0.5, 0.3)))
+    wait_until(lambda: np.allclose(drawn(shown), arm.position, atol=1e-6))
+    wait_until(lambda: np.allclose(shown.page._arm.q, arm.position, atol=1e-6))
+    assert not shown.layer._goal.is_apart and shown.said("state") == ""
+
+
+def test_states_that_fail_to_come_are_told(graph, browse):
+    browser = browse(graph.start(RvsNode, robot_description=ROBOT, port=0))
+    wait_until(lambda: "nothing received" in browser.said("state"))
+    status = graph.receive(
+        DiagnosticArray, "/diagnostics", 10, lambda m: "nothing received" in m.status[0].message
+    ).status[0]
+    assert status.level == status.WARN and status.hardware_id == ROBOT
+    values = {entry.key: entry.value for entry in status.values}
+    assert values["address"] == browser.node.url.split("?")[0] and "token" not in str(status)
+
+
+@pytest.fixture
+def suite(graph, shown):
+    """The nodes that plan and execute."""
+    graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
+    graph.start(TrajectoryPublisherNode, robot_description=ROBOT)
+    motions = shown.node._robot._motions
+    wanted = [motions._planner, motions._executor, motions._reader, *motions._stoppers]
+    wait_until(lambda: all(client.service_is_ready() for client in wanted))
+    return shown
+
+
+def goal_beside(browser, arm, by):
+    """Put the goal beside the robot, by a slider."""
+    wait_until(lambda: np.allclose(browser.page._arm.q, arm.position, atol=1e-6))
+    browser.set(browser.page._panel._sliders[0], float(arm.position[0] + by))
+    wait_until(lambda: browser.layer._goal.is_apart)
+
+
+def test_executes_to_the_goal(suite, arm):
+    goal_beside(suite, arm, 0.25)
+    goal = suite.page._arm.q
+    assert not np.allclose(arm.position, goal, atol=0.1)
+    suite.click("Execute")
+    wait_until(lambda: "arrived after" in suite.said())
+    np.testing.assert_allclose(arm.position, goal, atol=2e-3)
+    wait_until(lambda: not suite.layer._goal.is_apart)
+    plan = suite.page._plan.motion
+    np.testing.assert_allclose(plan.q[-1], goal, atol=1e-9)
+
+
+def test_a_plan_alone_moves_nothing(suite, arm):
+    goal_beside(suite, arm, 0.25)
+    start = arm.position
+    suite.click("Plan")
+    wait_until(lambda: "executes every plan at once" in suite.said())
+    suite.set(suite.layer._controls._waiting, True)
+    wait_until(lambda: "Plans wait for Execute" in suite.said())
+    suite.click("Plan")
+    wait_until(lambda: "the motion takes" in suite.said())
+    wait_until(lambda: suite.page._plan.motion is not None)
+    np.testing.assert_array_equal(arm.position, start)
+    suite.click("Execute")
+    wait_until(lambda: "arrived after" in suite.said())
+    np.testing.assert_allclose(arm.position, start + [0.25, 0, 0, 0, 0, 0], atol=2e-3)
+
+
+def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
+    goal_beside(suite, arm, 2.0)
+    suite.click("Execute")
+    arm.until_moving()
+    stop = next(
+        handle
+        for handle in suite.page._server.viser.gui._gui_input_handle_from_uuid.values()
+        if getattr(handle, "label", "") == "Stop"
+    )
+    suite.set(stop, True)
+    wait_until(lambda: suite.said() and "Stopped" in suite.said())
+    arm.until(lambda: not arm.velocity.any())
+    rest = arm.position
+    assert abs(rest[0] - suite.page._arm.q[0]) > 0.1
+    # Nothing that was planned before moves it after.
+    suite.click("Plan")
+    wait_until(lambda: "executes every plan at once" in suite.said())
+    np.testing.assert_array_equal(arm.position, rest)
+
+
+def test_who_is_not_there_is_named(shown, arm):
+    wait_until(lambda: np.allclose(drawn(shown), arm.position, atol=1e-6))
+    shown.click("Execute")
+    wait_until(lambda: "/trajectory_planner/plan_joint" in shown.said())
+    assert "Nobody serves" in shown.said()
+    shown.press()
+    shown.hold("linear 2 +")
+    wait_until(lambda: "No servo listens" in shown.said())
+
+
+@pytest.fixture
+def jogged(graph, drive, browse):
+    """A PUMA away from singularities, its servo, and a page."""
+    robot = drive(initial_positions=START)
+    parameters = {"characteristic_length": 0.283, "publish_rate": 50.0}
+    graph.start(ServoNode, robot_description=ROBOT, **parameters)
+    browser = browse(graph.start(RvsNode, robot_description=ROBOT, port=0, jog_silence=1.0))
+    jogger = browser.node._robot._jogger
+    wait_until(lambda: np.allclose(drawn(browser), robot.position, atol=1e-6))
+    for publisher in (jogger._twists, jogger._joints):
+        wait_until(publisher.get_subscription_count)
+    return browser, robot
+
+
+def hold_until(browser, direction, condition):
+    """Hold a button until something is so."""
+    browser.press()
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline, browser.said()
+        browser.hold(direction)
+        time.sleep(0.05)
+
+
+def until_still(robot):
+    """Wait until the robot has stood for some states."""
+    seen = len(robot.states)
+    robot.until(lambda: len(robot.states) > seen + 30)
+    robot.until(
+        lambda: np.ptp([s.position for s in robot.states[-30:]], axis=0).max() == 0.0,
+    )
+
+
+def test_a_button_moves_the_tip_while_it_is_held(jogged):
+    browser, robot = jogged
+
+    def tip():
+        return forward_kinematics(robot.chain, robot.position)[:3, 3]
+
+    start = tip()
+    hold_until(browser, "linear 2 +", lambda: tip()[2] > start[2] + 0.03)
+    browser.set(browser.layer._controls._field, "")
+    until_still(robot)
+    assert not browser.node._robot.jogs
+    moved = tip() - start
+    assert np.abs(moved[:2]).max() < 0.1 * moved[2]
+    # The goal comes along.
+    wait_until(lambda: np.allclose(browser.page._arm.q, robot.position, atol=1e-6))
+
+
+def test_a_joint_is_jogged_to_its_limit_and_no_further(jogged):
+    browser, robot = jogged
+    browser.set(browser.layer._controls._speed, 1.0)
+    upper = robot.chain.upper[4]
+    hold_until(browser, "joint 4 +", lambda: robot.position[4] > upper - 0.05)
+    hold_until(browser, "joint 4 +", lambda: robot.names[4] in browser.said("servo"))
+    browser.set(browser.layer._controls._field, "")
+    until_still(robot)
+    for state in robot.states:
+        assert state.position[4] <= upper + 1e-9
+
+
+@pytest.mark.parametrize("how", ["close", "silence", "take over"])
+def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
+    browser, robot = jogged
+    start = robot.position[1]
+    hold_until(browser, "joint 1 +", lambda: robot.position[1] > start + 0.03)
+    if how == "close":
+        browser.close()
+    elif how == "take over":
+        other = Browser(browser.node)
+        wait_until(lambda: browser.page._audience._watching)
+        ((number, (_, button)),) = browser.page._audience._watching.items()
+        other.set(button, True)
+        wait_until(lambda: browser.page._audience.commander == number)
+        other.close()
+    until_still(robot)
+    assert not browser.node._robot.jogs
+
+
+WILD = [
+    "linear 0 + 1",
+    "joint 99 + 1 1",
+    "linear 0 + 1 1; drop",
+    "nan",
+    "joint 0 +" * 300,
+]
+
+
+@pytest.mark.parametrize("text", WILD)
+def test_wild_jogs_are_refused(jogged, text):
+    browser, robot = jogged
+    start = robot.position
+    browser.set(browser.layer._controls._field, text)
+    wait_until(lambda: "Refused" in browser.said())
+    browser.set(browser.layer._controls._speed, 1e300)
+    browser.press()
+    browser.hold("linear 0 +")
+    wait_until(lambda: "speed" in browser.said())
+    assert not browser.node._robot.jogs
+    np.testing.assert_array_equal(robot.position, start)
+
+
+def test_two_robots_have_pages_of_their_own(graph, browse):
+    sides = {}
+    for side, start in (("left", 0.2), ("right", -0.2)):
+        robot = Driver(graph, graph.start, namespace=side, initial_positions=[start] * 6)
+        node = graph.start(RvsNode, namespace=side, robot_description=ROBOT, port=0)
+        sides[side] = robot, browse(node)
+    for robot, browser in sides.values():
+        wait_until(lambda r=robot, b=browser: np.allclose(drawn(b), r.position, atol=1e-6))
+    assert sides["left"][1].node.url != sides["right"][1].node.url
+    robot, browser = sides["left"]
+    robot.execute(robot.trajectory((0.5, 0.3)))
+    wait_until(lambda: np.allclose(drawn(browser), robot.position, atol=1e-6))
+    np.testing.assert_allclose(drawn(sides["right"][1]), [-0.2] * 6, atol=1e-6)
+
+
+def test_a_port_that_is_taken_is_told(graph, shown):
+    port = shown.client.port
+    with pytest.raises(PortTakenError, match=f"port {port} of 127.0.0.1 is taken"):
+        graph.start(RvsNode, robot_description=ROBOT, port=port)
+
+
+def test_markers_are_drawn_where_they_are_wanted(graph, shown):
+    graph.start(KinematicsNode, robot_description=ROBOT)
+    box = next(
+        handle
+        for handle in shown.node._page._server.viser.get_clients()[
+            shown.layer._controls.client_id
+        ].gui._gui_input_handle_from_uuid.values()
+        if getattr(handle, "label", "") == "markers"
+    )
+    shown.set(box, True)
+    graph.call(AnalyzeSingularity, "kinematics/analyze_singularity", AnalyzeSingularity.Request())
+    nodes = shown.layer._markers._nodes
+    wait_until(lambda: len(nodes.get("markers_0", ())) > 2)
+    shown.set(box, False)
+    wait_until(lambda: nodes["markers_0"] == [])
+
+
+def test_without_anybody_nothing_is_drawn(graph, arm):
+    node = graph.start(RvsNode, robot_description=ROBOT, port=0)
+    layer = node._page._layers[0]
+    arm.execute(arm.trajectory((0.3, 0.2)))
+    assert layer._goal._robot is None and not layer.wait_until_seen(0.0)
