@@ -329,7 +329,7 @@ def test_markers_are_drawn_where_they_are_wanted(graph, shown):
     nodes = shown.layer._markers._nodes
     wait_until(lambda: len(nodes.get("markers_0", ())) > 2)
     shown.set(box, False)
-    wait_until(lambda: nodes["markers_0"] == [])
+    wait_until(lambda: nodes.get("markers_0") == [])
 
 
 def test_without_anybody_nothing_is_drawn(graph, arm):
