@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.grid_crossings import Equations, GridProblem
 from robomech_ros.numerics.two_unknowns import ANGLES
-from robomech_ros.rvs.opening import HOST, PORT, require_viser
+from robomech_ros.rvs.opening import require_viser
+from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.equations_page import EquationsPage
