@@ -2,9 +2,10 @@
 
 from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
+from robomech_ros.rvs.layers.understand import UnderstandLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
 __all__ = ["LAYERS"]
 
 # In the order of their folders on the page.
-LAYERS: tuple[LayerMaker, ...] = (ContoursLayer, MotionLayer)
+LAYERS: tuple[LayerMaker, ...] = (UnderstandLayer, ContoursLayer, MotionLayer)

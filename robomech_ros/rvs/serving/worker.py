@@ -33,13 +33,13 @@ class Worker:
             self._waiting[kind] = request
             self._change.notify_all()
 
-    def close(self) -> None:
-        """Give up what waits, and end after what is under way."""
+    def close(self, *, wait: bool = True) -> None:
+        """Give up what waits, and end after what is under way, for which it waits or does not."""
         with self._change:
             self._closing = True
             self._waiting.clear()
             self._change.notify_all()
-        if threading.current_thread() is not self._thread:
+        if wait and threading.current_thread() is not self._thread:
             self._thread.join()
 
     def _work(self) -> None:

@@ -1,0 +1,77 @@
+"""A folder of controls in one browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["Folder"]
+
+
+class Folder:
+    """A folder, and what is in it, of which each control has something done.
+
+    Parameters
+    ----------
+    gui : viser.GuiApi
+        Of one browser.
+    label : str
+    order : float
+        Among the folders of the page.
+    expanded : bool, optional
+        Whether it is open at first.
+    """
+
+    def __init__(self, gui: Any, label: str, order: float, *, expanded: bool = False) -> None:
+        self._gui = gui
+        self._folder = gui.add_folder(label, order=order, expand_by_default=expanded)
+        self._handles: list[Any] = []
+        self.removed = False
+
+    def __enter__(self) -> Folder:
+        self._folder.__enter__()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._folder.__exit__(*raised)
+
+    def text(self) -> Any:
+        """Add HTML, empty at first."""
+        handle = self._gui.add_html("")
+        self._handles.append(handle)
+        return handle
+
+    def checkbox(
+        self, label: str, checked: bool, changed: Callable[[Any], None], hint: str | None = None
+    ) -> Any:
+        """Add a checkbox."""
+        return self.listen(self._gui.add_checkbox(label, checked, hint=hint), changed)
+
+    def listen(self, handle: Any, changed: Callable[[Any], None]) -> Any:
+        """Keep a control; the value that the page gives it is handed on."""
+        self._handles.append(handle)
+
+        @handle.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                changed(handle.value)
+
+        return handle
+
+    def button(self, label: str, pressed: Callable[[], None], hint: str | None = None) -> Any:
+        """Add a button."""
+        handle = self._gui.add_button(label, hint=hint)
+        self._handles.append(handle)
+
+        @handle.on_click
+        async def _(_: Any) -> None:
+            pressed()
+
+        return handle
+
+    def remove(self) -> None:
+        """Take it from the browser, with what is in it."""
+        for handle in reversed(self._handles):
+            handle.remove()
+        self._folder.remove()
+        self.removed = True
