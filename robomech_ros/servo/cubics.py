@@ -10,7 +10,7 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.servo.look_ahead import cubics_inside
 from robomech_ros.servo.limits import RATE_ROUNDING, ServoLimits
 
-__all__ = ["CubicCheck", "Verdict"]
+__all__ = ["CubicCheck", "Verdict", "end_of_cubic"]
 
 Array = NDArray[np.float64]
 
@@ -18,6 +18,21 @@ _cubics_inside = direct(cubics_inside)
 
 # By so much a joint that stands at the end of its range may move in rounding (rad or m).
 _ROUNDING = 1e-12
+
+
+def end_of_cubic(width: float, q: Array, v: Array) -> Array:
+    """Give the acceleration and the jerk (2, n) at the end of the cubic between two knots.
+
+    Parameters
+    ----------
+    width : float
+        Time between them (s).
+    q, v : ndarray, shape (2, n)
+        Positions and velocities (rad or m, and per s).
+    """
+    middle = 3.0 * (q[1] - q[0]) / width - v[0] - v[1]
+    start, end = 2.0 * (middle - v[0]) / width, 2.0 * (v[1] - middle) / width
+    return np.array((end, (end - start) / width))
 
 
 class Verdict(NamedTuple):
@@ -51,18 +66,20 @@ class CubicCheck:
         self._lower, self._upper = limits.inside
         self._out = np.zeros(len(limits.names), dtype=np.int64)
 
-    def of(self, widths: Array, q: Array, v: Array) -> Verdict:
+    def of(self, widths: Array, q: Array, v: Array, reached: Array) -> Verdict:
         """Check knots (k, n) of positions and velocities (rad or m, and per s).
 
         Parameters
         ----------
         widths : ndarray, shape (k - 1,)
             Time between each two (s).
+        reached : ndarray, shape (2, n)
+            Acceleration and jerk with which the first was reached (per s^2 and s^3).
         """
         self._limits[0], self._limits[1] = self._lower, self._upper
         low, high = q[0] < self._lower, q[0] > self._upper
         if low.any() or high.any():
             self._limits[0, low] = q[0, low] - _ROUNDING
             self._limits[1, high] = q[0, high] + _ROUNDING
-        status = _cubics_inside(widths, q, v, self._limits, self._out)
+        status = _cubics_inside(widths, q, v, reached, self._limits, self._out)
         return Verdict(not status, self._out.nonzero()[0].tolist() if status > 1 else ())

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.servo.cubics import CubicCheck
+from robomech_ros.servo.cubics import CubicCheck, end_of_cubic
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance, Samples
@@ -110,6 +110,8 @@ class LineMotion:
         Where on the way it begins, and how fast that changes (1/s).
     deviation : Deviation, optional
         By which the joints are not yet on the way.
+    reached : ndarray, shape (2, n), optional
+        Acceleration and jerk with which they come (per s^2 and s^3); default at rest.
     """
 
     def __init__(
@@ -120,6 +122,7 @@ class LineMotion:
         place: float = 0.0,
         rate: float = 0.0,
         deviation: Deviation | None = None,
+        reached: Array | None = None,
     ) -> None:
         self.path = path
         self._names, self._period, self._acceleration = limits.names, period, limits.acceleration
@@ -135,6 +138,7 @@ class LineMotion:
         if deviation is not None:
             q, v = q + deviation.q[:1], v + deviation.v[:1]
         self._plan = _Plan(np.zeros(0), q, v)
+        self._reached = np.zeros((2, q.shape[1])) if reached is None else reached
 
     @property
     def rate(self) -> float:
@@ -201,7 +205,9 @@ class LineMotion:
 
     def brake(self) -> None:
         """Go on by one period on the plan to stop."""
-        if not self.at_rest:
+        if self.at_rest:
+            self._reached = np.zeros_like(self._reached)
+        else:
             self._take(self._plan)
 
     def samples(self) -> Samples:
@@ -211,8 +217,10 @@ class LineMotion:
         for thin in _THIN:
             shown = np.unique(np.r_[0, 1, 2:count:thin, count - 1].clip(0, count - 1))
             times: Array = self._period * shown.astype(np.float64)
-            if len(q) == 1 or self._check.of(np.diff(times), q[shown], v[shown]).inside:
-                return Samples(times, q[shown], v[shown])
+            shown_q, shown_v = q[shown], v[shown]
+            verdict = self._check.of(np.diff(times), shown_q, shown_v, self._reached)
+            if count == 1 or verdict.inside:
+                return Samples(times, shown_q, shown_v)
         return Samples(self._period * np.arange(float(count)), q, v)
 
     def _step(self, level: int) -> float:
@@ -271,7 +279,7 @@ class LineMotion:
             q[:count] += self._deviation.q
             v[:count] += self._deviation.v
         q[0], v[0] = self.knot
-        verdict = self._check.of(np.full(len(q) - 1, h), q, v)
+        verdict = self._check.of(np.full(len(q) - 1, h), q, v, self._reached)
         return (_Plan(rates, q, v) if verdict.inside else None), verdict.bound
 
     def _take(self, plan: _Plan) -> None:
@@ -282,6 +290,7 @@ class LineMotion:
             self._places[1:], self._places[-1] + 0.5 * h * (self._rates[-1] + rate)
         )
         self._rates = np.append(self._rates[1:], rate)
+        self._reached = end_of_cubic(h, plan.q[:2], plan.v[:2])
         self._plan = _Plan(rates[1:], plan.q[1:], plan.v[1:])
         if self._deviation is not None:
             self._deviation.go_on()

@@ -6,6 +6,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.servo.cubics import end_of_cubic
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_motion import Deviation, LineMotion
 from robomech_ros.servo.line_path import LinePath
@@ -84,9 +85,7 @@ class Stream:
         that they brake on it.
         """
         if self.line is not None:
-            joined = Motion.joining(
-                self._limits, self._period, self._knots[-1], self._acceleration()
-            )
+            joined = Motion.joining(self._limits, self._period, self._knots[-1], self._reached()[0])
             if joined is None:
                 self.brake()
                 return Advance(0.0, 1.0, ())
@@ -159,11 +158,12 @@ class Stream:
         (here,), (slope,) = path.at(np.array([place]), np.ones(1))
         rate = max(self._along(slope, v), 0.0)
         bend = (path.slope(place + _BEND) - slope) / _BEND
-        off = q - here, v - rate * slope, self._acceleration() - rate**2 * bend
+        reached = self._reached()
+        off = q - here, v - rate * slope, reached[0] - rate**2 * bend
         shortest = _JOINING_OF_MEAN * self._limits.smoothing(self._period) * self._period
         count = round(max(time, shortest) / self._period)
         deviation = Deviation(off, self._period, count)
-        line = LineMotion(path, self._limits, self._period, place, rate, deviation)
+        line = LineMotion(path, self._limits, self._period, place, rate, deviation, reached)
         advance = line.advance(share * line.wanted)
         if line.at_rest:
             return None
@@ -184,11 +184,10 @@ class Stream:
         """Give the position of the latest knot (rad or m)."""
         return self._knots[-1][0]
 
-    def _acceleration(self) -> Array:
-        """Give that with which the latest knot was reached (rad/s^2 or m/s^2)."""
+    def _reached(self) -> Array:
+        """Give acceleration and jerk (2, n) with which the latest knot was reached."""
         (q, v), (last, then) = list(self._knots)[-2:]
-        h = self._period
-        return (6.0 * (q - last) / h + 2.0 * v + 4.0 * then) / h
+        return end_of_cubic(self._period, np.array((q, last)), np.array((v, then)))
 
     def samples(self) -> Samples:
         """Give the stream from the first knot shown on, at rest at the end."""

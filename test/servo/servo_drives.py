@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 
+from robomech_ros._kernels.servo.look_ahead import CYCLE
 from robomech_ros.robots import load_robot
 from robomech_ros.servo.commands import JointCommand, TwistCommand
 from robomech_ros.servo.servo import Servo, ServoSettings
@@ -116,6 +117,8 @@ class Drive:
     def _excess_of(self, times, p, v):
         limits = self.servo.limits
         h = np.diff(times)[:, None]
+        # What rounding of positions of some rad makes of differences.
+        rounding = 1e-14 * np.maximum(1.0, np.abs(p).max())
         # Cubics between knots, at five places each; accelerations at the ends.
         rise, slope0, slope1 = np.diff(p, axis=0), h * v[:-1], h * v[1:]
         b, c = 3 * rise - 2 * slope0 - slope1, slope0 + slope1 - 2 * rise
@@ -123,14 +126,15 @@ class Drive:
         place = p[:-1] + slope0 * x + b * x**2 + c * x**3
         speed = np.abs(slope0 + 2 * b * x + 3 * c * x**2) / h
         acceleration = np.abs(2 * b + 6 * c * np.array([0.0, 1.0])[:, None, None]) / h**2
-        jerk = np.abs(6 * c) / h**3
+        jerks, steps = 6 * c / h**3, 2 * b[1:] / h[1:] ** 2 - (2 * b + 6 * c)[:-1] / h[:-1] ** 2
+        # What steps at a knot counts as in a cycle of the controller.
+        kinks = np.where(np.abs(steps) > rounding / h.min() ** 2, steps / CYCLE, 0.0)
+        jerk = np.abs(np.vstack((jerks, jerks[1:] + kinks, jerks[:-1] + kinks)))
         start = np.atleast_2d(self.start)
         low = np.minimum(limits.lower, start.min(axis=0))
         high = np.maximum(limits.upper, start.max(axis=0))
         outside = np.maximum(low - place, place - high)
         finite = np.isfinite(limits.jerk)
-        # What rounding of positions of some rad makes of differences.
-        rounding = 1e-14 * np.maximum(1.0, np.abs(p).max())
         return np.array(
             [
                 outside.max(),

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from approaches import approach, deviation, random_start
+from approaches import approach, deviation, length_of, random_start
 from servo_drives import Drive, robot_of
 
 import robomech_ros
@@ -152,6 +152,18 @@ def test_commands_of_other_sizes_go_on_along_the_same_line(robot):
         drive.twist([0, 0, 0, 0, 0, rng.uniform(0.05, 1.0)], 0.05)
     off, turned = deviation(drive, UP)
     assert off < STRAIGHT and turned < TURNED
+    drive.assert_limits()
+
+
+@pytest.mark.parametrize(
+    ("robot", "seed"), [("irb120", 5), ("general7r", 3), ("gen3", 0), ("general7r", 2)]
+)
+def test_accelerations_do_not_step_between_one_plan_and_the_next(robot, seed):
+    """Where twists change in motion the jerk was 1.06, 1.014, 1.012 and 1.009 times its limit."""
+    rng = np.random.default_rng(seed)
+    drive = Drive(robot, random_start(robot, rng)[0], length=length_of(robot))
+    for _ in range(4):
+        drive.twist(rng.normal(size=6) * np.repeat((0.5, 0.3), 3), 0.4)
     drive.assert_limits()
 
 

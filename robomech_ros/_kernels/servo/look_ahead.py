@@ -44,11 +44,12 @@ def postures_on_way(nodes, postures, slopes, places, rates, q, v):
     return 0
 
 
-@kernel(i8(IN1, IN2, IN2, IN2, IOUT1))
-def cubics_inside(widths, q, v, limits, out):
+@kernel(i8(IN1, IN2, IN2, IN2, IN2, IOUT1))
+def cubics_inside(widths, q, v, reached, limits, out):
     """Tell whether cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
 
-    The control points of a cubic, and of its derivatives, bound it.
+    The control points of a cubic, and of its derivatives, bound it.  What ends with no velocity
+    rests from then on.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ def cubics_inside(widths, q, v, limits, out):
         Time between each two knots (s).
     q, v : ndarray, shape (k, n)
         Positions and velocities of knots (rad or m, and per s).
+    reached : ndarray, shape (2, n)
+        Acceleration and jerk with which the first knot was reached (per s^2 and s^3).
     limits : ndarray, shape (5, n)
         Lower and upper ends of ranges; largest velocities, accelerations and jerks.
     out : ndarray, shape (n,)
@@ -64,14 +67,14 @@ def cubics_inside(widths, q, v, limits, out):
     status = 0
     for j in range(q.shape[1]):
         out[j] = 0
-        before = jerk_before = 0.0
+        before, jerk_before = reached[0, j], reached[1, j]
         for k in range(widths.shape[0]):
             h, first, last = widths[k], v[k, j], v[k + 1, j]
             middle = 3.0 * (q[k + 1, j] - q[k, j]) / h - first - last
             start, end = 2.0 * (middle - first) / h, 2.0 * (last - middle) / h
             # What changes at a knot counts as in a cycle of the controller.
-            jerk, kink = (end - start) / h, (start - before) / CYCLE if k else 0.0
-            hardest = max(abs(jerk), abs(jerk + kink), abs(jerk_before + kink) if k else 0.0)
+            jerk, kink = (end - start) / h, (start - before) / CYCLE
+            hardest = max(abs(jerk), abs(jerk + kink), abs(jerk_before + kink))
             before, jerk_before = end, jerk
             speed = max(abs(middle), abs(first), abs(last))
             if (
@@ -86,4 +89,7 @@ def cubics_inside(widths, q, v, limits, out):
             )
             if low < limits[0, j] or high > limits[1, j]:
                 out[j], status = 1, 2
+        stop = before / CYCLE if v[widths.shape[0], j] == 0.0 else 0.0
+        if max(abs(stop), abs(jerk_before - stop)) > limits[4, j] and stop != 0.0:
+            return 1
     return status
