@@ -35,11 +35,23 @@ from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.vectors import back, cross, dot, turned
 from robomech_ros._kernels.tolerances import ACCEPTED, ON_AXIS, ON_BOUNDARY, PARALLEL_AXES
 
-__all__ = ["arm_angle", "arm_angle_postures"]
+__all__ = [
+    "arm_angle",
+    "arm_angle_postures",
+    "arm_triad",
+    "base_triad",
+    "elbows",
+    "left_for_wrist",
+    "parts_of",
+    "product_of",
+    "rows_of",
+    "to_wrist",
+    "upper_arm",
+]
 
 
 @inline
-def _parts(data):
+def parts_of(data):
     """Give the packed chain (8, 13) and the constants of the arm."""
     packed = data[at.PARTS : at.ARM].reshape((8, 13))
     return packed, data[at.ARM :]
@@ -63,7 +75,7 @@ def _shoulder_to(packed, parts):
 
 
 @inline
-def _to_wrist(packed, parts, cosine, sine):
+def to_wrist(packed, parts, cosine, sine):
     """Vector from shoulder to wrist in the frame that moves with joint 3."""
     wx, wy, wz = _vector(parts, at.CENTRE_4)
     x, y, z = turned(packed, 3, (cosine * wx - sine * wy, sine * wx + cosine * wy, wz))
@@ -82,7 +94,7 @@ def _side(along, v):
 
 
 @inline
-def _arm_triad(packed, parts, p):
+def arm_triad(packed, parts, p):
     """Axes of the arm in the frame that moves with joint 3: to the wrist, to the elbow, normal."""
     inverse = 1.0 / math.sqrt(dot(p, p))
     along = _scaled(p, inverse)
@@ -96,7 +108,7 @@ def _arm_triad(packed, parts, p):
 
 
 @inline
-def _base_triad(parts, d):
+def base_triad(parts, d):
     """Axes in the base: to the wrist, the reference perpendicular to that, and their normal."""
     inverse = 1.0 / math.sqrt(dot(d, d))
     along = _scaled(d, inverse)
@@ -107,7 +119,7 @@ def _base_triad(parts, d):
 
 
 @inline
-def _product(a, b):
+def product_of(a, b):
     """a^T b for rotations given as three rows."""
     return (
         a[0][0] * b[0][0] + a[1][0] * b[1][0] + a[2][0] * b[2][0],
@@ -123,7 +135,7 @@ def _product(a, b):
 
 
 @inline
-def _upper_arm(base, arm, cosine, sine):
+def upper_arm(base, arm, cosine, sine):
     """Rows of the rotation that takes the arm's axes, turned by the arm angle, to the base's."""
     d, e, n = base
     p, f, g = arm
@@ -157,7 +169,7 @@ def _upper_arm(base, arm, cosine, sine):
 
 
 @inline
-def _rows(packed, row):
+def rows_of(packed, row):
     """Rows of the rotation of a constant transform."""
     return (
         (packed[row, 1], packed[row, 2], packed[row, 3]),
@@ -167,10 +179,10 @@ def _rows(packed, row):
 
 
 @inline
-def _left_for_wrist(packed, T, R, cosine, sine):
+def left_for_wrist(packed, T, R, cosine, sine):
     """Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), nine numbers."""
     # Columns of R C_3 Rz(q_4) C_4, one after another.
-    a = _rows(packed, 4)
+    a = rows_of(packed, 4)
     b = (
         (
             cosine * a[0][0] - sine * a[1][0],
@@ -195,7 +207,7 @@ def _left_for_wrist(packed, T, R, cosine, sine):
         turned(packed, 7, (T[1, 0], T[1, 1], T[1, 2])),
         turned(packed, 7, (T[2, 0], T[2, 1], T[2, 2])),
     )
-    return _product(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])), h)
+    return product_of(((x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])), h)
 
 
 @inline
@@ -213,14 +225,10 @@ def _spherical(data, block):
     return data[at.ARM + block - wrist_at.ANGLES :]
 
 
-@kernel(i8(IN1, IN2, IN1, f8, OUT2, IOUT1))
-def arm_angle_postures(data, T, seed, angle, q, branch):
-    """Write the postures for the pose T (4, 4) with this arm angle to q (8, 7).
-
-    A joint that is free in a singular shoulder or wrist takes the value of ``seed`` (7,).
-    Returns how many there are.
-    """
-    packed, parts = _parts(data)
+@inline
+def elbows(data, T):
+    """Give how many values joint 4 has, 0 to 2, their cosines and sines, and shoulder to wrist."""
+    packed, parts = parts_of(data)
     hx, hy, hz = _vector(parts, at.CENTRE_7)
     d = (
         T[0, 0] * hx + T[0, 1] * hy + T[0, 2] * hz + T[0, 3] - parts[at.CENTRE_0],
@@ -230,7 +238,7 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
     unit = 1.0 / (data[at.SIZE] * data[at.SIZE])
     square = dot(d, d)
     if square * unit < ON_AXIS:
-        return ZERO
+        return ZERO, (1.0, 0.0, 1.0, 0.0), d
     w = _vector(parts, at.CENTRE_4)
     u = _shoulder_to(packed, parts)
     ux, uy, uz = back(packed, 3, u)
@@ -241,24 +249,38 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
         2.0 * (uy * w[0] - ux * w[1]) * unit,
         ON_BOUNDARY,
     )
+    return roots, (c1, s1, c2, s2), d
+
+
+@kernel(i8(IN1, IN2, IN1, f8, OUT2, IOUT1))
+def arm_angle_postures(data, T, seed, angle, q, branch):
+    """Write the postures for the pose T (4, 4) with this arm angle to q (8, 7).
+
+    A joint that is free in a singular shoulder or wrist takes the value of ``seed`` (7,).
+    Returns how many there are.
+    """
+    packed, parts = parts_of(data)
+    roots, (c1, s1, c2, s2), d = elbows(data, T)
+    if roots == 0:
+        return ZERO
     shoulder = _spherical(data, at.SHOULDER)
     wrist = _spherical(data, at.WRIST)
-    base = _base_triad(parts, d)
+    base = base_triad(parts, d)
     cosine, sine = math.cos(angle), math.sin(angle)
     firsts = scratch(2, 3)
     lasts = scratch(2, 3)
     count = ZERO
     for root in range(roots):
         c, s = (c1, s1) if root == 0 else (c2, s2)
-        arm = _arm_triad(packed, parts, _to_wrist(packed, parts, c, s))
-        R = _upper_arm(base, arm, cosine, sine)
-        turn = _product(_rows(packed, 0), R)
+        arm = arm_triad(packed, parts, to_wrist(packed, parts, c, s))
+        R = upper_arm(base, arm, cosine, sine)
+        turn = product_of(rows_of(packed, 0), R)
         n, _ = spherical_wrist(
             shoulder, turn, seed[0] + parts[at.SHOULDER], ACCEPTED, PARALLEL_AXES, firsts
         )
         if n == 0:
             continue
-        rest = _left_for_wrist(packed, T, R, c, s)
+        rest = left_for_wrist(packed, T, R, c, s)
         m, _ = spherical_wrist(
             wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, PARALLEL_AXES, lasts
         )
@@ -277,16 +299,16 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
 @kernel(f8(IN1, IN1))
 def arm_angle(data, q):
     """Arm angle (rad) of the posture q (7,)."""
-    packed, parts = _parts(data)
-    p = _to_wrist(packed, parts, math.cos(q[3]), math.sin(q[3]))
-    _, side, _ = _arm_triad(packed, parts, p)
+    packed, parts = parts_of(data)
+    p = to_wrist(packed, parts, math.cos(q[3]), math.sin(q[3]))
+    _, side, _ = arm_triad(packed, parts, p)
     for j in range(2, -1, -1):
         c, s = math.cos(q[j]), math.sin(q[j])
         p = (c * p[0] - s * p[1], s * p[0] + c * p[1], p[2])
         side = (c * side[0] - s * side[1], s * side[0] + c * side[1], side[2])
         p = turned(packed, j, p)
         side = turned(packed, j, side)
-    _, reference, normal = _base_triad(parts, p)
+    _, reference, normal = base_triad(parts, p)
     return math.atan2(dot(side, normal), dot(side, reference))
 
 

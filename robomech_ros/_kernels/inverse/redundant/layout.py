@@ -19,7 +19,8 @@ GENERAL = 5  # where their constants as a general arm stand, asked where their o
 SAMPLES = 6  # values of the redundancy parameter that are tried
 SIZE = 7  # length of the arm (m)
 ARCS = 8  # where the constants of its arcs stand, 0.0 where it has none: see below
-PARTS = 9  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
+RIGHT = 9  # 1.0 for ARM_ANGLE arms whose axes of shoulder and wrist meet at right angles
+PARTS = 10  # from here the packed chain, n + 1 rows of 13; then, for LOCKED, the constants of the
 # six as their family reads them, for ARM_ANGLE from here those of the arm:
 ARM = PARTS + 8 * 13
 CENTRE_0 = 0  # centre of the shoulder in the base (m)

@@ -36,6 +36,7 @@ from robomech_ros._kernels.inverse.ranking import (
     place,
 )
 from robomech_ros._kernels.inverse.redundant import layout as at
+from robomech_ros._kernels.inverse.redundant.angle_proof import prove_by_angle
 from robomech_ros._kernels.inverse.redundant.arm_angle import (
     call_arm_angle,
     call_arm_angle_postures,
@@ -248,13 +249,16 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
     bare = ZERO
     steps = int(data[at.SAMPLES])
     angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
-    arcs = data[at.ARCS] > 0.0
+    arcs, by_angle = data[at.ARCS] > 0.0, data[at.RIGHT] != 0.0
     tries = 0 if arcs else BESIDE
     distance, settled = _approach_from_seed(packed, T, request, low, high, tries, locked, placed)
     proved = False
-    if arcs and (metric == LINF or distance < PROOF_OF_SQUARES):
+    if arcs and (by_angle or metric == LINF or distance < PROOF_OF_SQUARES):
         nearest_so_far = distance
-        distance, proved = prove_nearest(data, T, joints, metric, bounded, distance, placed)
+        if by_angle:
+            distance, proved = prove_by_angle(data, T, joints, metric, bounded, distance, placed)
+        else:
+            distance, proved = prove_nearest(data, T, joints, metric, bounded, distance, placed)
         if distance < nearest_so_far and _misses(packed, T, placed):
             for i in range(n):
                 locked[i] = placed[i]
@@ -342,9 +346,16 @@ def _walk(packed, T, joints, request, count, best, ranked):
     for i in range(7):
         best[i] = rows[0, i] if count > 0 else seed[i]
     away = walk(packed, T, joints, metric, bounded, distance, best)
+    name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
     if away < distance:
-        name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
+        distance = away
         count = insert(best, name, away, count, rows, names, distances)
+    if away < math.inf:
+        # Where the way bends sharply, beside a singular posture, the walk stops a little early.
+        _, lower, upper, _, _, _ = request
+        away, _ = approach(packed, T, lower, upper, seed, metric, bounded, best)
+        if away < distance:
+            count = insert(best, name, away, count, rows, names, distances)
     return count
 
 

@@ -47,6 +47,8 @@ ANGLE_SAMPLES = 8
 
 Array = NDArray[np.float64]
 
+# Where the cosines of two twists stand in what wrist_constants gives.
+_COSINES = (wrist_at.COS4, wrist_at.COS5)
 # Of how many runs of six joints, from the base on, elimination is tried: each takes 0.1 s to judge.
 _ELIMINATIONS = 8
 
@@ -70,7 +72,10 @@ def match(chain: SerialChain) -> Array | None:
     C = unpack_chain(chain.packed)
     parts = _arm_angle_parts(chain, C)
     if parts is not None:
-        return _laid_out(chain, at.ARM_ANGLE, parts)
+        data = _laid_out(chain, at.ARM_ANGLE, parts)
+        right = [first + k - wrist_at.ANGLES for first in (at.SHOULDER, at.WRIST) for k in _COSINES]
+        data[at.RIGHT] = not parts[right].any()
+        return data
     sixes = [_six(chain, C, first) for first in range(chain.n - 5)]
     for find in (match_six, _idealised):
         for first, (six, types) in enumerate(sixes):
