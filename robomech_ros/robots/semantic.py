@@ -171,6 +171,23 @@ class SemanticDescription:
         found = [name for group in self._groups_of(chain) for name in self.states[group]]
         return tuple(dict.fromkeys([HOME, *found]))
 
+    def postures_of(self, joints: Collection[str]) -> dict[str, str]:
+        """List the states of the groups that have no other joints than these, such as a hand's.
+
+        Parameters
+        ----------
+        joints : collection of str
+
+        Returns
+        -------
+        dict of str to str
+            The group of each state by its name: of two groups the one with more of the joints.
+        """
+        own = [name for name in self.states if name in self.groups]
+        own = [name for name in own if set(self.groups[name].joints) <= set(joints)]
+        own.sort(key=lambda name: len(self.groups[name].joints))
+        return {state: group for group in own for state in self.states[group]}
+
     def home(self) -> dict[str, float]:
         """Give where joints stand to begin with: the states ``home`` of all groups together.
 

@@ -89,6 +89,13 @@ def test_a_file_says_the_same(tmp_path):
     assert load_srdf(path, ROBOT) == load_srdf(str(path), ROBOT) == load_srdf(SRDF, ROBOT)
 
 
+def test_states_of_groups_that_have_no_other_joints():
+    semantic = load_srdf(SRDF, ROBOT)
+    assert semantic.postures_of(["l"]) == {"open": "hand"}
+    assert semantic.postures_of(["l", "a", "b"]) == {"open": "hand", "home": "arm"}
+    assert semantic.postures_of(["a"]) == {}
+
+
 def test_unknown_groups_and_states_are_answered_with_the_known_ones():
     semantic = load_srdf(SRDF, ROBOT)
     with pytest.raises(BadValueError, match="group is 'legs', expected one of all, arm, hand"):

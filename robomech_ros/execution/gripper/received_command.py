@@ -1,6 +1,6 @@
 """Commands to fingers as they arrive: checked field by field before anything moves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,12 +33,16 @@ class CommandReader:
     fastest, strongest : ndarray, shape (n,)
         The most that they may do, rad/s or m/s and N m or N; infinite and NaN where that is not
         known.
+    posture : callable
+        Gives a posture by its name: positions (rad or m) by joint, none where no posture has a
+        name; raises RobomechError for another name, and where the fingers cannot go there.
     """
 
     limits: Limits
     commanded: Sequence[str]
     fastest: FloatArray
     strongest: FloatArray
+    posture: Callable[[str], Mapping[str, float]] = lambda name: {}
 
     def read(
         self,
@@ -53,6 +57,7 @@ class CommandReader:
         ----------
         names : sequence of str
             Joints; where there are none, one position is for all those that `commanded` names.
+            Or the name of a posture alone, without positions.
         positions : sequence of float
             One for each, rad or m.
         speeds, efforts : sequence of float, optional
@@ -67,7 +72,15 @@ class CommandReader:
         ------
         UnknownJointError, WrongSizeError, BadValueError, NonFiniteError, LimitExceededError
             With the joint, the number and what is allowed.
+        RobotDescriptionError
+            The fingers cannot go to the posture.
         """
+        alone = len(names) == 1 and not len(positions)
+        if alone and names[0] not in self.limits.joint_names and (to := self.posture(names[0])):
+            names, positions = list(to), list(to.values())
+            speeds, efforts = (
+                [*values] * (len(to) if len(values) == 1 else 1) for values in (speeds, efforts)
+            )
         self._check_names(names)
         count = len(names) or 1
         if len(positions) != count:

@@ -88,3 +88,20 @@ def test_where_a_joint_has_to_be_named():
     with pytest.raises(BadValueError, match="one or more of the joints thumb, finger, palm"):
         reader().read([], [0.0])
     assert reader().read(["palm"], [9.0]).position[2] == 9.0
+
+
+def test_a_posture_by_its_name_moves_the_joints_that_it_names():
+    states = {"open": {"thumb": 0.04, "finger": -0.5}, "wide": {"thumb": 0.06}}
+    named = CommandReader(LIMITS, (), FASTEST, STRONGEST, lambda name: states.get(name, {}))
+    command = named.read(["open"], [], [0.1], [3.0])
+    np.testing.assert_array_equal(command.position, [0.04, -0.5, np.nan])
+    np.testing.assert_array_equal(command.velocity, [0.1, 0.1, np.inf])
+    np.testing.assert_array_equal(command.effort, [3.0, 3.0, np.nan])
+    with pytest.raises(LimitExceededError, match=r"'thumb' is 0.06 m"):
+        named.read(["wide"], [])
+    with pytest.raises(WrongSizeError, match="velocity"):
+        named.read(["open"], [], [0.1, 0.1, 0.1])
+    with pytest.raises(WrongSizeError, match="position"):
+        named.read(["thumb"], [])
+    with pytest.raises(UnknownJointError):
+        reader("thumb").read(["open"], [0.0])

@@ -1,15 +1,19 @@
 """The gripper of the simulated robot: commands, stall, trajectories of its own, and the tree."""
 
+from time import monotonic
+
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from control_msgs.action import FollowJointTrajectory, GripperCommand, ParallelGripperCommand
+from diagnostic_msgs.msg import DiagnosticArray
 from drivers import NAME, Driver, ended, seconds
 from gripper_cases import panda_with_hand, poses_by_frames, poses_by_pinocchio
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -177,6 +181,50 @@ def test_stalling_is_success_where_that_is_allowed(hand):
     assert panda.put_between(0.0).successful
     panda.until_fingers_at(0.0)
     assert panda.fingers()[2] == 0.0
+
+
+# As MoveIt's configuration of the Panda has them, and one that no finger can go to.
+HAND_STATES = """
+<robot name="panda">
+  <group name="panda_arm"><chain base_link="panda_link0" tip_link="panda_link8"/></group>
+  <group name="hand">
+    <link name="panda_hand"/><link name="panda_leftfinger"/><link name="panda_rightfinger"/>
+    <joint name="panda_finger_joint1"/><passive_joint name="panda_finger_joint2"/>
+  </group>
+  <group_state name="open" group="hand">
+    <joint name="panda_finger_joint1" value="0.035"/>
+    <joint name="panda_finger_joint2" value="0.035"/>
+  </group_state>
+  <group_state name="close" group="hand">
+    <joint name="panda_finger_joint1" value="0"/>
+  </group_state>
+  <group_state name="gaping" group="hand">
+    <joint name="panda_finger_joint1" value="0.5"/>
+  </group_state>
+  <end_effector name="hand" parent_link="panda_link8" group="hand" parent_group="panda_arm"/>
+</robot>"""
+
+
+@pytest.mark.parametrize("by_topic", [False, True])
+def test_the_hand_goes_to_its_named_states(hand, by_topic):
+    """They could not be reached: a goal needed a number."""
+    given = {} if by_topic else {"robot_description_semantic": HAND_STATES}
+    panda = hand(tip_link="panda_link8", **given)
+    if by_topic:
+        topic = panda.graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
+        topic.publish(String(data=HAND_STATES))
+        deadline = monotonic() + TIMEOUT
+        while not panda.ask_parallel(["open"]).accepted:
+            assert monotonic() < deadline
+    for name, goal in (("close", 0.0), ("open", 0.035), ("close", 0.0)):
+        status, result = panda.result(panda.ask_parallel([name], velocity=[0.1]))
+        assert (status, result.reached_goal) == (SUCCEEDED, True)
+        assert result.state.name == FINGERS[:1]
+        panda.until_fingers_at(goal)
+    for name in ("gaping", "ajar"):
+        assert not panda.ask_parallel([name]).accepted
+    why = "posture of the gripper is 'ajar', expected one of open, close, gaping"
+    panda.graph.receive(DiagnosticArray, "/diagnostics", 10, lambda array: why in str(array))
 
 
 def test_a_newer_command_preempts_and_a_cancelled_one_holds(hand):

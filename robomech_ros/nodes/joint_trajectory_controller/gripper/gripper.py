@@ -117,7 +117,7 @@ class Gripper(CommandedJoints):
         self._fingers = Fingers(self.follower, self._plant, complete, grip)
         self.commanded = _commanded(joints, settings.gripper_joint)
         fastest = np.minimum(complete.velocity, settings.gripper_max_velocity or np.inf)
-        self.reader = CommandReader(limits, self.commanded, fastest, strongest)
+        self.reader = CommandReader(limits, self.commanded, fastest, strongest, self._posture)
         self.change(settings)
 
     def says(self) -> str:
@@ -180,6 +180,15 @@ class Gripper(CommandedJoints):
         )
         message.header.stamp.sec, message.header.stamp.nanosec = self.stamp()
         return message
+
+    def _posture(self, name: str) -> dict[str, float]:
+        """Give a state of the SRDF that moves fingers alone, rad or m by joint with a drive."""
+        semantic = self._model.semantic
+        groups = semantic.postures_of(self.joint_names)
+        if groups and name not in groups:
+            raise BadValueError("posture of the gripper", name, f"one of {', '.join(groups)}")
+        state = semantic.state(groups[name], name) if groups else {}
+        return {joint: at for joint, at in state.items() if joint in self.joint_names}
 
     def _begin(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
         return self._fingers.follow(start, by)
