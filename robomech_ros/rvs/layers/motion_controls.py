@@ -77,7 +77,7 @@ class MotionControls:
     def __init__(
         self, client: Any, layer: Played, chain: SerialChain, curves: Sequence[str]
     ) -> None:
-        self._layer, self._gui = layer, client.gui
+        self._layer, self._gui, self._gone = layer, client.gui, False
         self._folder = client.gui.add_folder("Motion", order=40, expand_by_default=False)
         with self._folder:
             self._add_planning()
@@ -147,6 +147,8 @@ class MotionControls:
 
     def load(self) -> None:
         """Show another plan."""
+        if self._gone:
+            return
         duration = self._layer.player.duration
         there = duration > 0.0
         self._time.disabled = self._play.disabled = not there
@@ -156,6 +158,8 @@ class MotionControls:
     def update(self, *, keep_time: bool = False) -> None:
         """Show where the player is; the slider of the time is left where it is if it asked."""
         layer = self._layer
+        if self._gone:
+            return
         if not keep_time and self._time.value != layer.player.time:
             self._time.value = layer.player.time
         label = "Pause" if layer.player.playing else "Play"
@@ -166,4 +170,5 @@ class MotionControls:
 
     def remove(self) -> None:
         """Take the controls from the browser."""
+        self._gone = True
         self._folder.remove()

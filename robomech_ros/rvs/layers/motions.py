@@ -76,7 +76,6 @@ class MotionLayer:
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands the folder Motion."""
         self._controls = MotionControls(client, self, self._chain, CURVES)
-        self._controls.update()
         return self._controls
 
     def close(self) -> None:

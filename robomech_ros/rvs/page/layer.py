@@ -58,6 +58,9 @@ class Place:
         leaves this one.
     run : callable
         Has something done as ``ask`` does, which shows by itself what came of it.
+    switched, switch : callable
+        Give what can be shown and whether it is, as for the browser that commands; and show a part
+        or not.
     kept : dict
         What layers leave here, by their names, those of the next robot find.
     separate : callable
@@ -74,6 +77,8 @@ class Place:
     description: RobotDescription
     replace: Callable[[RobotDescription, SerialChain], None]
     run: Callable[[Hashable, Callable[[], None]], None]
+    switched: Callable[[], dict[str, bool]]
+    switch: Callable[[str, bool], None]
     kept: dict[str, Any]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
 

@@ -96,7 +96,7 @@ class RobotPage:
             self._stage.switch(what, shown)
         self._stage.show(arm, ())
         self._plan = SeenPlan()
-        change = (description, self._replace, self._run, self._kept)
+        change = (description, self._replace, self._run, self._switched, self._switch, self._kept)
         asked = (viser, seen, arm, BASE, self._ask)
         place = Place(*asked, self._plan, *change, self._stage.separate)
         self._layers: list[Layer] = []
@@ -190,9 +190,14 @@ class RobotPage:
         self._plan.show(motion, name)
 
     def _make_controls(self, client: Any) -> Controls:
-        switches = {**self._switches, "dark": client.client_id in self._dark}
-        self._panel = Panel(client, self._arm, self, BASE, self._reach, switches)
+        shown = self._switched(client.client_id)
+        self._panel = Panel(client, self._arm, self, BASE, self._reach, shown)
         return AllControls([self._panel, *(layer.controls(client) for layer in self._layers)])
+
+    def _switched(self, browser: int | None = None) -> dict[str, bool]:
+        """Give what is shown; the page of a browser, or else of who commands, may be dark."""
+        number = self._audience.commander if browser is None else browser
+        return {**self._switches, "dark": number in self._dark}
 
     def _switch(self, what: str, shown: bool) -> None:
         if what == "dark":

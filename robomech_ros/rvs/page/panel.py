@@ -79,6 +79,7 @@ class Panel:
     ) -> None:
         self._client, self._commands = client, commands
         self._handles: list[Any] = []
+        self._boxes: dict[str, Any] = {}
         self._held = False
         gui = client.gui
         hint = "Number of a posture; a click on its row or its ghost takes it, too"
@@ -146,6 +147,7 @@ class Panel:
         with folder:
             for what, shown in switches.items():
                 box = gui.add_checkbox(what, shown)
+                self._boxes[what] = box
                 self._keep(box, partial(self._switch, what, box))
 
     def _move(self, joint: int, slider: Any) -> None:
@@ -155,7 +157,9 @@ class Panel:
         self._commands.show(what, box.value)
 
     def switch(self, what: str, shown: bool) -> None:
-        """Show the gizmo or not, or draw the page dark or light; the rest is not the panel's."""
+        """Show the gizmo or not, draw the page dark or light, and mark what is shown."""
+        if self._boxes[what].value != shown:
+            self._boxes[what].value = shown
         if what == "gizmo":
             self._gizmo.visible = shown
         elif what == "dark":

@@ -16,7 +16,7 @@ from robomech_ros.rvs.page.stage import BASE, add_base
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.serving.server import guarded_server
 
-__all__ = ["record_motion"]
+__all__ = ["motion_page", "record_motion"]
 
 # Pictures a second.
 RATE = 25.0
@@ -33,6 +33,12 @@ _SWATCH = (
 
 def record_motion(path: Path, description: RobotDescription, motion: Motion, title: str) -> Path:
     """Write a motion as a page; parameters and errors are those of ``write_motion``."""
+    path.write_text(motion_page(description, motion, title), encoding="utf-8")
+    return path
+
+
+def motion_page(description: RobotDescription, motion: Motion, title: str) -> str:
+    """Give the page that plays a motion, as HTML; parameters are those of ``write_motion``."""
     seen = seen_robot(description)
     server = guarded_server("127.0.0.1", 0, title)
     try:
@@ -42,9 +48,7 @@ def record_motion(path: Path, description: RobotDescription, motion: Motion, tit
     head = f"<title>{html.escape(title)}</title>"
     legend = _legend(motion, seen, title)
     begin, tag, rest = page.rpartition("</body>")
-    page = f"{begin}{legend}{tag}{rest}".replace("<title>Viser</title>", head, 1)
-    path.write_text(page, encoding="utf-8")
-    return path
+    return f"{begin}{legend}{tag}{rest}".replace("<title>Viser</title>", head, 1)
 
 
 def _recorded(server: Any, seen: SeenRobot, motion: Motion) -> str:

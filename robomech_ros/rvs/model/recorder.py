@@ -1,0 +1,66 @@
+"""What an arm does, kept as a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.motion import Motion
+
+__all__ = ["MOST_POSTURES_KEPT", "Recorder"]
+
+Array = NDArray[np.float64]
+
+# Postures nearer in time than this are one (s); where nothing came for so long, the arm stood.
+NEAREST, STOOD = 0.005, 0.1
+# Some minutes of a hand at a slider.
+MOST_POSTURES_KEPT = 20_000
+
+
+class Recorder:
+    """Postures and when they were taken."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+        self._q: list[Array] = []
+        self.running = False
+
+    def begin(self, now: float, q: Array) -> None:
+        """Begin anew, at a time (s) in a posture (n,), rad or m."""
+        self._times, self._q, self.running = [now], [q.copy()], True
+
+    def add(self, now: float, q: Array) -> bool:
+        """Keep a posture if it is another one; says whether the recording goes on."""
+        if not self.running or np.array_equal(q, self._q[-1]):
+            return self.running
+        self._hold(now)
+        if now - self._times[-1] < NEAREST:
+            self._q[-1] = q.copy()
+        else:
+            self._times.append(now)
+            self._q.append(q.copy())
+        self.running = len(self._times) < MOST_POSTURES_KEPT
+        return self.running
+
+    def end(self, now: float, chain: SerialChain) -> Motion:
+        """End it, and give the motion.
+
+        Raises
+        ------
+        BadValueError
+            Nothing has moved.
+        """
+        self.running = False
+        if len(self._times) < 2:
+            raise BadValueError("recording", "empty", "an arm that moves")
+        self._hold(now)
+        times = np.array(self._times) - self._times[0]
+        return Motion(chain, times, np.array(self._q))
+
+    def _hold(self, now: float) -> None:
+        """Stay in the last posture until just before now, if it is a while ago."""
+        if now - self._times[-1] > STOOD:
+            self._times.append(now - NEAREST)
+            self._q.append(self._q[-1])

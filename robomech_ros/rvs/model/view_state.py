@@ -1,0 +1,106 @@
+"""What a page shows, as a text for its address: posture, eye, what is switched on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+
+__all__ = ["ViewState", "state_from_text", "text_from_state"]
+
+Array = NDArray[np.float64]
+
+LONGEST = 2000
+# The eye is so near (m), and does not look along the vertical nearer than this (sine).
+FARTHEST_EYE, STEEPEST = 1e4, 1e-4
+_FORM = "q:...;eye:x,y,z;at:x,y,z;show:..."
+
+
+class ViewState(NamedTuple):
+    """What a page shows.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n,)
+        rad or m.
+    eye, at : ndarray, shape (3,)
+        Where the eye is, and where it looks (m).
+    shown : mapping of str to bool
+        What is switched on.
+    """
+
+    q: Array
+    eye: Array
+    at: Array
+    shown: Mapping[str, bool]
+
+
+def text_from_state(state: ViewState) -> str:
+    """Write a state as a text of letters, digits and ``.,:;_-+``."""
+    parts = {"q": _written(state.q, 9), "eye": _written(state.eye, 4), "at": _written(state.at, 4)}
+    parts["show"] = ",".join(_plain(name) for name, on in state.shown.items() if on)
+    return ";".join(f"{key}:{value}" for key, value in parts.items())
+
+
+def state_from_text(text: str, joints: int, names: Sequence[str]) -> ViewState:
+    """Read a state.
+
+    Parameters
+    ----------
+    text : str
+        As :func:`text_from_state` writes it.
+    joints : int
+        Of the arm; their limits are not checked here.
+    names : sequence of str
+        Of all that can be switched.
+
+    Raises
+    ------
+    BadValueError
+        It is no such text, for another arm, or of values that cannot be.
+    """
+    if len(text) > LONGEST:
+        raise BadValueError("view", f"{len(text)} characters", f"at most {LONGEST}")
+    pairs = [part.partition(":") for part in text.strip().split(";")]
+    given = {key: value for key, _, value in pairs}
+    if len(given) != len(pairs) or set(given) != {"q", "eye", "at", "show"}:
+        raise BadValueError("view", text[:80], _FORM)
+    eye, at = (_read(key, given[key], 3) for key in ("eye", "at"))
+    line = at - eye
+    if np.abs([eye, at]).max() > FARTHEST_EYE or not (
+        math.hypot(line[0], line[1]) > STEEPEST * float(np.linalg.norm(line))
+    ):
+        expected = f"two points that are not above each other, within {FARTHEST_EYE:g} m"
+        raise BadValueError("eye and at of the view", f"{given['eye']} and {given['at']}", expected)
+    known = {_plain(name): name for name in names}
+    chosen = [name for name in given["show"].split(",") if name]
+    for name in chosen:
+        if name not in known:
+            raise BadValueError("show of the view", name[:80], ", ".join(known))
+    shown = {name: plain in chosen for plain, name in known.items()}
+    return ViewState(_read("q", given["q"], joints), eye, at, shown)
+
+
+def _written(values: Array, digits: int) -> str:
+    # Minus nought is nought.
+    return ",".join(f"{round(float(value), digits) + 0.0:.{digits + 2}g}" for value in values)
+
+
+def _plain(name: str) -> str:
+    return name.replace(" ", "_")
+
+
+def _read(key: str, text: str, count: int) -> Array:
+    expected = f"{count} finite numbers"
+    try:
+        values = np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        raise BadValueError(f"{key} of the view", text[:80], expected) from None
+    if len(values) != count or not np.isfinite(values).all():
+        raise BadValueError(f"{key} of the view", text[:80], expected)
+    return values

@@ -1,0 +1,55 @@
+"""Scripts of ours that run in a browser."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from viser import _messages
+
+__all__ = ["keep_in_address", "read_address_into", "save_picture"]
+
+# The picture is what was drawn last; a link that is clicked saves it.
+_PICTURE = """__viserMutable.canvas.toBlob(function (blob) {
+  var link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = %s;
+  link.click();
+  setTimeout(function () { URL.revokeObjectURL(link.href); }, 10000);
+}, 'image/png');"""
+_KEEP = """var query = new URLSearchParams(location.search);
+query.delete('view');
+var rest = query.toString();
+history.replaceState(history.state, '', '?' + (rest ? rest + '&' : '') + 'view=' + %s);"""
+# The page is a React page: a field takes a value only by its native setter, and an event.
+_READ = """var state = new URLSearchParams(location.search).get('view'), tries = 0;
+function put() {
+  var label = [].slice.call(document.querySelectorAll('label')).find(function (label) {
+    return label.textContent === %s; });
+  var input = label && label.closest('.mantine-Flex-root').querySelector('input');
+  if (input) {
+    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set.call(input, state);
+    input.dispatchEvent(new Event('input', {bubbles: true}));
+  } else if (tries++ < 600) setTimeout(put, 100);
+}
+if (state) put();"""
+
+
+def save_picture(client: Any, name: str) -> None:
+    """Have a browser (viser.ClientHandle) save what is seen of the scene as a PNG file."""
+    _run(client, _PICTURE % json.dumps(name))
+
+
+def keep_in_address(client: Any, state: str) -> None:
+    """Write a state, a text that needs no escaping, into the address of a browser."""
+    _run(client, _KEEP % json.dumps(state))
+
+
+def read_address_into(client: Any, label: str) -> None:
+    """Have a browser put the state of its address, if there is one, into the field of a label."""
+    _run(client, _READ % json.dumps(label))
+
+
+def _run(client: Any, source: str) -> None:
+    # viser runs the scripts of its plots in this way, and has no public one.
+    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))

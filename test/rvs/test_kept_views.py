@@ -1,0 +1,125 @@
+"""What is kept of a page: its view as a text, recordings, and files of plans."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from raw_client import inside_limits, send_value, wait_until
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import load_robot
+from robomech_ros.rvs.layers.keeping import KeepingLayer
+from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, Recorder
+from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
+
+ARM = load_robot("ur5e")
+NAMES = ("ghosts", "joint axes", "dark")
+GOOD = "q:0,0,0,0,0,0;eye:1,-1,1;at:0,0,0.3;show:ghosts,joint_axes"
+HOSTILE = [
+    "",
+    "x" * 5000,
+    "q",
+    GOOD + ";q:0",
+    GOOD + ";script:alert(1)",
+    GOOD.replace("0,0,0,0,0,0", "0,0,0"),
+    GOOD.replace("0,0,0,0,0,0", "nan,0,0,0,0,0"),
+    GOOD.replace("0,0,0,0,0,0", "1e999,0,0,0,0,0"),
+    GOOD.replace("0,0,0,0,0,0", "<script>,0,0,0,0,0"),
+    GOOD.replace("1,-1,1", "inf,0,0"),
+    GOOD.replace("1,-1,1", "0,0,0.3"),
+    GOOD.replace("1,-1,1", "0,0,5"),
+    GOOD.replace("1,-1,1", "1e5,0,0"),
+    GOOD.replace("ghosts", "everything"),
+]
+
+
+def test_a_view_is_read_as_it_was_written():
+    shown = {"ghosts": False, "joint axes": True, "dark": True}
+    q = ARM.home() + 0.123456789
+    state = ViewState(q, np.array([1.25, -2.0, 0.5]), np.array([0.0, -0.0, 0.3]), shown)
+    text = text_from_state(state)
+    # Nothing of it needs escaping in an address, or in a script.
+    assert set(text) <= set("abcdefghijklmnopqrstuvwxyz0123456789.,:;_-+")
+    read = state_from_text(text, 6, NAMES)
+    np.testing.assert_allclose(read.q, q, atol=1e-9)
+    np.testing.assert_allclose(read.eye, state.eye)
+    assert read.shown == shown
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_what_is_no_view_is_refused_in_words(text):
+    with pytest.raises(BadValueError, match="view"):
+        state_from_text(text, 6, NAMES)
+
+
+def test_a_recording_stands_still_where_nothing_moved():
+    recorder, q = Recorder(), ARM.home()
+    recorder.begin(10.0, q)
+    recorder.add(10.0, q)
+    recorder.add(12.0, q + 0.1)
+    recorder.add(12.02, q + 0.2)
+    motion = recorder.end(13.0, ARM)
+    np.testing.assert_allclose(motion.at([1.0, 1.9]), [q, q], atol=1e-9)
+    np.testing.assert_allclose(motion.at([2.02, 2.9]), [q + 0.2, q + 0.2], atol=1e-9)
+    assert motion.duration == pytest.approx(3.0, abs=0.01) and not recorder.running
+
+
+def test_a_recording_of_nothing_is_refused_and_one_without_end_ends():
+    recorder, q = Recorder(), ARM.home()
+    recorder.begin(0.0, q)
+    with pytest.raises(BadValueError, match="recording"):
+        recorder.end(5.0, ARM)
+    recorder.begin(0.0, q)
+    for k in range(1, MOST_POSTURES_KEPT + 5):
+        recorder.add(0.01 * k, q + 1e-6 * k)
+    assert not recorder.running
+    assert len(recorder.end(1e4, ARM).times) <= MOST_POSTURES_KEPT + 1
+
+
+@pytest.fixture
+def kept(page, commander):
+    """The layer that keeps, with its controls."""
+    layer = next(layer for layer in page._layers if isinstance(layer, KeepingLayer))
+    wait_until(lambda: layer._controls is not None)
+    return layer
+
+
+def test_what_the_arm_does_becomes_a_plan(page, commander, kept):
+    send_value(commander, kept._controls.record._impl.uuid, True)
+    wait_until(lambda: kept.recorder.running)
+    slider = page._panel._sliders[2]._impl.uuid
+    for value in (0.5, 0.75, 1.0):
+        send_value(commander, slider, value)
+        wait_until(lambda v=value: page._arm.q[2] == v)
+    wait_until(lambda: len(kept.recorder._times) >= 3)
+    send_value(commander, kept._controls.record._impl.uuid, True)
+    wait_until(lambda: page._plan.name == "recording")
+    assert page._plan.motion.q[-1, 2] == 1.0
+
+
+def test_the_view_is_shown_and_taken(page, commander, kept):
+    wait_until(lambda: kept._controls.view.value.startswith("q:"))
+    text = kept._controls.view.value
+    state = state_from_text(text, 6, tuple(page._switched()))
+    np.testing.assert_allclose(state.q, page._arm.q, atol=1e-8)
+    wanted = state._replace(q=state.q + 0.1, shown={**state.shown, "frames": True, "dark": True})
+    send_value(commander, kept._controls.view._impl.uuid, text_from_state(wanted))
+    wait_until(lambda: np.allclose(page._arm.q, state.q + 0.1))
+    wait_until(lambda: page._switched()["frames"] and page._switched()["dark"])
+    wait_until(lambda: page._panel._boxes["frames"].value)
+
+
+def test_a_view_of_elsewhere_is_refused_as_a_whole(page, commander, kept):
+    wait_until(lambda: kept._controls.view.value.startswith("q:"))
+    q, shown, right = page._arm.q, page._switched(), kept._controls.view.value
+    beyond = GOOD.replace("q:0", "q:100").replace("joint_axes", "frames")
+    for text in (*HOSTILE[2:], beyond):
+        send_value(commander, kept._controls.view._impl.uuid, text)
+        wait_until(lambda: "Refused" in page._stage._notice.content)
+        # What was refused goes.
+        wait_until(lambda: kept._controls.view.value == right)
+        page._ask("next", lambda: None)
+        wait_until(lambda: "Refused" not in page._stage._notice.content)
+    np.testing.assert_array_equal(page._arm.q, q)
+    assert page._switched() == shown and inside_limits(page)
