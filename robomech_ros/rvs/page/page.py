@@ -96,9 +96,21 @@ class RobotPage:
             self._stage.switch(what, shown)
         self._stage.show(arm, ())
         self._plan = SeenPlan()
-        change = (description, self._replace, self._run, self._switched, self._switch, self._kept)
-        asked = (viser, seen, arm, BASE, self._ask)
-        place = Place(*asked, self._plan, *change, self._stage.separate)
+        place = Place(
+            server=viser,
+            seen=seen,
+            arm=arm,
+            base=BASE,
+            ask=self._ask,
+            plan=self._plan,
+            description=description,
+            replace=self._replace,
+            run=self._run,
+            switched=self._switched,
+            switch=self._switch,
+            kept=self._kept,
+            separate=self._stage.separate,
+        )
         self._layers: list[Layer] = []
         self._layers += [make(place) for make in self._makers]
 
