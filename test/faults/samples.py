@@ -183,6 +183,7 @@ class Samples:
 
     def _read(self, packed: bytes) -> tuple[int, Array, Array]:
         message = deserialize_message(packed, JointState)
+        assert set(self.limits.names) <= set(message.name), "joint_states of another robot came"
         at = [message.name.index(name) for name in self.limits.names]
         stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
         return stamp, np.array(message.position)[at], np.array(message.velocity)[at]

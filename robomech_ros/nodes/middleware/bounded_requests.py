@@ -1,4 +1,4 @@
-"""Requests whose entries are counted before rclpy makes Python objects of them.
+"""Requests and answers whose entries are counted before rclpy makes Python objects of them.
 
 The Fast DDS layer of ROS 2 believes the length of a list in a corrupt request: from a kilobyte it
 makes 20 million empty entries.  rclpy makes an object of each, for most of a minute in which the
@@ -12,7 +12,7 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,8 @@ __all__ = [
     "MOST_OBJECTS",
     "address_in",
     "bounded_action",
+    "bounded_action_answers",
+    "bounded_answers",
     "bounded_service",
     "count_objects",
 ]
@@ -104,6 +106,34 @@ def bounded_action(kind: Any) -> Any:
     return type(kind)(kind.__name__, (kind,), {"Impl": implementation})
 
 
+def bounded_answers(kind: Any) -> Any:
+    """Give a type of services whose answers are at most `MOST_OBJECTS` large, for a client.
+
+    Any field of a larger answer raises `WrongSizeError`.
+    """
+    check_for_type_support(kind)
+    parts = {"Response": _bounded(kind.Response, partial(_TooLarge, "the answer"))}
+    return type(kind)(kind.__name__, (kind,), parts)
+
+
+def bounded_action_answers(kind: Any) -> Any:
+    """Give a type of actions for a client; what is too large of a server is taken as empty.
+
+    So a goal is refused, a result is that of an unknown goal, and the status is that of no goal.
+    """
+    check_for_type_support(kind)
+    parts: dict[str, Any] = {}
+    for name in ("SendGoalService", "GetResultService", "CancelGoalService"):
+        part = getattr(kind.Impl, name)
+        answer = {"Response": _bounded(part.Response, part.Response)}
+        parts[name] = type(part)(part.__name__, (part,), answer)
+    for name in ("FeedbackMessage", "GoalStatusMessage"):
+        part = getattr(kind.Impl, name)
+        parts[name] = _bounded(part, part)
+    implementation = type(kind.Impl.__name__, (kind.Impl,), parts)
+    return type(kind)(kind.__name__, (kind,), {"Impl": implementation})
+
+
 def address_in(capsule: Any) -> Any:
     """Give the address that a PyCapsule holds."""
     return _pointer_of(capsule, _name_of(capsule))
@@ -130,18 +160,21 @@ def count_objects(address: int, kind: Any, most: float = math.inf) -> float:
 
 
 class _Bounded:
-    """Stands for a type of requests where rclpy takes them."""
+    """Stands for a type of messages where rclpy takes them."""
 
 
 class _TooLarge:
-    """A request with too many entries, or with none that could be made."""
+    """A request or an answer with too many entries, or with none that could be made."""
+
+    def __init__(self, what: str = "the request") -> None:
+        self._what = what
 
     def __getattr__(self, name: str) -> Any:
-        raise WrongSizeError("the request", "larger", f"at most {MOST_OBJECTS} entries in all")
+        raise WrongSizeError(self._what, "larger", f"at most {MOST_OBJECTS} entries in all")
 
 
 def _bounded(kind: Any, refused: Callable[[], Any]) -> Any:
-    """Make what rclpy takes requests by, which gives `refused()` in place of those too large."""
+    """Make what rclpy takes messages by, which gives `refused()` in place of those too large."""
     meta = type(kind)
     convert = _Convert(address_in(meta._CONVERT_TO_PY))
 
@@ -150,7 +183,7 @@ def _bounded(kind: Any, refused: Callable[[], Any]) -> Any:
             if count_objects(message, kind, MOST_OBJECTS) <= MOST_OBJECTS:
                 return convert(message)
         except Exception:  # out of memory, mostly; an error here would end the service
-            print(f"a request could not be read: {sys.exc_info()[1]!r}", file=sys.stderr)
+            print(f"a message could not be read: {sys.exc_info()[1]!r}", file=sys.stderr)
         return refused()
 
     callback = _Convert(checked)

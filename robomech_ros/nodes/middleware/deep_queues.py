@@ -13,8 +13,14 @@ from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
+from rclpy.task import Future
 
-from robomech_ros.nodes.middleware.bounded_requests import bounded_action, bounded_service
+from robomech_ros.nodes.middleware.bounded_requests import (
+    bounded_action,
+    bounded_action_answers,
+    bounded_answers,
+    bounded_service,
+)
 
 __all__ = ["DEPTH", "ask", "ask_action", "serve", "serve_action"]
 
@@ -40,8 +46,11 @@ def serve(
 
 
 def ask(node: Node, kind: Any, name: str) -> Client:
-    """Create a client that keeps up to `DEPTH` answers, its own and those of its fellow clients."""
-    return node.create_client(kind, name, qos_profile=_DEEP)
+    """Create a client that keeps up to `DEPTH` answers, its own and those of its fellow clients.
+
+    Of an answer that is too large to be read any field raises `WrongSizeError`.
+    """
+    return node.create_client(bounded_answers(kind), name, qos_profile=_DEEP)
 
 
 def serve_action(
@@ -55,4 +64,17 @@ def serve_action(
 
 def ask_action(node: Node, kind: Any, name: str) -> ActionClient:
     """Create an action client that keeps up to `DEPTH` answers."""
-    return ActionClient(node, kind, name, **dict.fromkeys(_ACTION, _DEEP))
+    return _GoalSender(node, bounded_action_answers(kind), name, **dict.fromkeys(_ACTION, _DEEP))
+
+
+class _GoalSender(ActionClient):
+    """Keeps nothing of goals that are over."""
+
+    def send_goal_async(self, *arguments: Any, **options: Any) -> Future:
+        """Send a goal; see ActionClient."""
+        known = set(self._futures)
+        answer = super().send_goal_async(*arguments, **options)
+        # rclpy 9.1 makes two futures for each goal, one of which is never done and kept for ever.
+        for future in set(self._futures) - known - {answer}:
+            self.remove_future(future)
+        return answer

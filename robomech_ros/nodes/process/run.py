@@ -28,7 +28,7 @@ from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
-from robomech_ros.nodes.middleware.bounded_requests import bounded_service
+from robomech_ros.nodes.middleware.parameter_requests import guard_parameter_services
 from robomech_ros.nodes.process.compiler_pages import release_compiler_pages
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
 from robomech_ros.nodes.process.namesakes import watch_for_namesakes
@@ -68,9 +68,7 @@ class Spinner:
         self._executor = SingleThreadedExecutor(context=context)
         for node in self._nodes:
             self._executor.add_node(node)
-            # Those for parameters are made by rclpy.
-            for service in node.services:
-                service.srv_type = bounded_service(service.srv_type)
+            guard_parameter_services(node)
         self._stopping = False
         self._thread = threading.Thread(target=self._spin, name="spin", daemon=True)
         self._on_end: Callable[[], Any] = lambda: None

@@ -17,7 +17,7 @@ from robomech_ros.robots import SerialChain
 __all__ = ["PlannedPath"]
 
 # Pose messages that are kept from one path to the next, 2 kB each.
-_POSES_KEPT = 2000
+_POSES_KEPT = 500
 
 
 class PlannedPath:
