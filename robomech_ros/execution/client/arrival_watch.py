@@ -53,7 +53,7 @@ class ArrivalWatch:
         self._delivery = delivery
         self._gateway = gateway
         self._settings = settings
-        self._now = delivery.sent_at
+        self._now = self._looks_since = delivery.sent_at
         self._missing_since: float | None = None
         self._watch_from(positions)
 
@@ -78,6 +78,9 @@ class ArrivalWatch:
     def look(self, now: float) -> None:
         """Look where the robot is at a time (s)."""
         delivery, gateway = self._delivery, self._gateway
+        if now > self._now + HUSH:
+            # Whoever was held up has not heard what was said meanwhile.
+            self._looks_since = now
         self._now = now
         self.elapsed = now - delivery.sent_at
         self.late = self.elapsed - delivery.lasts
@@ -125,7 +128,8 @@ class ArrivalWatch:
     def _gone(self, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
         delivery, silent = self._delivery, self._progress.silent
-        if self._gateway.replaced or (self._gateway.died and silent > HUSH):
+        hushed = min(silent, self._now - self._looks_since) > HUSH
+        if self._gateway.replaced or (self._gateway.died and hushed):
             return "the controller has died: its process is gone, or stands still"
         missing = self._gateway.missing(delivery.transport)
         if not missing:

@@ -164,6 +164,19 @@ def test_a_controller_that_has_died_is_told_at_once(robot, dispatcher, transport
     assert "at last joint 'shoulder' is at" in one.report.text
 
 
+def test_who_was_held_up_does_not_take_the_controller_for_dead(robot, dispatcher):
+    """The lease had run out while the publisher stood still, and no joint states were heard."""
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.1)
+    robot.died, robot.talks = True, 0
+    dispatcher.step(0.9)
+    assert one.report is None
+    robot.died, robot.talks = False, 1
+    follow(robot, dispatcher, one, 0.95, 1.5)
+    assert one.report.code == 0
+
+
 @pytest.mark.parametrize("transport", [Transport.TOPIC, Transport.ACTION])
 def test_a_controller_whose_place_another_has_taken_is_told_at_once(robot, dispatcher, transport):
     """The successor publishes joint states, and knows nothing of the motion."""
