@@ -9,29 +9,18 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
-from robomech_ros.servo.departures import Start
-from robomech_ros.servo.joining import Joining
-from robomech_ros.servo.leaving import Leaving
 from robomech_ros.servo.limits import ServoLimits
-from robomech_ros.servo.line_laying import LineLaying
-from robomech_ros.servo.line_path import LinePath
-from robomech_ros.servo.motion import Advance, Samples
+from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.pose_approach import PoseApproach
 from robomech_ros.servo.report import ServoCondition, ServoReport, motion_report
 from robomech_ros.servo.resolution import Resolution, TwistResolver
 from robomech_ros.servo.stream import Stream
+from robomech_ros.servo.twist_following import TwistFollowing
 from robomech_ros.spatial.arrays import all_finite, as_finite
 
 __all__ = ["Servo", "ServoSettings"]
 
 Array = NDArray[np.float64]
-
-# Twists whose directions differ by less than this are the same.
-_SAME = 1e-9
-# The least part of a twist with which its way passes a singularity.
-_PASSING = 0.2
-# A way so short (s^2, by acceleration limits) leads nowhere.
-_BEGINNING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -91,10 +80,7 @@ class Servo:
         self._approach = PoseApproach(chain)
         self._stream: Stream | None = None
         self._command: Command | None = None
-        # The twist of the period before, in its axes.
-        self._last: TwistCommand | None = None
-        self._joining = Joining()
-        self._leaving = Leaving(self._resolver)
+        self._twists = TwistFollowing(self._resolver, self.limits, self._period)
         self.paused = False
 
     @property
@@ -147,7 +133,7 @@ class Servo:
         """
         given = self._finite("position", position), self._finite("velocity", velocity)
         self._stream = Stream(self.limits, self._period, *given, lead=self._lead)
-        self._last = None
+        self._twists.end()
 
     def _finite(self, what: str, values: Array) -> Array:
         """Check n numbers, one for each joint."""
@@ -166,15 +152,15 @@ class Servo:
         """Go on by one period; the time (s) decides whether the command is stale."""
         stream, command = self.motion, self._command
         if command is None or now > command.until or self.paused:
-            self._last = None
+            self._twists.end()
             # On the plan that is known already: who has it needs no more messages.
             stream.brake()
             return self._standing(now)
         if isinstance(command, PoseCommand):
             command = self._towards(command)
         if isinstance(command, TwistCommand):
-            return self._follow(command)
-        self._last = None
+            return self._twists.follow(stream, command)
+        self._twists.end()
         number = self._condition_number()
         resolution = Resolution(command.rates, 1.0, False, number, True, np.zeros(6))
         share = self.limits.share_of(resolution.rates)
@@ -186,84 +172,6 @@ class Servo:
         position, velocity = self.motion.position, self.motion.velocity
         stop = self.motion.samples().positions[-1]
         return self._approach.twist(command, position, position + velocity, stop)
-
-    def _follow(self, command: TwistCommand) -> ServoReport:
-        """Go on by one period with a twist."""
-        stream = self.motion
-        velocity = stream.velocity
-        # The wanted velocity is that at the next knot.
-        position = stream.position + self._period * velocity
-        twist = _twist_of(command, position)
-        if self._last is None:
-            self._leaving.forget()
-        if self._last is None or not _ratio(_twist_of(self._last, position), twist):
-            self._joining.begin()
-            self._leaving.begin()
-        self._last = command
-        found = self._resolver.resolve(position, twist, velocity)
-        beyond = found.condition_number >= self._resolver.stop_at
-        if stream.line is not None:
-            stream.line.path.begin_period()
-        elif stream.at_rest and twist.any() and (found.scale or beyond):
-            self._begin_line(command, twist, beyond)
-        advance = None
-        if stream.line is not None:
-            found, advance = self._on_line(position, twist, found)
-        elif not (stream.at_rest or beyond) and found.scale and twist.any():
-            part = min(self.limits.share_of(found.rates)[0], found.scale)
-            advance = self._joining.attempt(
-                stream, part, lambda: self._path(command, Start(stream.knot()))
-            )
-        if advance is None:
-            found = self._resolver.unheld(position, twist, found, self.limits.acceleration)
-            part = min(self.limits.share_of(found.rates)[0], found.scale)
-            advance = stream.advance(self._joining.slower * part * found.rates)
-        share = self.limits.share_of(found.rates)
-        return motion_report(self.limits, found, share, advance, stream.velocity)
-
-    def _path(self, command: TwistCommand, start: Start) -> LinePath:
-        """Give the way for a twist."""
-        weights = 1.0 / self.limits.acceleration
-        way = LineLaying(self._resolver, weights, start, lambda q: _twist_of(command, q))
-        return LinePath(way)
-
-    def _begin_line(self, command: TwistCommand, twist: Array, beyond: bool) -> None:
-        """Go on on the line of a twist from rest, where there is one."""
-        knot = self.motion.knot()
-        if not beyond:
-            path = self._path(command, Start(knot))
-            if path.reach(_BEGINNING) or path.singular or path.unfinished:
-                self.motion.begin(path)
-            return
-        out = self._leaving.way(knot, twist, lambda start: self._path(command, start))
-        if out is not None:
-            self.motion.begin(out)
-
-    def _on_line(
-        self, position: Array, twist: Array, found: Resolution
-    ) -> tuple[Resolution, Advance | None]:
-        """Go on by one period on the line of a twist; None where that cannot be."""
-        stream, line = self.motion, self.motion.line
-        assert line is not None
-        ratio = _ratio(line.path.twist(position), twist)
-        if ratio == 0.0:
-            return found, None
-        if line.leaves:
-            rates = ratio * line.wanted * line.path.slope(line.place)
-            # The wrist turns no faster, for a small twist, than at the hard stop.
-            scale = min(
-                1.0, float(np.abs(found.rates).max()) / max(float(np.abs(rates).max()), 1e-300)
-            )
-            found = found._replace(rates=rates, scale=scale, leaving=True)
-        else:
-            # Whether it ends, and where, is known of the way.
-            found = found._replace(scale=max(found.scale, _PASSING))
-        part = min(self.limits.share_of(found.rates)[0], found.scale)
-        advance = stream.follow(part * ratio * line.wanted)
-        if advance is not None and line.path.singular and not advance.bound:
-            # The end of the way is in sight.
-            found = found._replace(scale=min(part, line.rate / max(line.wanted, 1e-300)))
-        return found, advance
 
     def samples(self) -> Samples:
         """Give the stream from the first knot shown on, at rest at the end."""
@@ -285,20 +193,3 @@ class Servo:
         age = now - self._command.until
         text = f"the last command is stale, for {max(age, 0.0):.3g} s"
         return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)
-
-
-def _twist_of(command: TwistCommand, q: Array) -> Array:
-    """Give the twist of a command in base axes."""
-    axes = command.axes(q)
-    if axes is None:
-        return command.twist
-    return np.concatenate((axes @ command.twist[:3], axes @ command.twist[3:]))
-
-
-def _ratio(first: Array, second: Array) -> float:
-    """Give how much larger the second of two twists is; 0 where their directions differ."""
-    sizes = [float(np.abs(twist).max()) for twist in (first, second)]
-    if not all(sizes):
-        return 0.0
-    unlike = np.abs(first / sizes[0] - second / sizes[1]).max()
-    return sizes[1] / sizes[0] if unlike <= _SAME else 0.0

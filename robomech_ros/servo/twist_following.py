@@ -1,0 +1,148 @@
+"""Following twists: along the line of one that is held, and onto and out of such lines."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.servo.commands import TwistCommand
+from robomech_ros.servo.departures import Start
+from robomech_ros.servo.joining import Joining
+from robomech_ros.servo.leaving import Leaving
+from robomech_ros.servo.limits import ServoLimits
+from robomech_ros.servo.line_laying import LineLaying
+from robomech_ros.servo.line_path import LinePath
+from robomech_ros.servo.motion import Advance
+from robomech_ros.servo.report import ServoReport, motion_report
+from robomech_ros.servo.resolution import Resolution, TwistResolver
+from robomech_ros.servo.stream import Stream
+
+__all__ = ["TwistFollowing"]
+
+Array = NDArray[np.float64]
+
+# Twists whose directions differ by less than this are the same.
+_SAME = 1e-9
+# The least part of a twist with which its way passes a singularity.
+_PASSING = 0.2
+# A way so short (s^2, by acceleration limits) leads nowhere.
+_BEGINNING = 1e-6
+
+
+class TwistFollowing:
+    """Has a stream follow twists.
+
+    Parameters
+    ----------
+    resolver : TwistResolver
+        Of the chain.
+    limits : ServoLimits
+        Of its joints.
+    period : float
+        Time between knots of the stream (s).
+    """
+
+    def __init__(self, resolver: TwistResolver, limits: ServoLimits, period: float) -> None:
+        self._resolver, self._limits, self._period = resolver, limits, period
+        # The twist of the period before, in its axes.
+        self._last: TwistCommand | None = None
+        self._joining = Joining()
+        self._leaving = Leaving(resolver)
+
+    def end(self) -> None:
+        """Follow no twist: the next one is another."""
+        self._last = None
+
+    def follow(self, stream: Stream, command: TwistCommand) -> ServoReport:
+        """Go on by one period with a twist."""
+        velocity = stream.velocity
+        # The wanted velocity is that at the next knot.
+        position = stream.position + self._period * velocity
+        twist = _twist_of(command, position)
+        if self._last is None:
+            self._leaving.forget()
+        if self._last is None or not _ratio(_twist_of(self._last, position), twist):
+            self._joining.begin()
+            self._leaving.begin()
+        self._last = command
+        found = self._resolver.resolve(position, twist, velocity)
+        beyond = found.condition_number >= self._resolver.stop_at
+        if stream.line is not None:
+            stream.line.path.begin_period()
+        elif stream.at_rest and twist.any() and (found.scale or beyond):
+            self._begin_line(stream, command, twist, beyond)
+        advance = None
+        if stream.line is not None:
+            found, advance = self._on_line(stream, position, twist, found)
+        elif not (stream.at_rest or beyond) and found.scale and twist.any():
+            part = min(self._limits.share_of(found.rates)[0], found.scale)
+            advance = self._joining.attempt(
+                stream, part, lambda: self._path(command, Start(stream.knot()))
+            )
+        if advance is None:
+            found = self._resolver.unheld(position, twist, found, self._limits.acceleration)
+            part = min(self._limits.share_of(found.rates)[0], found.scale)
+            advance = stream.advance(self._joining.slower * part * found.rates)
+        share = self._limits.share_of(found.rates)
+        return motion_report(self._limits, found, share, advance, stream.velocity)
+
+    def _path(self, command: TwistCommand, start: Start) -> LinePath:
+        """Give the way for a twist."""
+        weights = 1.0 / self._limits.acceleration
+        way = LineLaying(self._resolver, weights, start, lambda q: _twist_of(command, q))
+        return LinePath(way)
+
+    def _begin_line(
+        self, stream: Stream, command: TwistCommand, twist: Array, beyond: bool
+    ) -> None:
+        """Go on on the line of a twist from rest, where there is one."""
+        knot = stream.knot()
+        if not beyond:
+            path = self._path(command, Start(knot))
+            if path.reach(_BEGINNING) or path.singular or path.unfinished:
+                stream.begin(path)
+            return
+        out = self._leaving.way(knot, twist, lambda start: self._path(command, start))
+        if out is not None:
+            stream.begin(out)
+
+    def _on_line(
+        self, stream: Stream, position: Array, twist: Array, found: Resolution
+    ) -> tuple[Resolution, Advance | None]:
+        """Go on by one period on the line of a twist; None where that cannot be."""
+        line = stream.line
+        assert line is not None
+        ratio = _ratio(line.path.twist(position), twist)
+        if ratio == 0.0:
+            return found, None
+        if line.leaves:
+            rates = ratio * line.wanted * line.path.slope(line.place)
+            # The wrist turns no faster, for a small twist, than at the hard stop.
+            scale = min(
+                1.0, float(np.abs(found.rates).max()) / max(float(np.abs(rates).max()), 1e-300)
+            )
+            found = found._replace(rates=rates, scale=scale, leaving=True)
+        else:
+            # Whether it ends, and where, is known of the way.
+            found = found._replace(scale=max(found.scale, _PASSING))
+        part = min(self._limits.share_of(found.rates)[0], found.scale)
+        advance = stream.follow(part * ratio * line.wanted)
+        if advance is not None and line.path.singular and not advance.bound:
+            # The end of the way is in sight.
+            found = found._replace(scale=min(part, line.rate / max(line.wanted, 1e-300)))
+        return found, advance
+
+
+def _twist_of(command: TwistCommand, q: Array) -> Array:
+    """Give the twist of a command in base axes."""
+    axes = command.axes(q)
+    if axes is None:
+        return command.twist
+    return np.concatenate((axes @ command.twist[:3], axes @ command.twist[3:]))
+
+
+def _ratio(first: Array, second: Array) -> float:
+    """Give how much larger the second of two twists is; 0 where their directions differ."""
+    sizes = [float(np.abs(twist).max()) for twist in (first, second)]
+    if not all(sizes):
+        return 0.0
+    unlike = np.abs(first / sizes[0] - second / sizes[1]).max()
+    return sizes[1] / sizes[0] if unlike <= _SAME else 0.0
