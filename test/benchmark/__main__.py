@@ -10,7 +10,7 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
-GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "dynamics", "nodes")
+GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "dynamics", "nodes", "view")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -64,6 +64,10 @@ def main() -> int:
         import bench_nodes
 
         rows += bench_nodes.rows(arguments.ros_python)
+    if "view" in groups:
+        import bench_view
+
+        rows += bench_view.rows(arguments.ros_python)
 
     load = os.getloadavg()[0]
     print(render(f"Python {platform.python_version()}, one thread, medians; load {load:.1f}", rows))
