@@ -10,7 +10,8 @@ from robomech_ros.nodes.process.launch_options import LaunchOptions
 
 PATIENCE = 120.0
 ENCLAVE = "/cell_1/left"
-OPTIONS = ("--robot", "puma560", "--namespace", "left")
+OPTIONS = ("--robot", "puma560", "--namespace", "left", "--view", "--view-port", "0")
+NODES = LaunchOptions(view=True).nodes
 # Of policy.xsd in github.com/ros2/sros2: what holds what, how often, and its attributes.
 HELD = {"policy": "enclaves", "enclaves": "enclave", "enclave": "profiles", "profiles": "profile"}
 ATTRIBUTES = {"policy": {"version"}, "enclave": {"path"}, "profile": {"ns", "node"}}
@@ -60,16 +61,19 @@ def test_the_policy_has_the_schemas_form_and_allows_what_running_nodes_do(
 ):
     check_structure(policy)
     assert policy.find("enclaves/enclave").get("path") == ENCLAVE
-    assert [p.get("node") for p in policy.iter("profile")] == list(LaunchOptions().nodes)
+    assert [p.get("node") for p in policy.iter("profile")] == list(NODES)
     assert {p.get("ns") for p in policy.iter("profile")} == {"/left"}
     with bringup(*OPTIONS):
         deadline = time.monotonic() + PATIENCE
-        for node in LaunchOptions().nodes:
+        for node in NODES:
             for way in ("publish", "subscribe", "reply", "request", "execute", "call"):
                 wanted = allowed(policy, node, way)
                 if (node, way) == ("joint_trajectory_controller", "subscribe"):
                     # It listens to frames only while others publish some, see the next lines.
                     wanted -= {"/tf", "/tf_static"}
+                if (node, way) == ("rvs", "subscribe"):
+                    # And the view to markers while a page shows them.
+                    wanted -= {"/left/kinematics/markers"}
                 while (there := seen(outsider, node, way)) != wanted:
                     assert time.monotonic() < deadline, f"{node} {way}: {there ^ wanted}"
                     time.sleep(0.1)

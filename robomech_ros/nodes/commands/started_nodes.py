@@ -1,8 +1,10 @@
 """What nodes have in the graph, found by starting them in a domain of their own."""
 
 import os
+import sys
 import time
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 
 import rclpy
 from rclpy.node import Node
@@ -16,6 +18,7 @@ from robomech_ros.nodes.process.free_domain import free_domain
 from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
 from robomech_ros.nodes.process.reach import stay_on_this_machine
 from robomech_ros.nodes.process.run import Spinner
+from robomech_ros.nodes.rvs.node import RvsNode
 
 __all__ = ["NotUpError", "rights_of_started"]
 
@@ -40,7 +43,9 @@ def rights_of_started(options: LaunchOptions) -> list[NodeRights]:
         )
         nodes: list[Node] = []
         try:
-            nodes += [node_class(node)() for node in options.nodes]
+            # The policy alone is printed, not the address of a page that is gone soon.
+            with redirect_stdout(sys.stderr):
+                nodes += [node_class(node)() for node in options.nodes]
             return _looked_at(nodes)
         finally:
             for node in nodes:
@@ -58,6 +63,9 @@ def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
         if any(node.get_name() == "servo" for node in nodes):
             servo = next(node for node in nodes if node.get_name() == "servo")
             awaited.append((servo, "reply", f"{servo.get_fully_qualified_name()}/pause_servo"))
+        for node in nodes:
+            if isinstance(node, RvsNode):
+                awaited += [(node, "subscribe", topic) for topic in node.listen_to_markers()]
         deadline = time.monotonic() + _PATIENCE
         for node, way, name in awaited:
             while name not in getattr(_of(node), way):

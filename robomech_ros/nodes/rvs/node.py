@@ -46,6 +46,11 @@ class RvsNode(Node):
         """The address of the page, with its token."""
         return self._page.url
 
+    def listen_to_markers(self) -> list[str]:
+        """Listen to markers from now on, as a page may ask for; gives the topics."""
+        self._robot.want_markers(True)
+        return [self.resolve_topic_name(topic) for topic in self._settings.marker_topics]
+
     def _condition(self) -> NodeCondition:
         browsers, fault = self._page.browsers, self._robot.condition
         summary = f"{browsers} browsers" if browsers else "nobody looks"
