@@ -34,6 +34,7 @@ def test_an_ellipsoid_of_what_is_none_is_refused(page, commander, value):
     send_value(commander, control(page, "ellipsoids of")._impl.uuid, value)
     alive(page, commander)
     assert page._layers[0]._switches.part == "translation"
+    wait_until(lambda: "velocity" in page._layers[0]._nodes)
     node = page._layers[0]._nodes["velocity"]
     wait_until(lambda: np.allclose(node.position, page._arm.tip[:3, 3], atol=1e-6))
 
@@ -43,8 +44,7 @@ def test_numbers_are_not_looked_for_before_they_are_shown(page, commander):
     alive(page, commander)
     assert not layer._asked_for_facts and not layer._nodes
     send_value(commander, control(page, "numbers")._impl.uuid, True)
-    wait_until(lambda: layer._next is not None)
-    assert "next singularity" in layer._table.content
+    wait_until(lambda: "next singularity" in layer._table.content)
 
 
 def test_the_best_posture_is_taken_as_soon_as_it_is_known(page, commander):
@@ -52,3 +52,32 @@ def test_the_best_posture_is_taken_as_soon_as_it_is_known(page, commander):
     send_value(commander, control(page, "Go to the least condition number")._impl.uuid, True)
     wait_until(lambda: layer._facts is not None)
     wait_until(lambda: np.array_equal(page._arm.q, layer._facts.best.q))
+
+
+def test_a_dh_number_changed_is_another_robot_solved_at_once_and_reset_brings_it_back(
+    page, commander
+):
+    first, field = page._arm.chain, control(page, "Change DH")
+    q = page._arm.q
+    send_value(commander, field._impl.uuid, "2 a 0.6")
+    wait_until(lambda: page._panel is not None and page._arm.chain is not first)
+    chain = page._arm.chain
+    assert chain.dh.a[1] == 0.6 and first.dh.a[1] != 0.6
+    np.testing.assert_array_equal(page._arm.q, q)
+    assert sum(posture.is_here for posture in page._arm.study.postures) == 1
+    wait_until(lambda: control(page, "Reset robot") is not None)
+    send_value(commander, control(page, "Reset robot")._impl.uuid, True)
+    wait_until(lambda: page._arm.chain is first)
+    wait_until(lambda: page._panel is not None)
+    alive(page, commander)
+
+
+@pytest.mark.parametrize(
+    "text", ["2 a 1e7", "2 a nan", "9 a 0.5", "a", "'; drop", "2 alpha 1e999", 7, True]
+)
+def test_a_dh_number_that_is_none_is_refused_and_the_robot_stays(page, commander, text):
+    chain = page._arm.chain
+    send_value(commander, control(page, "Change DH")._impl.uuid, text)
+    wait_until(lambda: "Refused" in page._stage._notice.content)
+    assert page._arm.chain is chain
+    alive(page, commander)

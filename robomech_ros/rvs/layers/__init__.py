@@ -1,6 +1,7 @@
 """Layers of a page: each shows one subject, and brings its own folder of controls."""
 
 from robomech_ros.rvs.layers.contours import ContoursLayer
+from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
@@ -9,4 +10,10 @@ from robomech_ros.rvs.page.layer import LayerMaker
 __all__ = ["LAYERS"]
 
 # In the order of their folders on the page.
-LAYERS: tuple[LayerMaker, ...] = (UnderstandLayer, ContoursLayer, MotionLayer, KeepingLayer)
+LAYERS: tuple[LayerMaker, ...] = (
+    UnderstandLayer,
+    DHTableLayer,
+    ContoursLayer,
+    MotionLayer,
+    KeepingLayer,
+)

@@ -1,0 +1,73 @@
+"""A chain written as the YAML form of a Denavit-Hartenberg table."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.robots.dh_table import DHTable
+from robomech_ros.robots.limit_arrays import LARGEST_ANGLE
+from robomech_ros.spatial import roll_pitch_yaw_from_matrix
+
+__all__ = ["dh_document"]
+
+Array = NDArray[np.float64]
+
+
+def dh_document(chain: SerialChain, table: DHTable, source: str) -> str:
+    """Write a table with the names, limits and home of a chain; its bodies and drives are left out.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    table : DHTable
+        Of n joints of the same types.
+    source : str
+        Where the numbers come from.
+
+    Returns
+    -------
+    str
+        As :func:`load_robot` reads it, numbers to the last bit.
+    """
+    links = [f"link_{k + 1}" for k in range(chain.n)]
+    document: dict[str, Any] = {
+        "name": chain.name,
+        "source": source,
+        "base_link": chain.base if chain.base not in links else "base_link",
+        "tip_link": chain.tip if chain.tip not in links else "tool0",
+        "base": _pose(table.base),
+        "tool": _pose(table.tool),
+        "joints": [_joint(chain, table, k) for k in range(chain.n)],
+        "home": dict(zip(chain.joint_names, chain.home().tolist(), strict=True)),
+    }
+    return yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
+
+
+def _joint(chain: SerialChain, table: DHTable, k: int) -> dict[str, Any]:
+    lower, upper = float(chain.lower[k]), float(chain.upper[k])
+    kind = "prismatic" if chain.types[k] == PRISMATIC else "revolute"
+    if kind == "revolute" and math.isinf(lower) and math.isinf(upper):
+        kind = "continuous"
+    row: dict[str, Any] = {"name": chain.joint_names[k], "type": kind}
+    row |= {key: float(getattr(table, key)[k]) for key in ("a", "b", "alpha", "theta")}
+    if kind != "continuous":
+        # As exporters write none.
+        row |= {"lower": max(lower, -10.0 * LARGEST_ANGLE)}
+        row |= {"upper": min(upper, 10.0 * LARGEST_ANGLE)}
+    for key in ("velocity", "acceleration", "jerk", "effort"):
+        limit = float(getattr(chain, key)[k])
+        if math.isfinite(limit):
+            row[key] = limit
+    return row
+
+
+def _pose(T: Array) -> dict[str, list[float]]:
+    return {"xyz": T[:3, 3].tolist(), "rpy": roll_pitch_yaw_from_matrix(T[:3, :3]).tolist()}

@@ -1,0 +1,99 @@
+"""An arm as a Denavit-Hartenberg table of which a number is changed: another robot."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import DHTable, RobotDescription, SerialChain, dh_from_chain
+from robomech_ros.robots.dh_document import dh_document
+from robomech_ros.robots.robot_yaml import description_from_yaml
+
+__all__ = ["PARAMETERS", "DHChange", "changed_robot", "read_change", "table_of", "yaml_of"]
+
+PARAMETERS = ("a", "b", "alpha", "theta")
+EXPECTED = "a joint from 1 to {n}, one of a, b, alpha and theta, and a number, as in '2 a 0.5'"
+
+
+class DHChange(NamedTuple):
+    """One number of a table.
+
+    Attributes
+    ----------
+    joint : int
+        From 0.
+    parameter : str
+    value : float
+        m or rad.
+    """
+
+    joint: int
+    parameter: str
+    value: float
+
+
+def table_of(chain: SerialChain) -> DHTable:
+    """Give the table that a chain was made from, or one that is recovered."""
+    return chain.dh_given if chain.dh_given is not None else dh_from_chain(chain)
+
+
+def read_change(text: str, joints: int) -> DHChange:
+    """Read a change, such as ``2 a 0.5``.
+
+    Parameters
+    ----------
+    text : str
+    joints : int
+        How many there are.
+
+    Raises
+    ------
+    BadValueError
+        It is none.
+    """
+    words = text.split()
+    error = BadValueError("change of the DH table", text.strip(), EXPECTED.format(n=joints))
+    if len(words) != 3 or words[1] not in PARAMETERS:
+        raise error
+    try:
+        joint, value = int(words[0]), float(words[2])
+    except ValueError:
+        raise error from None
+    if not 1 <= joint <= joints or not np.isfinite(value):
+        raise error
+    return DHChange(joint - 1, words[1], value)
+
+
+def changed_robot(chain: SerialChain, change: DHChange) -> tuple[RobotDescription, SerialChain]:
+    """Change a number of the table of an arm.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints.
+    change : DHChange
+
+    Returns
+    -------
+    tuple of RobotDescription and SerialChain
+        The arm alone, with its limits and names, without masses and meshes.
+
+    Raises
+    ------
+    RobotDescriptionError
+        The number is too large.
+    """
+    table = table_of(chain)
+    row = np.array(getattr(table, change.parameter))
+    row[change.joint] = change.value
+    text = yaml_of(chain, dataclasses.replace(table, **{change.parameter: row}))
+    robot = description_from_yaml(text, "DH table")
+    return robot, robot.chain()
+
+
+def yaml_of(chain: SerialChain, table: DHTable) -> str:
+    """Write an arm as YAML, as :func:`~robomech_ros.robots.load_robot` reads it."""
+    return dh_document(chain, table, f"DH table of {chain.name}, from the view")

@@ -1,0 +1,64 @@
+"""The Denavit-Hartenberg table of an arm as HTML, with numbers to be typed."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from urllib.parse import quote
+
+from robomech_ros.robots import DHTable
+from robomech_ros.rvs.page.fact_table import SMALL
+from robomech_ros.rvs.page.fields import script_that_fills
+
+__all__ = ["CHANGE", "dh_rows"]
+
+# Label of the text field that a change is written into.
+CHANGE = "Change DH"
+_TITLES = (("a", "a (m)"), ("b", "b (m)"), ("alpha", "α (rad)"), ("theta", "θ (rad)"))
+_CHANGED = (
+    "var t=event.target,text=t.dataset.dh?t.dataset.dh+' '+t.value.trim():'';"
+    f"{script_that_fills(CHANGE)}"
+)
+_CELL = (
+    "width:100%;box-sizing:border-box;font:inherit;color:inherit;background:transparent;"
+    "border:1px solid rgba(128,128,128,0.45);border-radius:3px;padding:0.1em 0.25em;"
+    "text-align:right"
+)
+
+
+def dh_rows(
+    table: DHTable, names: Sequence[str], units: Sequence[str], document: str, version: int
+) -> str:
+    """Write the table; a number that is typed goes into the text field of changes.
+
+    Parameters
+    ----------
+    table : DHTable
+    names, units : sequence of str
+        Of the joints; a joint adds its value to theta where it turns, to b where it slides.
+    document : str
+        What is saved.
+    version : int
+        Another number brings back what was typed over.
+    """
+    head = "".join(f"<th>{title}</th>" for _, title in _TITLES)
+    rows = []
+    for k, (name, unit) in enumerate(zip(names, units, strict=True)):
+        moved = "b" if unit == "m" else "theta"
+        cells = [
+            f'<td style="padding:0.05em">{"+" if key == moved else ""}'
+            f'<input data-dh="{k + 1} {key}" aria-label="{key} of joint {k + 1}" '
+            f'value="{float(getattr(table, key)[k]):.10g}" style="{_CELL}'
+            f'{";width:85%" if key == moved else ""}"></td>'
+            for key, _ in _TITLES
+        ]
+        rows.append(f'<tr><td title="{html.escape(name)}">{k + 1}</td>{"".join(cells)}</tr>')
+    href = "data:text/yaml;charset=utf-8," + quote(document)
+    return (
+        f'<div style="{SMALL}" data-dh-table="{version}">'
+        f'<table onchange="{_CHANGED}" style="border-collapse:collapse;width:100%">'
+        f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+        "<div>Type a number: another robot is shown at once, its bodies generated. A joint adds "
+        "its value where + is.</div>"
+        f'<a href="{href}" download="dh_table.yaml" style="color:#228be6">Save as YAML</a></div>'
+    )
