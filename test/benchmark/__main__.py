@@ -67,7 +67,9 @@ def main() -> int:
     if "view" in groups:
         import bench_view
 
-        rows += bench_view.rows(arguments.ros_python)
+        view_rows, view_remarks = bench_view.rows(arguments.ros_python)
+        rows += view_rows
+        remarks += view_remarks
 
     load = os.getloadavg()[0]
     print(render(f"Python {platform.python_version()}, one thread, medians; load {load:.1f}", rows))
