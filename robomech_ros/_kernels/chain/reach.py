@@ -55,8 +55,13 @@ def _hold(bounds, q, g, scale, A, b, n):
 
 
 @inline
-def _descend(packed, point, weights, bounds, q, J, current, r, g, H, A, b, iterations):
-    """Go down to a local minimum by damped Newton steps; return half the squared distance."""
+def _descend(packed, wanted, bounds, q, bench, iterations):
+    """Go down to a local minimum by damped Newton steps; return half the squared distance.
+
+    ``wanted`` are the point and the weights of its components, ``bench`` is working space.
+    """
+    point, weights = wanted
+    J, current, r, g, H, A, b = bench
     n = q.shape[0]
     damping = 1.0
     jacobian_body(packed, q, J, current)
@@ -128,6 +133,7 @@ def least_distance(
     H = np.empty((n, n))
     A = np.empty((n, n))
     current = np.empty((4, 4))
+    bench = J, current, r, g, H, A, b
     least = 0.5 * least * least
     for number in range(first, first + starts):
         if least < 0.5 * enough * enough:
@@ -141,7 +147,7 @@ def least_distance(
             else:
                 q[i] = 2.0 * math.pi * part if packed[i, 0] == 0.0 else part
                 q[i] = min(max(q[i], bounds[0, i]), bounds[1, i])
-        value = _descend(packed, point, weights, bounds, q, J, current, r, g, H, A, b, iterations)
+        value = _descend(packed, (point, weights), bounds, q, bench, iterations)
         if value < least:
             least = value
             for i in range(n):

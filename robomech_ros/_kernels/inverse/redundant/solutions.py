@@ -180,12 +180,14 @@ def _choose(data, lower, upper, seed, k, steps, locked):
 
 
 @lean
-def _sample(data, T, seed, angle, locked, k, steps, q, branch):
-    """Write the postures of one sample; ``angle`` is the arm angle of the seed."""
+def _sample(data, T, seed, angle, locked, turn, postures):
+    """Write the postures of one sample and what they are called.
+
+    ``angle`` is the arm angle of the seed, from which the sample is a ``turn`` (rad) away.
+    """
+    q, branch = postures
     if data[at.KIND] == at.ARM_ANGLE:
-        away = 2.0 * math.pi * ((k + 1) // 2) / steps
-        angle += away if k % 2 == 1 else -away
-        return call_arm_angle_postures(data, T, seed, angle, q, branch)
+        return call_arm_angle_postures(data, T, seed, angle + turn, q, branch)
     return _locked_body(data, T, seed, locked, q, branch)
 
 
@@ -229,17 +231,19 @@ def _misses(packed, T, q):
 
 
 @inline
-def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, reached):
+def _collect(data, T, request, nearest, bench, ranked, reached):
     """Rank the postures of all samples.
 
     Returns how many are inside the limits, how many exist, and whether the first of them is proved
     to be the nearest of all, not only of samples: then no others are made where only the nearest
-    is asked for.
+    is asked for.  ``bench`` has the joints as :func:`walk` has them, where they may be, and room
+    for postures and what they are called.
     The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
     it is as near as its self-motion goes, else NaN.  Where only the nearest is asked for, samples
     that are farther from the seed than the first are left out.
     """
     turns, lower, upper, seed, metric, bounded = request
+    joints, low, high, q, branch = bench
     rows, names, distances = ranked
     n = seed.shape[0]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
@@ -288,7 +292,8 @@ def _collect(data, T, request, joints, nearest, low, high, q, branch, ranked, re
                 away = _choose(data, low, high, seed, k, steps, locked)
                 if nearest and count > 0 and away >= distances[0]:
                     continue
-            total = _sample(data, T, seed, angle, locked, k, steps, q, branch)
+            turn = 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
+            total = _sample(data, T, seed, angle, locked, turn, (q, branch))
             bare += total
             for i in range(total):
                 if place(turns, lower, upper, seed, bounded, q[i], placed):
@@ -388,11 +393,10 @@ def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, dista
         joints[2, i], joints[3, i] = upper[i], seed[i]
         low[i] = lower[i] if bounded else -math.inf
         high[i] = upper[i] if bounded else math.inf
+    bench = joints, low, high, q, branch
     for m in range(T.shape[0]):
         into = Ranked(ranked[m], names, distances)
-        count, bare, proved = _collect(
-            data, T[m], request, joints, nearest, low, high, q, branch, into, reached[0]
-        )
+        count, bare, proved = _collect(data, T[m], request, nearest, bench, into, reached[0])
         if not proved:
             count = _approach_first(packed, T[m], request, count, reached, into)
         if not proved and n == 7:
