@@ -1,5 +1,6 @@
 """Layers of a page: each shows one subject, and brings its own folder of controls."""
 
+from robomech_ros.rvs.layers.camera import CameraLayer
 from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
@@ -11,6 +12,7 @@ __all__ = ["LAYERS"]
 
 # In the order of their folders on the page.
 LAYERS: tuple[LayerMaker, ...] = (
+    CameraLayer,
     UnderstandLayer,
     DHTableLayer,
     ContoursLayer,

@@ -15,13 +15,13 @@ from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
 from robomech_ros.spatial import pose_from_position_quaternion
 
-__all__ = ["AT_FIRST", "Commands", "Panel"]
+__all__ = ["AT_FIRST", "GIZMO", "Commands", "Panel"]
 
 Array = NDArray[np.float64]
 
 # Steps of sliders (rad or m), and the size of the gizmo in reaches of the robot.
 STEP = 0.001
-GIZMO = 0.28
+GIZMO = 0.2
 # What can be shown, and whether it is at first.
 AT_FIRST = {"ghosts": True, "frames": False, "joint axes": False, "ground": True, "gizmo": True}
 

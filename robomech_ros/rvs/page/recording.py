@@ -7,19 +7,21 @@ from pathlib import Path
 from typing import Any
 
 from robomech_ros.robots import RobotDescription
+from robomech_ros.rvs.model.eye import seen_points
 from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.stage import BASE, add_base
-from robomech_ros.rvs.page.surroundings import add_surroundings
+from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
 from robomech_ros.rvs.serving.server import guarded_server
 
 __all__ = ["motion_page", "record_motion"]
 
-# Pictures a second.
+# Pictures a second, of which the eye is placed by every so many.
 RATE = 25.0
+EVERY = 10
 _LEGEND = (
     '<div style="position:fixed;right:1em;top:1em;max-width:22em;z-index:5;padding:0.6em 0.9em;'
     "border-radius:0.4em;background:rgba(255,255,255,0.85);color:#222;"
@@ -59,6 +61,8 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion) -> str:
     drawn = seen.tree.chain(chain.base, chain.tip)
     ghosts = GhostNodes(server.scene, BASE, drawn, Ghosts(drawn, seen.shapes), seen.reach)
     times, q = motion.sampled(RATE)
+    others = [posture.q for choice in motion.choices for posture in choice.others]
+    place_eye(server, seen_points(seen, chain.joint_names, [*q[::EVERY], q[-1], *others]))
     robot.move(dict(zip(chain.joint_names, q[0].tolist(), strict=True)))
     recording = server.get_scene_serializer()
     waiting = list(motion.choices)

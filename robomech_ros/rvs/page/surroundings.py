@@ -1,23 +1,27 @@
-"""What is around a robot: ground, lights and the eye; nothing comes from outside."""
+"""What is around a robot: ground and lights; nothing comes from outside."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-__all__ = ["add_surroundings"]
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.eye import FIELD, fitted_eye
+
+__all__ = ["add_surroundings", "place_eye"]
+
 
 # Lights without shadows or pictures: software draws them in a tenth of a second.
 AMBIENT, SKY = 1.2, 1.4
 # Widths of the squares on the ground (m), the least of which a robot's reach has at most so many.
 SQUARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 MOST_SQUARES = 12
-# Place of the eye and where it looks, in reaches of the robot.
-EYE, LOOKS_AT = (1.25, -1.6, 0.95), (0.1, 0.0, 0.33)
 
 
 def add_surroundings(server: Any, reach: float) -> Any:
-    """Add ground and lights to a scene, and place the eye.
+    """Add ground and lights to a scene.
 
     Parameters
     ----------
@@ -49,6 +53,11 @@ def add_surroundings(server: Any, reach: float) -> Any:
         section_color=(130, 130, 130),
         shadow_opacity=0.0,
     )
-    server.initial_camera.position = tuple(reach * part for part in EYE)
-    server.initial_camera.look_at = tuple(reach * part for part in LOOKS_AT)
     return ground
+
+
+def place_eye(server: Any, points: NDArray[np.float64]) -> None:
+    """Let pages begin where points (k, 3) (m) fill the picture."""
+    eye, camera = fitted_eye(points), server.initial_camera
+    camera.fov = FIELD
+    camera.position, camera.look_at = eye.position, eye.look_at

@@ -1,0 +1,68 @@
+"""Where the eye is, at first and by a button: the robot and its ghosts fill the picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.eye import fitted_eye, seen_points
+from robomech_ros.rvs.page.audience import AllControls, Controls
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.panel import GIZMO
+from robomech_ros.rvs.page.surroundings import place_eye
+
+__all__ = ["CameraLayer"]
+
+# Between the joints and what is shown.
+ORDER = 5.5
+
+
+class CameraLayer:
+    """The eye of every browser.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        place_eye(place.server, self._points())
+
+    def show(self) -> None:
+        """Do nothing: the eye stays while the arm moves."""
+
+    def controls(self, client: Any) -> Controls:
+        """Give the button."""
+        hint = "The robot and its ghosts fill the picture, seen from where you look now"
+        button = client.gui.add_button("Fit view", hint=hint, order=ORDER)
+
+        @button.on_click
+        async def _(_: Any) -> None:
+            self._place.ask("fit view", lambda: self._fit(client))
+
+        return AllControls([button])
+
+    def close(self) -> None:
+        """Do nothing: nothing runs."""
+
+    def _fit(self, client: Any) -> None:
+        camera = client.camera
+        backwards = camera.position - camera.look_at
+        eye = fitted_eye(self._points(), fov=camera.fov, aspect=camera.aspect, backwards=backwards)
+        with client.atomic():
+            camera.position = eye.position
+            camera.look_at = eye.look_at
+
+    def _points(self) -> NDArray[np.float64]:
+        arm, seen = self._place.arm, self._place.seen
+        postures = [arm.q, *(posture.q for posture in arm.study.postures)]
+        if arm.study.nearest is not None:
+            postures.append(arm.study.nearest)
+        points = seen_points(seen, arm.chain.joint_names, postures)
+        # The arrows of the gizmo, both ways.
+        T = seen.tree.link_poses()[arm.chain.base] @ arm.target
+        ends = GIZMO * seen.reach * np.vstack([T[:3, :3].T, -T[:3, :3].T])
+        return np.vstack([points, T[:3, 3] + ends])

@@ -1,0 +1,57 @@
+"""The eye in a real browser: what is seen at first, and by the button."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from chromium import Tab, chromium
+from raw_client import wait_until
+
+from robomech_ros.rvs import view
+
+pytestmark = [
+    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
+    pytest.mark.xdist_group("chromium"),
+    pytest.mark.timeout(900),
+]
+TIP = "__viserMutable.nodeRefFromName['/base/target']"
+BUTTON = "[...document.querySelectorAll('button')].find(b => b.innerText === 'Fit view')"
+
+
+def places(tab, points):
+    """Where points of the root are in the picture, from -1 to 1 both ways."""
+    script = f"""(() => {{
+        const v = __viserMutable;
+        const root = v.nodeRefFromName['/base'].parent, c = v.camera;
+        root.updateWorldMatrix(true, false); c.updateMatrixWorld();
+        return {points.tolist()}.map(at => {{
+            const p = {TIP}.position.clone().set(...at).applyMatrix4(root.matrixWorld).project(c);
+            return [p.x, p.y]; }}); }})()"""
+    return np.array(tab.value(script))
+
+
+def fills(tab, points):
+    """Whether points are all in the picture, and fill it in one direction."""
+    at = np.abs(places(tab, points)).max(axis=0)
+    return at.max() < 1.0 and at.max() > 0.75
+
+
+def test_the_robot_fills_the_picture_at_first_and_by_the_button():
+    with view("puma560", port=0) as page:
+        camera = next(one for one in page._layers if type(one).__name__ == "CameraLayer")
+        tab = Tab(f"{page.url}&fixedDpr=1")
+        try:
+            tab.wait_for(TIP)
+            wait_until(lambda: fills(tab, camera._points()))
+            q = page._arm.q + [1.5, -0.8, 0.6, 0.0, 0.5, 0.0]
+            page._ask("posture", lambda: page._arm.move_to(q))
+            wait_until(lambda: np.array_equal(page._arm.q, q))
+            client = next(iter(page._server.viser.get_clients().values()))
+            client.camera.position = 4.0 * client.camera.position
+            wait_until(lambda: not fills(tab, camera._points()))
+            tab.value(f"{BUTTON}.click()")
+            wait_until(lambda: fills(tab, camera._points()))
+            assert tab.errors == []
+        finally:
+            tab.close()
