@@ -48,7 +48,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench docs clean
+.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench pictures docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -135,6 +135,9 @@ colcon: setup ## build both packages with colcon in a scratch workspace and star
 bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclpy service, in .venv-bench
 	@$(call set_up,.venv-bench,--extra bench.txt)
 	@$(RUN) .venv-bench/bin/python test/benchmark --ros-python $(VENV)/bin/python $(BENCH)
+
+pictures: setup ## remake the pictures of the browser view in doc/images, by a headless Chromium
+	$(BIN)/python test/pictures $(if $(ONLY),--only $(ONLY))
 
 docs: ## build the pages of doc/ into doc/_build, in .venv-docs
 	@$(call set_up,.venv-docs,--extra docs.txt)

@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("viser")
 
 from chromium import Tab, chromium
+from controls import button, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
@@ -16,7 +17,6 @@ pytestmark = [
     pytest.mark.timeout(900),
 ]
 TIP = "__viserMutable.nodeRefFromName['/base/target']"
-BUTTON = "[...document.querySelectorAll('button')].find(b => b.innerText === 'Fit view')"
 
 
 def places(tab, points):
@@ -50,7 +50,7 @@ def test_the_robot_fills_the_picture_at_first_and_by_the_button():
             client = next(iter(page._server.viser.get_clients().values()))
             client.camera.position = 4.0 * client.camera.position
             wait_until(lambda: not fills(tab, camera._points()))
-            tab.value(f"{BUTTON}.click()")
+            press(tab, button("Fit view"))
             wait_until(lambda: fills(tab, camera._points()))
             assert tab.errors == []
         finally:

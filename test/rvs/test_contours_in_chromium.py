@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("viser")
 
 from chromium import Tab, chromium
+from controls import button, field, heading, press, write
 from raw_client import wait_until
 
 from robomech_ros.kinematics import forward_kinematics
@@ -18,14 +19,6 @@ pytestmark = [
     pytest.mark.timeout(900),
 ]
 PLOT = "document.querySelector('[data-plot]')"
-CONTROL = (
-    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
-    ".closest('.mantine-Flex-root').querySelector('input, textarea')"
-)
-HEADING = (
-    "[...document.querySelectorAll('.mantine-Paper-root')]"
-    ".find(p => p.textContent.trim() === '{label}')"
-)
 # A general posture, so that no two curves touch.
 Q = [0.3, -1.2, 1.5, -0.8, 0.9, 0.2]
 
@@ -39,12 +32,11 @@ def shown():
             tab.wait_for("document.querySelector('[data-postures]')")
             page._ask("posture", lambda: page._arm.move_to(Q))
             wait_until(lambda: np.array_equal(page._arm.q, Q))
-            tab.wait_for(HEADING.format(label="Contours"))
-            tab.value(f"{HEADING.format(label='Contours')}.click()")
-            tab.wait_for(CONTROL.format(label="contours"))
+            press(tab, heading("Contours"))
+            tab.wait_for(field("contours"))
             # Nothing is computed before it is asked for.
             assert layer(page)._target is None
-            tab.value(f"{CONTROL.format(label='contours')}.click()")
+            press(tab, field("contours"))
             tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
             yield page, tab
             assert tab.errors == []
@@ -94,12 +86,6 @@ def click_beside(tab, point, pixels=2.0):
     tab.click(left + x * width + off, bottom - y * height + off)
 
 
-def type_into(tab, label, text):
-    """Type into a text field."""
-    tab.value(f"(() => {{ const f = {CONTROL.format(label=label)}; f.focus(); f.select(); }})()")
-    tab.send("Input.insertText", text=text)
-
-
 def sentence(tab, text):
     """Wait for what the page says."""
     tab.wait_for(f"document.body.innerText.includes({text!r})")
@@ -129,20 +115,17 @@ def test_a_pair_is_typed(contours):
     page, tab = contours
     posture = page._arm.study.postures[3]
     first, second = (posture.q[3:5] + 0.01 + np.pi) % (2.0 * np.pi) - np.pi
-    type_into(tab, "Estimate", f"{first:.4f}, {second:.4f}")
+    write(tab, "Estimate", f"{first:.4f}, {second:.4f}")
     wait_until(lambda: page._arm.study.postures[3].is_here)
     assert off_pose(page) < 1e-12
-    type_into(tab, "Estimate", "here and there")
+    write(tab, "Estimate", "here and there")
     sentence(tab, "two numbers, as 0.5, -1.2")
     assert off_pose(page) < 1e-12
 
 
 def test_spurious_crossings_are_told_and_move_nothing(contours):
     page, tab = contours
-    button = (
-        "[...document.querySelectorAll('button')].find(b => b.innerText === 'Mark all crossings')"
-    )
-    tab.value(f"{button}.click()")
+    press(tab, button("Mark all crossings"))
     sentence(tab, "crossings: 8 postures (discs)")
     tab.wait_for(f"{PLOT}.querySelectorAll('[data-mark=root]').length === 8")
     tab.wait_for(f"{PLOT}.querySelectorAll('[data-mark=spurious]').length > 0")
@@ -160,23 +143,20 @@ def test_spurious_crossings_are_told_and_move_nothing(contours):
 def test_other_curves_are_chosen_and_none_are_drawn_when_off(contours):
     page, tab = contours
     drawn = tab.value(f"{PLOT}.querySelector('[data-curve=\"1\"]').getAttribute('d')")
-    choice = CONTROL.format(label="First curve")
-    tab.value(f"{choice}.click()")
+    press(tab, field("First curve"))
     option = (
         "[...document.querySelectorAll('[role=option]')].find(o => o.innerText === 'rows 1 2 5')"
     )
-    tab.wait_for(option)
-    tab.value(f"{option}.click()")
+    press(tab, option)
     tab.wait_for(f"{PLOT}.querySelector('[data-curve=\"1\"]').getAttribute('d') !== {drawn!r}")
     sentence(tab, "rows 1 2 5 = 0")
-    switch = CONTROL.format(label="contours")
-    tab.value(f"{switch}.click()")
+    press(tab, field("contours"))
     tab.wait_for(f"!{PLOT}")
     wait_until(lambda: not layer(page)._on)
     page.home()
     wait_until(lambda: not np.array_equal(page._arm.q, Q))
     assert layer(page)._target is None
-    tab.value(f"{switch}.click()")
+    press(tab, field("contours"))
     tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
 
 
@@ -184,8 +164,7 @@ def test_an_arm_with_other_joints_is_told_what_is_missing():
     with view("panda", port=0) as page:
         tab = Tab(f"{page.url}&fixedDpr=1")
         try:
-            tab.wait_for(HEADING.format(label="Contours"))
-            tab.value(f"{HEADING.format(label='Contours')}.click()")
+            press(tab, heading("Contours"))
             sentence(tab, "arms of six revolute joints; this one has 7 joints")
             assert tab.errors == []
         finally:
@@ -209,7 +188,7 @@ def test_any_two_equations():
             np.testing.assert_allclose(found.point, [big, small], atol=1e-12)
             click_beside(tab, (small, big))
             sentence(tab, "Spurious: the other equation leaves")
-            type_into(tab, "Estimate", "-0.6, -2.0")
+            write(tab, "Estimate", "-0.6, -2.0")
             sentence(tab, f"x = {-small:.6f}, y = {-big:.6f}")
             tab.wait_for(f"{PLOT}.querySelectorAll('[data-mark=root]').length === 2")
             assert tab.errors == []

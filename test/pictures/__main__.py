@@ -1,0 +1,137 @@
+"""Remake the pictures of the browser view in doc/images; `make pictures`.
+
+Each is a page in a headless Chromium, drawn in software: no two machines need give the same bytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "rvs"))
+
+from chromium import Tab, chromium  # noqa: E402
+from controls import button, field, heading, press, write  # noqa: E402
+from raw_client import wait_until  # noqa: E402
+
+from robomech_ros.rvs import Motion, view  # noqa: E402
+from robomech_ros.trajectory import point_to_point  # noqa: E402
+
+IMAGES = HERE.parent.parent / "doc" / "images"
+WIDTH, HEIGHT = 1120, 680
+# Colours of a picture that would have too many bytes, and the most that it may have.
+COLOURS, MOST = 256, 200_000
+# A posture that is far from singular, and what is drawn in so many frames has settled.
+Q = [0.3, -1.2, 1.5, -0.8, 0.9, 0.2]
+SETTLED = 30
+
+
+def robot(page, tab) -> None:
+    """The robot alone."""
+    press(tab, heading("Show"))
+    press(tab, field("ghosts"))
+    press(tab, field("joint axes"))
+
+
+def ghosts(page, tab) -> None:
+    """All postures of a pose."""
+    take(page, Q)
+    press(tab, button("Fit view"))
+
+
+def contours(page, tab) -> None:
+    """Contours with all crossings, and one that was clicked on."""
+    take(page, Q)
+    press(tab, heading("Contours"))
+    press(tab, field("contours"))
+    tab.wait_for("document.querySelector('[data-plot] [data-curve]')")
+    press(tab, button("Mark all crossings"))
+    tab.wait_for("document.querySelector('[data-plot] [data-mark=spurious]')")
+    first, second = page._arm.study.postures[4].q[3:5] + [-0.35, 0.2]
+    write(tab, "Estimate", f"{first:.2f}, {second:.2f}")
+    tab.wait_for("document.querySelector('[data-plot] [data-steps]')")
+    press(tab, button("Fit view"))
+    tab.value("document.querySelector('[data-plot]').scrollIntoView({block: 'start'})")
+
+
+def motion(page, tab) -> None:
+    """A plan as a sweep of ghosts, with its curves."""
+    arm = page._arm.chain
+    plan = point_to_point(Q, np.array(Q) + [1.4, 0.6, -0.9, 0.8, 0.4, 0.5], limits=arm)
+    times = np.linspace(0.0, plan.duration, 101)
+    page.show_plan(Motion(arm, times, np.array([plan.sample(t).position for t in times])), "swing")
+    press(tab, heading("Motion"))
+    tab.wait_for("document.querySelector('[data-curves]')")
+    press(tab, button("Fit view"))
+    tab.value("document.querySelector('[data-curves]').scrollIntoView({block: 'end'})")
+
+
+def take(page, q) -> None:
+    """Bring the arm to a posture."""
+    page._ask("posture", lambda: page._arm.move_to(q))
+    wait_until(lambda: np.array_equal(page._arm.q, q))
+
+
+PICTURES: dict[str, tuple[str, Callable]] = {
+    "view_robot": ("ur5e", robot),
+    "view_ghosts": ("ur5e", ghosts),
+    "view_contours": ("ur5e", contours),
+    "view_motion": ("ur5e", motion),
+}
+
+
+def draw(name: str) -> Path:
+    """Write one picture."""
+    what, prepare = PICTURES[name]
+    with view(what, port=0) as page:
+        tab = Tab(f"{page.url}&fixedDpr=1", WIDTH, HEIGHT)
+        try:
+            tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")
+            tab.wait_for("document.querySelector('[data-postures]')")
+            # That it is drawn in software is not what the picture is to show.
+            press(tab, "document.querySelector('.mantine-Notification-closeButton')")
+            prepare(page, tab)
+            tab.wait_for("!document.querySelector('.mantine-Notification-root')")
+            tab.frames(SETTLED)
+            with tempfile.TemporaryDirectory() as folder:
+                raw = Path(folder) / "raw.png"
+                tab.picture(raw)
+                return compressed(raw, IMAGES / f"{name}.png")
+        finally:
+            tab.close()
+
+
+def compressed(raw: Path, path: Path) -> Path:
+    """Write a picture in as many colours as its bytes allow."""
+    with Image.open(raw) as picture:
+        plain = picture.convert("RGB")
+    plain.save(path, optimize=True)
+    if path.stat().st_size > MOST:
+        plain.quantize(COLOURS, method=Image.Quantize.FASTOCTREE).save(path, optimize=True)
+    size = path.stat().st_size
+    if size > MOST:
+        raise SystemExit(f"pictures: {path.name} has {size} bytes, at most {MOST} are wanted")
+    return path
+
+
+def main() -> None:
+    """Remake the pictures that are asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=sorted(PICTURES), help="one picture")
+    only = parser.parse_args().only
+    if chromium() is None:
+        raise SystemExit("pictures: no Chromium is found here: sudo apt-get install chromium")
+    for name in [only] if only else PICTURES:
+        path = draw(name)
+        print(f"pictures: {path} ({path.stat().st_size // 1000} kB)")
+
+
+if __name__ == "__main__":
+    main()
