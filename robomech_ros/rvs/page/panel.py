@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 # Steps of sliders (rad or m), and the size of the gizmo in reaches of the robot.
 STEP = 0.001
-GIZMO = 0.2
+GIZMO = 0.28
 # What can be shown, and whether it is at first.
 AT_FIRST = {"ghosts": True, "frames": False, "joint axes": False, "ground": True, "gizmo": True}
 
