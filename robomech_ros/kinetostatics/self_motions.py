@@ -16,7 +16,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.kinetostatics.jacobians import jacobian
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial import pose_error
+from robomech_ros.spatial import axial_vector
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["SelfMotionCurve", "self_motion_curve"]
@@ -179,11 +179,17 @@ def _null_space(chain: SerialChain, q: Array) -> Array:
 def _corrected(chain: SerialChain, T: Array, q: Array) -> Array | None:
     """Bring the tip back to a pose by Newton's method of least norm; None if that fails."""
     for _ in range(CORRECTIONS):
-        error = pose_error(T, forward_kinematics(chain, q))
+        error = _small_error(T, forward_kinematics(chain, q))
         if np.abs(error).max() < EXACT:
             return q
         q = q + np.linalg.lstsq(jacobian(chain, q), error, rcond=RANK)[0]
     return None
+
+
+def _small_error(target: Array, actual: Array) -> Array:
+    """Measure ``pose_error`` of close poses that need no check; the angle is its sine."""
+    turn = axial_vector(target[:3, :3] @ actual[:3, :3].T)
+    return np.concatenate((turn, target[:3, 3] - actual[:3, 3]))
 
 
 def _outside(chain: SerialChain, q: Array) -> int | None:
