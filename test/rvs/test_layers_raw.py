@@ -20,6 +20,11 @@ def control(page, label):
     raise KeyError(label)
 
 
+def understand(page):
+    """The layer "Understand" of a page."""
+    return next(one for one in page._layers if type(one).__name__ == "UnderstandLayer")
+
+
 def alive(page, commander, joint=5):
     """The next request is done, in its turn."""
     value = float(page._arm.q[joint]) + 0.0625
@@ -33,14 +38,14 @@ def test_an_ellipsoid_of_what_is_none_is_refused(page, commander, value):
     send_value(commander, control(page, "velocity ellipsoid")._impl.uuid, True)
     send_value(commander, control(page, "ellipsoids of")._impl.uuid, value)
     alive(page, commander)
-    assert page._layers[0]._switches.part == "translation"
-    wait_until(lambda: "velocity" in page._layers[0]._nodes)
-    node = page._layers[0]._nodes["velocity"]
+    assert understand(page)._switches.part == "translation"
+    wait_until(lambda: "velocity" in understand(page)._nodes)
+    node = understand(page)._nodes["velocity"]
     wait_until(lambda: np.allclose(node.position, page._arm.tip[:3, 3], atol=1e-6))
 
 
 def test_numbers_are_not_looked_for_before_they_are_shown(page, commander):
-    layer = page._layers[0]
+    layer = understand(page)
     alive(page, commander)
     assert not layer._asked_for_facts and not layer._nodes
     send_value(commander, control(page, "numbers")._impl.uuid, True)
@@ -48,7 +53,7 @@ def test_numbers_are_not_looked_for_before_they_are_shown(page, commander):
 
 
 def test_the_best_posture_is_taken_as_soon_as_it_is_known(page, commander):
-    layer = page._layers[0]
+    layer = understand(page)
     send_value(commander, control(page, "Go to the least condition number")._impl.uuid, True)
     wait_until(lambda: layer._facts is not None)
     wait_until(lambda: np.array_equal(page._arm.q, layer._facts.best.q))

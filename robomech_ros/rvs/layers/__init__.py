@@ -6,6 +6,7 @@ from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
+from robomech_ros.rvs.layers.workspace import WorkspaceLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
 __all__ = ["LAYERS"]
@@ -15,6 +16,7 @@ LAYERS: tuple[LayerMaker, ...] = (
     CameraLayer,
     UnderstandLayer,
     DHTableLayer,
+    WorkspaceLayer,
     ContoursLayer,
     MotionLayer,
     KeepingLayer,

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.eye import fitted_eye, seen_points
+from robomech_ros.rvs.model.eye import seen_points
 from robomech_ros.rvs.page.audience import AllControls, Controls
 from robomech_ros.rvs.page.layer import Place
 from robomech_ros.rvs.page.panel import GIZMO
-from robomech_ros.rvs.page.surroundings import place_eye
+from robomech_ros.rvs.page.surroundings import fit_eye, place_eye
 
 __all__ = ["CameraLayer"]
 
@@ -41,20 +41,12 @@ class CameraLayer:
 
         @button.on_click
         async def _(_: Any) -> None:
-            self._place.ask("fit view", lambda: self._fit(client))
+            self._place.ask("fit view", lambda: fit_eye(client, self._points()))
 
         return AllControls([button])
 
     def close(self) -> None:
         """Do nothing: nothing runs."""
-
-    def _fit(self, client: Any) -> None:
-        camera = client.camera
-        backwards = camera.position - camera.look_at
-        eye = fitted_eye(self._points(), fov=camera.fov, aspect=camera.aspect, backwards=backwards)
-        with client.atomic():
-            camera.position = eye.position
-            camera.look_at = eye.look_at
 
     def _points(self) -> NDArray[np.float64]:
         arm, seen = self._place.arm, self._place.seen

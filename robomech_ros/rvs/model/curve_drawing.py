@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_problems import Axis
 
-__all__ = ["COLOURS", "Mark", "draw_curves", "place_script"]
+__all__ = [
+    "COLOURS",
+    "Mark",
+    "curve_line",
+    "draw_curves",
+    "draw_plane",
+    "place_script",
+    "placed_points",
+]
 
 Array = NDArray[np.float64]
 
@@ -73,21 +81,43 @@ def draw_curves(
     str
     """
     lines = "".join(
-        f'<path data-curve="{number}" d="{_line(axes, pieces)}" fill="none" '
+        f'<path data-curve="{number}" d="{curve_line(axes, pieces)}" fill="none" '
         f'stroke="{colour}" stroke-width="1.4" stroke-linejoin="round"/>'
         for number, (pieces, colour) in enumerate(zip(curves, COLOURS, strict=True), start=1)
     )
-    inside = f'<g clip-path="url(#plane)">{lines}{_steps(axes, path)}</g>'
+    inside = lines + _steps(axes, path)
+    return draw_plane("plot", axes, inside, "".join(_mark(axes, mark) for mark in marks), on_press)
+
+
+def draw_plane(
+    name: str, axes: tuple[Axis, Axis], inside: str, above: str = "", on_press: str = ""
+) -> str:
+    """Draw axes as SVG that is as wide as there is room.
+
+    Parameters
+    ----------
+    name : str
+        Of the drawing, as the attribute ``data-name``.
+    axes : tuple of two Axis
+    inside, above : str
+        SVG in the plane, cut off at its edges, and above it; see :func:`placed_points`.
+    on_press : str, optional
+        JavaScript that runs when the drawing is pressed.
+
+    Returns
+    -------
+    str
+    """
     frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{SIDE}" height="{TOP}"'
     return (
-        f'<svg data-plot viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+        f'<svg data-{name} viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
         f'onpointerdown="{html.escape(on_press)}" '
         'style="display:block;width:100%;max-height:80vh;cursor:crosshair;font-size:10.5px" '
         'fill="currentColor" role="img">'
-        f'<clipPath id="plane"><rect {frame}/></clipPath>'
+        f'<clipPath id="{name}-plane"><rect {frame}/></clipPath>'
         f'<rect data-plane {frame} fill="currentColor" fill-opacity="0.04" stroke="currentColor" '
-        f'stroke-opacity="0.5"/>{_across(axes[0])}{_up(axes[1])}{inside}'
-        f"{''.join(_mark(axes, mark) for mark in marks)}</svg>"
+        f'stroke-opacity="0.5"/>{_across(axes[0])}{_up(axes[1])}'
+        f'<g clip-path="url(#{name}-plane)">{inside}</g>{above}</svg>'
     )
 
 
@@ -103,7 +133,7 @@ def place_script(axes: tuple[Axis, Axis]) -> str:
     )
 
 
-def _placed(axes: tuple[Axis, Axis], points: Array) -> Array:
+def placed_points(axes: tuple[Axis, Axis], points: Array) -> Array:
     """Give points (k, 2) of the plane in the picture."""
     low = np.array([axis.low for axis in axes])
     width = np.array([axis.high - axis.low for axis in axes])
@@ -111,10 +141,11 @@ def _placed(axes: tuple[Axis, Axis], points: Array) -> Array:
     return np.stack([LEFT + SIDE * parts[..., 0], BOTTOM - TOP * parts[..., 1]], axis=-1)
 
 
-def _line(axes: tuple[Axis, Axis], pieces: Sequence[Array]) -> str:
+def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array]) -> str:
+    """Give the way of a curve's pieces (k, 2) in the picture, as the ``d`` of a path."""
     text = []
     for piece in pieces:
-        points = _thinned(_placed(axes, piece))
+        points = _thinned(placed_points(axes, piece))
         text.append("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()))
     return "".join(text)
 
@@ -132,7 +163,7 @@ def _thinned(points: Array) -> Array:
 def _steps(axes: tuple[Axis, Axis], path: Array | None) -> str:
     if path is None or not len(path):
         return ""
-    points = _placed(axes, path).tolist()
+    points = placed_points(axes, path).tolist()
     line = "L".join(f"{x:.2f} {y:.2f}" for x, y in points)
     dots = "".join(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="2"/>' for x, y in points[1:])
     x, y = points[0]
@@ -145,7 +176,7 @@ def _steps(axes: tuple[Axis, Axis], path: Array | None) -> str:
 
 
 def _mark(axes: tuple[Axis, Axis], mark: Mark) -> str:
-    x, y = _placed(axes, mark.point).tolist()
+    x, y = placed_points(axes, mark.point).tolist()
     at = f'cx="{x:.2f}" cy="{y:.2f}"'
     what = f'data-mark="{mark.kind}"'
     if mark.kind == "spurious":

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.eye import FIELD, fitted_eye
 
-__all__ = ["add_surroundings", "place_eye"]
+__all__ = ["add_surroundings", "fit_eye", "place_eye"]
 
 
 # Lights without shadows or pictures: software draws them in a tenth of a second.
@@ -61,3 +61,13 @@ def place_eye(server: Any, points: NDArray[np.float64]) -> None:
     eye, camera = fitted_eye(points), server.initial_camera
     camera.fov = FIELD
     camera.position, camera.look_at = eye.position, eye.look_at
+
+
+def fit_eye(client: Any, points: NDArray[np.float64]) -> None:
+    """Let points (k, 3) (m) fill a browser (viser.ClientHandle), seen from where it looks now."""
+    camera = client.camera
+    backwards = camera.position - camera.look_at
+    eye = fitted_eye(points, fov=camera.fov, aspect=camera.aspect, backwards=backwards)
+    with client.atomic():
+        camera.position = eye.position
+        camera.look_at = eye.look_at

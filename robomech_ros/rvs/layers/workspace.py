@@ -1,0 +1,321 @@
+"""What an arm reaches: the boundary of its workspace by its section, and maps of points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.kinetostatics import ReachMap
+from robomech_ros.rvs.model.reach_points import (
+    DENSITIES,
+    MEASURES,
+    ORIENTATIONS,
+    ReachPoints,
+    computed_map,
+    reach_points,
+)
+from robomech_ros.rvs.model.section_drawing import draw_section, here_rule
+from robomech_ros.rvs.model.workspace_views import SectionView, section_view
+from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.fields import script_that_fills
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.surroundings import fit_eye
+from robomech_ros.rvs.page.tables import small_text
+from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
+from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
+from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.spatial.arrays import as_choice, as_flag
+
+__all__ = ["POINT", "WorkspaceLayer"]
+
+Array = NDArray[np.float64]
+
+ORDER = 20
+# Label of the text field with a point of the section; clicks on the section write into it.
+POINT = "Point of section"
+_HINT = "Two numbers in m, as 0.5, 0.2; a click on the section writes them. The tip goes there"
+
+
+@dataclass
+class Switches:
+    """What is shown; the next robot shows the same, but for the map, which is of one robot."""
+
+    boundary: bool = False
+    reach_map: bool = False
+    cut: bool = True
+    orientations: str = ORIENTATIONS[0]
+    density: str = "medium"
+    measure: str = MEASURES[0]
+
+
+class _LeftOffError(Exception):
+    """The map that is computed is not wanted any more."""
+
+
+class WorkspaceLayer:
+    """The layer.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        self._switches: Switches = place.kept.setdefault("workspace", Switches())
+        # A map may take minutes, in which the boundary is not to wait.
+        self._worker, self._mapper = Worker(), Worker()
+        scene, reach = place.server.scene, place.seen.reach
+        self._nodes = WorkspaceNodes(scene, place.base, reach, self._clicked)
+        self._view: SectionView | None = None
+        self._refused, self._asked = "", False
+        self._map: ReachMap | None = None
+        self._said = ""
+        self._shown: ReachPoints | None = None
+        # The map that is wanted, counted from 1; one that is computed for another is left off.
+        self._wanted, self._running = 0, False
+        self._drawn: dict[str, Any] = {}
+        self._folder: Folder | None = None
+        self._browser: int | None = None
+
+    # What a page calls.
+
+    def show(self) -> None:
+        """Follow the arm."""
+        switches = self._switches
+        if switches.boundary and not self._asked:
+            self._asked = True
+            self._worker.submit("section", self._find)
+        self._show_boundary()
+        self._show_points()
+        self._write()
+
+    def controls(self, client: Any) -> Controls:
+        """Give a browser the folder "Workspace"."""
+        gui, switches = client.gui, self._switches
+        self._browser = client.client_id
+        folder = self._folder = Folder(gui, "Workspace", ORDER)
+        with folder:
+            hint = "Where the number of postures changes, as a section and as a surface"
+            folder.checkbox("boundary", switches.boundary, self._switch("boundary"), hint)
+            self._plot, self._ring = folder.text(), folder.text()
+            self._point = folder.listen(gui.add_text(POINT, "", hint=_HINT), self._typed)
+            self._text = folder.text()
+            hint = "What the tip reaches, at points of a grid; a click on a point takes it there"
+            folder.checkbox("reach map", switches.reach_map, self._switch("reach_map"), hint)
+            choices = {
+                "orientations": ("orientations", ORIENTATIONS),
+                "points": ("density", tuple(DENSITIES)),
+                "coloured by": ("measure", MEASURES),
+            }
+            self._choices = [
+                folder.listen(
+                    gui.add_dropdown(label, values, initial_value=getattr(switches, name)),
+                    self._switch(name),
+                )
+                for label, (name, values) in choices.items()
+            ]
+            self._compute = folder.button("Compute the map", self._ask_for_map)
+            self._cancel = folder.button("Cancel", self._ask_to_cancel)
+            self._legend = folder.text()
+            hint = "Leave a sector open, so that one sees inside"
+            folder.checkbox("cut open", switches.cut, self._switch("cut"), hint)
+            self._see = folder.button("See all of it", lambda: self._ask_to_see(client))
+        self._drawn.pop("plot", None)
+        self._write()
+        return folder
+
+    def close(self) -> None:
+        """Stop what runs."""
+        self._wanted += 1
+        for worker in (self._worker, self._mapper):
+            worker.close(wait=False)
+
+    # What browsers ask for.
+
+    def _switch(self, name: str) -> Callable[[Any], None]:
+        choices = {"orientations": ORIENTATIONS, "density": tuple(DENSITIES), "measure": MEASURES}
+
+        def asked(value: Any) -> None:
+            def switched() -> None:
+                if name in choices:
+                    as_choice(name, value, choices[name])
+                else:
+                    as_flag(name.replace("_", " "), value)
+                setattr(self._switches, name, value)
+                if not self._switches.reach_map:
+                    self._leave_off()
+
+            self._place.ask((self, name), switched)
+
+        return asked
+
+    def _typed(self, text: Any) -> None:
+        def go() -> None:
+            view = self._view
+            if view is None:
+                raise BadValueError(POINT, text, "nothing: there is no section")
+            self._place.arm.drag(view.target(_pair(text), self._place.arm.tip))
+
+        if str(text).strip():
+            self._place.ask((self, "point"), go)
+
+    def _clicked(self, client: Any, point: Array) -> None:
+        """Take a point of the map as the tip's target, with the present orientation."""
+
+        def go() -> None:
+            T = self._place.arm.tip.copy()
+            T[:3, 3] = point
+            self._place.arm.drag(T)
+
+        folder = self._folder
+        if folder is not None and not folder.removed and client.client_id == self._browser:
+            self._place.ask((self, "point"), go)
+
+    def _ask_for_map(self) -> None:
+        def begin() -> None:
+            if not self._switches.reach_map:
+                raise BadValueError("reach map", "off", "on, before it is computed")
+            self._leave_off()
+            switches, T, wanted = self._switches, self._place.arm.tip, self._wanted
+            chosen = (switches.orientations, switches.density)
+            self._running, self._said = True, "Beginning ..."
+            self._mapper.submit("map", lambda: self._compute_map(chosen, T, wanted))
+
+        self._place.ask((self, "map"), begin)
+
+    def _ask_to_cancel(self) -> None:
+        def cancel() -> None:
+            if self._running:
+                self._leave_off()
+                self._said = "Cancelled."
+
+        self._place.ask((self, "cancel"), cancel)
+
+    def _ask_to_see(self, client: Any) -> None:
+        def see() -> None:
+            extent = self._nodes.extent
+            if len(extent):
+                place = self._place
+                T = place.seen.tree.link_poses()[place.chain.base]
+                fit_eye(client, extent @ T[:3, :3].T + T[:3, 3])
+
+        self._place.ask((self, "see"), see)
+
+    def _leave_off(self) -> None:
+        self._wanted += 1
+        if self._running:
+            self._running, self._said = False, ""
+
+    # What takes time, on threads of this layer.
+
+    def _find(self) -> None:
+        view, refused = None, ""
+        try:
+            view = section_view(self._place.chain)
+        except RobomechError as error:
+            refused = str(error)
+
+        def known() -> None:
+            self._view, self._refused = view, refused
+
+        self._place.ask((self, "section"), known)
+
+    def _compute_map(self, chosen: tuple[str, str], T: Array, wanted: int) -> None:
+        def progress(done: int, total: int) -> None:
+            if wanted != self._wanted:
+                raise _LeftOffError
+            self._tell(wanted, f"{done} of {total} points ...", running=True)
+
+        try:
+            found = computed_map(self._place.chain, *chosen, T, progress)
+        except _LeftOffError:
+            return
+        except RobomechError as error:
+            self._tell(wanted, f"No map: {error}", running=False)
+            return
+        self._tell(wanted, "", running=False, found=found)
+
+    def _tell(
+        self, wanted: int, text: str, *, running: bool, found: ReachMap | None = None
+    ) -> None:
+        def told() -> None:
+            if wanted == self._wanted:
+                self._said, self._running = text, running
+                self._map = found or self._map
+
+        self._place.ask((self, "progress"), told)
+
+    # What is shown, on the thread of the page.
+
+    def _show_boundary(self) -> None:
+        view, switches = self._view, self._switches
+        if view is None or not switches.boundary:
+            if self._drawn.pop("boundary", None) is not None:
+                self._nodes.hide_boundary()
+            return
+        if self._drawn.get("boundary") != switches.cut:
+            self._drawn["boundary"] = switches.cut
+            self._nodes.show_boundary(view, cut=switches.cut)
+        self._nodes.place_section(view.plane(self._place.arm.tip))
+
+    def _show_points(self) -> None:
+        switches, found = self._switches, self._map
+        if found is None or not switches.reach_map:
+            if self._drawn.pop("points", None) is not None:
+                self._nodes.hide_points()
+                self._shown = None
+            return
+        wanted = (found, switches.measure, switches.cut)
+        if self._drawn.get("points") != wanted:
+            self._drawn["points"] = wanted
+            self._shown = reach_points(found, switches.measure, cut=switches.cut)
+            self._nodes.show_points(self._shown)
+
+    def _write(self) -> None:
+        folder = self._folder
+        if folder is None or folder.removed:
+            return
+        view, switches = self._view, self._switches
+        section = view if switches.boundary else None
+        if self._drawn.get("plot", self) is not section:
+            self._drawn["plot"] = section
+            fill = script_that_fills(POINT)
+            self._plot.content = "" if section is None else draw_section(section, fill)
+        self._ring.content = (
+            "" if section is None else here_rule(section, section.coordinates(self._place.arm.tip))
+        )
+        self._point.visible = section is not None
+        self._text.content = ""
+        if switches.boundary:
+            self._text.content = section_text(section, self._refused)
+        for handle in (*self._choices, self._compute):
+            handle.visible = switches.reach_map
+        self._see.visible = bool(len(self._nodes.extent))
+        self._cancel.visible = self._running
+        self._legend.content = self._map_text() if switches.reach_map else ""
+
+    def _map_text(self) -> str:
+        parts = [small_text([self._said])] if self._said else []
+        if self._shown is not None and self._map is not None:
+            parts.append(map_legend(self._map, self._shown, self._switches.measure))
+        return "".join(parts)
+
+
+def _pair(text: Any) -> Array:
+    """Read two finite numbers."""
+    expected = "two numbers in m, as 0.5, 0.2"
+    try:
+        first, second = (float(part) for part in str(text).replace(",", " ").split())
+    except ValueError:
+        raise BadValueError(POINT, text, expected) from None
+    pair = np.array([first, second])
+    if not (np.abs(pair) <= 1e6).all():
+        raise BadValueError(POINT, text, expected)
+    return pair

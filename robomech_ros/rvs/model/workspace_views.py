@@ -1,0 +1,227 @@
+"""The boundary of a workspace as it is seen: its section, and the surface that it sweeps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinetostatics import Workspace, workspace_boundary
+from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
+from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.curve_problems import Axis
+from robomech_ros.rvs.model.solids import Solid
+
+__all__ = ["OPENING", "SectionView", "is_in_opening", "open_intervals", "section_view"]
+
+Array = NDArray[np.float64]
+
+# Squares along the longer side of the section, in each of which postures are counted once.
+SQUARES = 170
+MARGIN = 0.06
+# The surface: points along a curve are so far apart at least, in parts of the section's longer
+# side, and strips so wide (rad, or parts of the way of a slide).
+FINE, STRIP = 0.012, math.pi / 40.0
+# Azimuth, about the first axis, of the middle of the sector that is left open, towards the eye at
+# first, and half its width (rad).
+OPENING = (-0.9, 0.9)
+
+
+@dataclass(frozen=True, eq=False)
+class SectionView:
+    """A section with the numbers of postures in it.
+
+    Parameters
+    ----------
+    chain : SerialChain
+    space : Workspace
+    in_tip : ndarray, shape (3,)
+        The point that is placed, in the frame of the tip (m).
+    axes : tuple of two Axis
+        What is drawn (m), as wide as it is high.
+    edges : tuple of two ndarray
+        Of the squares, along both axes (m).
+    counts : ndarray of int, shape (columns, rows)
+        Postures of the first joints in the middle of each square, the first of three being free.
+    """
+
+    chain: SerialChain
+    space: Workspace
+    in_tip: Array
+    axes: tuple[Axis, Axis]
+    edges: tuple[Array, Array]
+    counts: NDArray[np.int64]
+
+    def local(self, T: Array) -> Array:
+        """Give the point (3,) in the frame of joint 1, the tip being at a pose (4, 4) (m)."""
+        point: Array = self.space.section.in_frame(T[:3, :3] @ self.in_tip + T[:3, 3])
+        return point
+
+    def azimuth(self, T: Array) -> float:
+        """Give where the section is in which the point is: turned (rad), or slid (m)."""
+        x, y, z = self.local(T).tolist()
+        return float(z) if self.space.section.slides[0] else math.atan2(y, x)
+
+    def coordinates(self, T: Array) -> Array:
+        """Give the coordinates (2,) of the point, the tip being at a pose (4, 4) (m)."""
+        return self.space.section.coordinates(self.local(T))
+
+    def plane(self, T: Array) -> Array:
+        """Give the pose (4, 4), in the base, of the section in which the point is."""
+        section = self.space.section
+        shift = np.eye(4)
+        if section.slides[0]:
+            shift[2, 3] = self.azimuth(T)
+        else:
+            c, s = math.cos(self.azimuth(T)), math.sin(self.azimuth(T))
+            shift[:2, :2] = ((c, -s), (s, c))
+        moved: Array = section.base @ shift
+        return moved
+
+    def target(self, coordinates: Array, T: Array) -> Array:
+        """Give the pose of the tip (4, 4) that brings the point to coordinates (2,) (m).
+
+        The orientation, and the azimuth or height of the point, are those of a pose T (4, 4).
+        """
+        local = np.append(coordinates, 0.0)
+        if not self.space.section.slides[0]:
+            local = np.array([coordinates[0], 0.0, coordinates[1]])
+        wanted = np.array(T)
+        point = (self.plane(T) @ (*local, 1.0))[:3]
+        wanted[:3, 3] = point - T[:3, :3] @ self.in_tip
+        return wanted
+
+    def segments(self) -> tuple[Array, list[str]]:
+        """Give the curves as lines (k, 2, 3) in the plane of the section (m), and their roles."""
+        lines: list[Array] = []
+        roles: list[str] = []
+        for curve in self.space.curves:
+            points = self._in_plane(self._thinned(curve.points))
+            lines.append(np.stack([points[:-1], points[1:]], axis=1))
+            roles += [curve.role] * (len(points) - 1)
+        return np.concatenate(lines), roles
+
+    def surface(self, *, cut: bool) -> Solid | None:
+        """Give what the boundary sweeps, in the base; None of an arm that stays in its plane.
+
+        Parameters
+        ----------
+        cut : bool
+            Whether a sector is left open, so that one sees inside.
+        """
+        section = self.space.section
+        if section.flat:
+            return None
+        low, high = float(section.lower[0]), float(section.upper[0])
+        parts = [(low, high)]
+        if cut and not section.slides[0]:
+            parts = open_intervals(low, high)
+        vertices: list[Array] = []
+        faces: list[NDArray[np.int64]] = []
+        for curve in self.space.curves:
+            if curve.fewer:
+                continue
+            points = self._thinned(curve.points)
+            for first, last in parts:
+                steps = max(2, math.ceil((last - first) / STRIP)) + 1
+                ring = self._swept(points, np.linspace(first, last, steps))
+                faces.append(_strips(steps, len(points)) + sum(map(len, vertices)))
+                vertices.append(section.in_base(ring))
+        return Solid(np.concatenate(vertices), np.concatenate(faces))
+
+    def _swept(self, points: Array, values: Array) -> Array:
+        a, b = (np.tile(part, len(values)) for part in points.T)
+        value = np.repeat(values, len(points))
+        if self.space.section.slides[0]:
+            return np.column_stack((a, b, value))
+        return np.column_stack((np.cos(value) * a, np.sin(value) * a, b))
+
+    def _in_plane(self, points: Array) -> Array:
+        """Give points (k, 2) of the section in three coordinates of its plane."""
+        still = np.zeros(len(points))
+        order = (*points.T, still) if self.space.section.slides[0] else _upright(points)
+        return np.column_stack(order)
+
+    def _thinned(self, points: Array) -> Array:
+        least = FINE * (self.axes[1].high - self.axes[1].low)
+        way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        kept = np.diff(np.floor(way / least), prepend=-1.0) > 0.0
+        kept[-1] = True
+        return points[kept]
+
+
+def section_view(chain: SerialChain) -> SectionView:
+    """Find the boundary of an arm's workspace, and count the postures all over its section.
+
+    Raises
+    ------
+    BadValueError, MissingLimitsError
+        As :func:`workspace_boundary` does.
+    """
+    space = workspace_boundary(chain)
+    # Of a planar arm of three joints the boundary is that of the tip itself.
+    in_tip = np.zeros(3) if space.tip is not None else positioning_part(chain).in_tip
+    points = np.concatenate([curve.points for curve in space.curves])
+    low, high = points.min(axis=0), points.max(axis=0)
+    width = float((high - low).max()) / SQUARES
+    edges = []
+    for first, last in zip(low.tolist(), high.tolist(), strict=True):
+        edges.append(first + width * np.arange(math.ceil((last - first) / width) + 1))
+    x, y = np.meshgrid(*(0.5 * (edge[1:] + edge[:-1]) for edge in edges), indexing="ij")
+    counts = space.section_count(np.stack((x, y), axis=-1))
+    axes = _axes(space, low, high)
+    return SectionView(chain, space, in_tip, axes, (edges[0], edges[1]), counts)
+
+
+def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
+    """Give what is left of azimuths from ``low`` to ``high`` (rad) without the open sector."""
+    middle, half = OPENING
+    turn, left = 2.0 * math.pi, []
+    start = low
+    first = math.ceil((low - middle - half) / turn)
+    for k in range(first, first + 3):
+        begin, end = middle - half + turn * k, middle + half + turn * k
+        if begin > start:
+            left.append((start, min(begin, high)))
+        start = max(start, end)
+        if start >= high:
+            break
+    return left
+
+
+def is_in_opening(azimuths: Array) -> NDArray[np.bool_]:
+    """Tell which azimuths (rad) are in the open sector."""
+    middle, half = OPENING
+    away = np.remainder(azimuths - middle + np.pi, 2.0 * np.pi) - np.pi
+    inside: NDArray[np.bool_] = np.abs(away) < half
+    return inside
+
+
+def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:
+    """Give axes that hold all curves, both as long, with some room around."""
+    side = float((high - low).max()) * (1.0 + 2.0 * MARGIN)
+    beyond = high[0] > side / (1.0 + MARGIN)
+    low = 0.5 * (low + high - side)
+    if not space.section.slides[0]:
+        # On the left there is the axis, where there is room for it, and nothing beyond it.
+        low[0] = max(low[0], 0.0) if beyond else 0.0
+    x, z = (
+        Axis(name, "m", float(first), float(first) + side)
+        for name, first in zip(space.coordinates, low, strict=True)
+    )
+    return x, z
+
+
+def _upright(points: Array) -> tuple[Array, Array, Array]:
+    return points[:, 0], np.zeros(len(points)), points[:, 1]
+
+
+def _strips(steps: int, points: int) -> NDArray[np.int64]:
+    """Give the triangles between rows of points, one row after the other."""
+    corner = (np.arange(steps - 1)[:, None] * points + np.arange(points - 1)).ravel()
+    return np.concatenate([
+        np.column_stack((corner, corner + 1, corner + points)),
+        np.column_stack((corner + 1, corner + points + 1, corner + points)),
+    ])  # fmt: skip

@@ -1,0 +1,128 @@
+"""The workspace in the scene: its section, the surface that this sweeps, and points of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.rvs.model.reach_points import ReachPoints
+from robomech_ros.rvs.model.solids import box
+from robomech_ros.rvs.model.workspace_views import SectionView
+from robomech_ros.rvs.page.robot_nodes import placed
+
+__all__ = ["WorkspaceNodes"]
+
+Array = NDArray[np.float64]
+
+SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.28
+ROLE_COLOURS = {"outer": (25, 95, 190), "inner": (205, 45, 45), "interior": (130, 130, 140)}
+# Thickness of curves, in reaches, and sides of the cubes at points, in distances between these.
+THICKNESS, CUBE = 0.004, 0.3
+
+
+class WorkspaceNodes:
+    """The nodes.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    base : str
+        Node at the base of the arm.
+    reach : float
+        Of the robot (m).
+    clicked : callable
+        Gets the browser (viser.ClientHandle) and the place (3,) of a point that is clicked (m).
+    """
+
+    def __init__(
+        self, scene: Any, base: str, reach: float, clicked: Callable[[Any, Array], None]
+    ) -> None:
+        self._scene, self._base, self._reach, self._clicked = scene, base, reach, clicked
+        self._curves: Any = None
+        self._surface: Any = None
+        self._points: Any = None
+        # What is shown, for the eye to hold it.
+        self._outline, self._cloud = np.zeros((0, 3)), np.zeros((0, 3))
+
+    @property
+    def extent(self) -> Array:
+        """Points (k, 3) around all that is shown, in the base of the arm (m)."""
+        return np.vstack([self._outline, self._cloud])
+
+    def show_boundary(self, view: SectionView, *, cut: bool) -> None:
+        """Show the section and its surface, in place of those before."""
+        self.hide_boundary()
+        lines, roles = view.segments()
+        colours = np.array([ROLE_COLOURS[role] for role in roles], dtype=np.uint8)
+        self._curves = self._scene.add_line_segments(
+            f"{self._base}/workspace_section",
+            lines.astype(np.float32),
+            np.repeat(colours[:, None], 2, axis=1),
+            thickness=THICKNESS * self._reach,
+        )
+        solid = view.surface(cut=cut)
+        self._outline = view.space.section.in_base(lines.reshape(-1, 3))
+        if solid is not None:
+            self._outline = solid.vertices
+            self._surface = self._scene.add_mesh_simple(
+                f"{self._base}/workspace_surface",
+                solid.vertices,
+                solid.faces,
+                color=SURFACE_COLOUR,
+                opacity=OPACITY,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+
+    def hide_boundary(self) -> None:
+        """Show no boundary."""
+        for node in (self._curves, self._surface):
+            if node is not None:
+                node.remove()
+        self._curves = self._surface = None
+        self._outline = np.zeros((0, 3))
+
+    def place_section(self, T: Array) -> None:
+        """Turn, or slide, the section to the pose (4, 4) of its plane in the base (m)."""
+        if self._curves is not None:
+            place = placed(T)
+            self._curves.position, self._curves.wxyz = place["position"], place["wxyz"]
+
+    def show_points(self, shown: ReachPoints) -> None:
+        """Show points of a map, in place of those before."""
+        self.hide_points()
+        if not len(shown.points):
+            return
+        side = CUBE * shown.spacing
+        solid = box(side, side, side)
+        count = len(shown.points)
+        self._points = self._scene.add_batched_meshes_simple(
+            f"{self._base}/reach_map",
+            solid.vertices,
+            solid.faces,
+            batched_wxyzs=np.tile((1.0, 0.0, 0.0, 0.0), (count, 1)).astype(np.float32),
+            batched_positions=shown.points.astype(np.float32),
+            batched_colors=shown.colours,
+            flat_shading=True,
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        points = self._cloud = shown.points
+
+        @self._points.on_click
+        async def _(event: Any) -> None:
+            index = event.instance_index
+            if index is not None and index < len(points):
+                self._clicked(event.client, points[index])
+
+    def hide_points(self) -> None:
+        """Show no map."""
+        if self._points is not None:
+            self._points.remove()
+            self._points = None
+            self._cloud = np.zeros((0, 3))
