@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robomech_ros.nodes.display.joint_poses import JointPoses
+from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.robots import Joint, RobotDescription
 
 __all__ = ["FramePublisher"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError
+from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.robots import RobotDescription, urdf_from_description
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.urdf.document import description_from_urdf
@@ -79,18 +81,29 @@ class SeenRobot:
     missing: tuple[str, ...]
     shapes: Mapping[str, list[Shape]]
 
-    def joint_poses(self, positions: Mapping[str, float]) -> dict[str, Array]:
-        """Compute the pose of each link that a joint moves in the link before it, (4, 4) (m).
+    def joint_poses(self, positions: Mapping[str, float]) -> tuple[Array, Array]:
+        """Compute the poses of the links that joints move in the links before them.
 
         Parameters
         ----------
         positions : mapping of str to float
             rad or m, by joint; joints that mimic others follow them.
+
+        Returns
+        -------
+        places : ndarray, shape (k, 3)
+            In the order of :attr:`moving` (m).
+        turns : ndarray, shape (k, 4)
+            Unit quaternions, scalar last.
         """
         at = self.tree.joint_positions(positions)
-        return {joint.child: joint.pose(at[joint.name]) for joint in self.moving}
+        return self._poses.at(np.array([at[joint.name] for joint in self.moving]))
 
-    @property
+    @cached_property
+    def _poses(self) -> JointPoses:
+        return JointPoses(self.moving)
+
+    @cached_property
     def moving(self) -> tuple[Joint, ...]:
         """The joints that move."""
         return tuple(joint for joint in self.tree.joints if joint.moves)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from viser._messages import SetOrientationMessage
 
 from robomech_ros.rvs.model.seen_robot import Colour, SeenRobot
 from robomech_ros.rvs.model.solids import cylinder
@@ -45,15 +46,17 @@ class RobotNodes:
     def __init__(
         self, scene: Any, seen: SeenRobot, root: str = ROOT, tint: Colour | None = None
     ) -> None:
-        self._seen, self._root, self._tint = seen, root, tint
+        self._scene, self._seen, self._root, self._tint = scene, seen, root, tint
         self._whole = scene.add_frame(root, show_axes=False)
-        self._moved: dict[str, Any] = {}
-        self._at: dict[str, Array] = {}
-        self._frames: list[Any] = []
+        self._nodes: dict[str, Any] = {}
         self._axes: list[Any] = []
         self._paths: dict[str, str] = {}
         self._add_links(scene)
         self._add_bodies(scene)
+        # Of the joints that move, in their order: nodes, and where they were put.
+        self._moved = [self._nodes[joint.child] for joint in seen.moving]
+        self._places = np.full((len(self._moved), 3), np.nan)
+        self._turns = np.full((len(self._moved), 4), np.nan)
 
     def _add_links(self, scene: Any) -> None:
         tree, reach = self._seen.tree, self._seen.reach
@@ -68,9 +71,8 @@ class RobotNodes:
             pose = np.eye(4) if joint is None else joint.pose(joint.rest)
             node = scene.add_frame(path, show_axes=False, **size, **placed(pose))
             self._paths[link] = path
-            self._frames.append(node)
+            self._nodes[link] = node
             if link in moving:
-                self._moved[link] = node
                 self._axes.append(self._joint_axis(scene, path, moving[link].axis))
 
     def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
@@ -108,23 +110,20 @@ class RobotNodes:
 
     def move(self, positions: Mapping[str, float]) -> None:
         """Put the joints where they are (rad or m, by name); what stays is not sent again."""
-        changed = {
-            link: pose
-            for link, pose in self._seen.joint_poses(positions).items()
-            if link not in self._at or not np.array_equal(self._at[link], pose)
-        }
-        if not changed:
-            return
-        # At once: one conversion takes about as long for all as for one.
-        places, quaternions = position_quaternion_from_pose(np.stack(list(changed.values())))
-        turns = np.roll(quaternions, 1, axis=-1)
-        for (link, pose), place, turn in zip(changed.items(), places, turns, strict=True):
-            before, node = self._at.get(link), self._moved[link]
-            self._at[link] = pose
-            if before is None or not np.array_equal(before[:3, 3], pose[:3, 3]):
-                node.position = place
-            if before is None or not np.array_equal(before[:3, :3], pose[:3, :3]):
-                node.wxyz = turn
+        places, turns = self._seen.joint_poses(positions)
+        turns = np.roll(turns, 1, axis=-1)
+        moved = np.any(places != self._places, axis=1)
+        turned = np.any(turns != self._turns, axis=1)
+        self._places, self._turns = places, turns
+        for k in np.flatnonzero(moved):
+            self._moved[k].position = places[k]
+        for k in np.flatnonzero(turned):
+            self._turn(self._moved[k], turns[k])
+
+    def _turn(self, node: Any, wxyz: Array) -> None:
+        # As node.wxyz = wxyz, whose comparison with what was takes longer than all else here.
+        node.wxyz[:] = wxyz
+        self._scene._queue_scene_message(SetOrientationMessage(node.name, tuple(wxyz.tolist())))
 
     def path(self, link: str) -> str:
         """Give the name of the node of a link."""
@@ -137,7 +136,7 @@ class RobotNodes:
 
     def show_frames(self, shown: bool) -> None:
         """Show the frame of every link, or none."""
-        for node in self._frames:
+        for node in self._nodes.values():
             node.show_axes = shown
 
     def show_axes(self, shown: bool) -> None:

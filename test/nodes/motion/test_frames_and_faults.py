@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.display.joint_poses import JointPoses
+from robomech_ros.kinematics.joint_poses import JointPoses
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.robots import Joint, load_robot
 from robomech_ros.spatial import (

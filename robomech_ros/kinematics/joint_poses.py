@@ -1,4 +1,4 @@
-"""Poses of the links behind many joints, all at once, as tf wants them."""
+"""Poses of the links behind many joints, all at once."""
 
 from collections.abc import Sequence
 from typing import Any
