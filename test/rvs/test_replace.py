@@ -6,7 +6,8 @@ import pytest
 pytest.importorskip("viser")
 
 import msgspec.msgpack
-from raw_client import camera, inside_limits, send_value, slider, wait_until
+import zstandard
+from raw_client import PATIENCE, camera, inside_limits, send_value, slider, wait_until
 
 from robomech_ros.robots import load_description
 
@@ -42,7 +43,7 @@ def test_what_is_shown_stays_shown_and_so_does_the_posture(page, commander):
     robot = load_description("ur5e")
     page.replace(robot, robot.chain())
     wait_until(lambda: page._panel is not before and page._panel is not None)
-    assert all(node.show_axes for node in page._stage._robot._frames)
+    assert all(node.show_axes for node in page._stage._robot._nodes.values())
     labels = (*page._switches, "dark")
     boxes = {
         handle.label: handle.value
@@ -72,3 +73,31 @@ def test_a_robot_that_cannot_be_shown_is_refused_and_this_one_stays(page, comman
     assert "red" in page._stage._notice.content
     send_value(commander, slider(page, 2), 1.25)
     wait_until(lambda: page._arm.q[2] == 1.25)
+
+
+def hear(connection, words):
+    """Receive until a message has these words."""
+    while True:
+        raw = connection.recv(timeout=PATIENCE)
+        length = int.from_bytes(raw[8:16], "little")
+        if words in zstandard.ZstdDecompressor().decompress(raw[16 : 16 + length]):
+            return
+
+
+def test_robots_replaced_again_and_again_reach_all_who_look_while_others_come_and_go(
+    page, commander, client
+):
+    robots = [load_description(name) for name in ("scara", "iiwa14")]
+    with client.connect() as watcher:
+        watcher.send(PACK(camera()))
+        for k in range(10):
+            robot = robots[k % 2]
+            with client.connect() as passer:
+                passer.send(PACK(camera()))
+                page.replace(robot, robot.chain())
+            link = f"_{robot.chain().tip}".encode()
+            hear(commander, link)
+            hear(watcher, link)
+        wait_until(lambda: page.browsers == 2)
+    send_value(commander, slider(page, 6), 0.25)
+    wait_until(lambda: page._arm.q[6] == 0.25)

@@ -23,6 +23,7 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.rvs.serving.address import GREATEST_PORT
 from robomech_ros.rvs.serving.gate import Gate
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
+from robomech_ros.rvs.serving.wake_up import guard_wake_ups
 
 __all__ = ["AddressError", "GuardedServer", "PortTakenError", "guarded_server"]
 
@@ -146,6 +147,7 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
             raise
         finally:
             websockets.asyncio.server.serve = serve
+    guard_wake_ups(server)
     loop = server.get_event_loop()
     loop.call_soon_threadsafe(loop.set_exception_handler, _log_fault)
     return GuardedServer(server, gate)
