@@ -1,13 +1,17 @@
 """What a raw client may send to controls of the layers: refused or harmless, server alive."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
 
 pytest.importorskip("viser")
 
-from raw_client import inside_limits, send_value, slider, wait_until
+from raw_client import PATIENCE, inside_limits, send_value, slider, wait_until
+
+from robomech_ros.robots import load_description
+from robomech_ros.rvs.model.dh_editing import table_of
 
 
 def control(page, label):
@@ -75,6 +79,35 @@ def test_a_dh_number_changed_is_another_robot_solved_at_once_and_reset_brings_it
     wait_until(lambda: page._arm.chain is first)
     wait_until(lambda: page._panel is not None)
     alive(page, commander)
+
+
+def test_numbers_of_many_cells_typed_at_once_are_all_taken(page, commander):
+    field, busy, heard = control(page, "Change DH"), threading.Event(), []
+    first = page._arm.chain
+    field.on_update(lambda event: heard.append(field.value))
+    # While the page is busy all of them come, and each of the robots that they make is another.
+    page._worker.submit("busy", lambda: busy.wait(PATIENCE))
+    changes = [f"{k} {parameter} 0" for k in range(1, 7) for parameter in "ab"]
+    for text in changes:
+        send_value(commander, field._impl.uuid, text)
+    wait_until(lambda: len(heard) == len(changes))
+    busy.set()
+    wait_until(lambda: not np.any([table_of(page._arm.chain).a, table_of(page._arm.chain).b]))
+    assert page._arm.chain is not first
+
+
+def test_a_number_typed_for_a_robot_that_is_gone_changes_no_other(page, commander):
+    field, busy, heard = control(page, "Change DH"), threading.Event(), []
+    field.on_update(lambda event: heard.append(field.value))
+    page._worker.submit("busy", lambda: busy.wait(PATIENCE))
+    robot = load_description("iiwa14")
+    page.replace(robot, robot.chain())
+    send_value(commander, field._impl.uuid, "2 a 0.6")
+    wait_until(lambda: heard)
+    busy.set()
+    wait_until(lambda: page._arm.chain.n == 7 and page._panel is not None)
+    alive(page, commander)
+    assert page._arm.chain.name == robot.name
 
 
 @pytest.mark.parametrize(

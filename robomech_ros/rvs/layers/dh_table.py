@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.model.dh_editing import changed_robot, read_change, table_of, yaml_of
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.dh_rows import CHANGE, dh_rows
@@ -28,6 +29,10 @@ class DHTableLayer:
         # The robot that the page began with, and whether another one came from here.
         self._kept = place.kept.setdefault("dh table", {"open": False})
         self._kept.setdefault("first", (place.description, place.chain))
+        # The layer of the robot that this one was changed into, and whether it is gone.
+        self._heir: DHTableLayer | None = None
+        self._closed = False
+        self._kept["layer"] = self
         self._folder: Folder | None = None
         self._rows: Any = None
         self._version, self._typed = 0, False
@@ -52,6 +57,7 @@ class DHTableLayer:
 
     def close(self) -> None:
         """Nothing runs."""
+        self._closed = True
 
     def _write(self) -> None:
         if self._folder is None or self._folder.removed:
@@ -64,16 +70,30 @@ class DHTableLayer:
 
     def _change(self, text: str) -> None:
         def change() -> None:
-            self._typed = True
-            chain = self._place.chain
-            robot = changed_robot(chain, read_change(text, chain.n))
-            self._replace(*robot)
+            # Numbers that came before this robot was changed are numbers of the changed one.
+            layer = self
+            while layer._heir is not None:
+                layer = layer._heir
+            if not layer._closed:
+                layer._take(text)
 
         if text.strip():
-            self._place.ask((self, "change"), change)
+            self._place.ask(("dh table", self._cell(text)), change)
+
+    def _cell(self, text: str) -> tuple[int, str] | None:
+        """Give which number is changed: those of different cells do not displace each other."""
+        try:
+            return read_change(text, self._place.chain.n)[:2]
+        except BadValueError:
+            return None
+
+    def _take(self, text: str) -> None:
+        self._typed = True
+        chain = self._place.chain
+        self._replace(*changed_robot(chain, read_change(text, chain.n)))
 
     def _reset(self) -> None:
-        self._place.ask((self, "reset"), lambda: self._replace(*self._kept["first"]))
+        self._place.ask(("dh table", "reset"), lambda: self._replace(*self._kept["first"]))
 
     def _replace(self, *robot: Any) -> None:
         before = self._kept["open"]
@@ -83,3 +103,4 @@ class DHTableLayer:
         except BaseException:
             self._kept["open"] = before
             raise
+        self._heir = self._kept["layer"]
