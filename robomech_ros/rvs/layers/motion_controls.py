@@ -14,8 +14,8 @@ from robomech_ros.trajectory import PROFILES
 
 __all__ = ["MotionControls", "Played"]
 
-# Steps of the slider of the time (s), and of the speed.
-STEP, SPEED_STEP = 0.01, 0.1
+# Steps of the slider of the time (s), and of the speed; decimals that their fields have room for.
+STEP, SPEED_STEP, DECIMALS = 0.01, 0.1, 2
 START, GOAL = "Start here", "Goal here"
 _STATUS = (
     '<div style="font-size:0.85em;padding:0 0.85em 0.4em" data-plan><div{style}>{text}</div></div>'
@@ -116,6 +116,7 @@ class MotionControls:
     def _add_playing(self) -> None:
         gui, layer = self._gui, self._layer
         self._time = gui.add_slider("Time", 0.0, 1.0, STEP, 0.0, hint="s")
+        self._time.precision = DECIMALS
         self._on(self._time, "seek", layer.seek)
         self._play = gui.add_button("Play")
         self._on_click(self._play, layer.play_or_pause)
@@ -125,7 +126,7 @@ class MotionControls:
         loop = gui.add_checkbox("loop", layer.player.loop)
         self._on(loop, "loop", lambda value: setattr(layer.player, "loop", bool(value)))
         hint = "The arm itself goes where the ghost at the time is"
-        along = gui.add_checkbox("the arm goes along", layer.along, hint=hint)
+        along = gui.add_checkbox("arm goes along", layer.along, hint=hint)
         self._on(along, "along", lambda value: setattr(layer, "along", bool(value)))
 
     def _add_looks(self, curves: Sequence[str]) -> None:

@@ -20,8 +20,9 @@ __all__ = ["SeenArm", "Travel"]
 
 # Half the travel of sliders of joints without a limit: rad, and m.
 OPEN_TURN, OPEN_SLIDE = 2.0 * math.pi, 1.0
-# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m).
-ROUNDING = 1e-6
+# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
+# have four decimals.
+ROUNDING = 6e-5
 # Conditions that a pose puts; an arm with fewer joints hardly ever takes one exactly.
 CONDITIONS = 6
 

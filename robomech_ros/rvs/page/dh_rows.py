@@ -24,6 +24,8 @@ _CELL = (
     "border:1px solid rgba(128,128,128,0.45);border-radius:3px;padding:0.1em 0.25em;"
     "text-align:right"
 )
+# Digits that a field has room for, and what is rounding of 0 (m or rad).
+_DIGITS, _NOTHING = 6, 1e-12
 
 
 def dh_rows(
@@ -48,7 +50,7 @@ def dh_rows(
         cells = [
             f'<td style="padding:0.05em">{"+" if key == moved else ""}'
             f'<input data-dh="{k + 1} {key}" aria-label="{key} of joint {k + 1}" '
-            f'value="{float(getattr(table, key)[k]):.10g}" style="{_CELL}'
+            f'value="{_number(float(getattr(table, key)[k]))}" style="{_CELL}'
             f'{";width:85%" if key == moved else ""}"></td>'
             for key, _ in _TITLES
         ]
@@ -62,3 +64,8 @@ def dh_rows(
         "its value where + is.</div>"
         f'<a href="{href}" download="dh_table.yaml" style="color:#228be6">Save as YAML</a></div>'
     )
+
+
+def _number(value: float) -> str:
+    """Write a number so short that a field shows all of it."""
+    return "0" if abs(value) < _NOTHING else f"{value:.{_DIGITS}g}"

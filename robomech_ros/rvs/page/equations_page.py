@@ -15,8 +15,8 @@ from robomech_ros.rvs.serving.worker import Worker
 
 __all__ = ["EquationsPage"]
 
-# Width of the panel with the curves (pixels).
-WIDTH = 620
+# Width of the panel (pixels): all that a browser has, since there is no scene beside it.
+WIDTH = 4000
 
 
 class EquationsPage:

@@ -19,8 +19,9 @@ __all__ = ["AT_FIRST", "GIZMO", "Commands", "Panel"]
 
 Array = NDArray[np.float64]
 
-# Steps of sliders (rad or m), and the size of the gizmo in reaches of the robot.
-STEP = 0.001
+# Steps of sliders and decimals of their fields (rad or m), which have room for no more; and the
+# size of the gizmo in reaches of the robot.
+STEP, DECIMALS = 0.001, 4
 GIZMO = 0.28
 # What can be shown, and whether it is at first.
 AT_FIRST = {"ghosts": True, "frames": False, "joint axes": False, "ground": True, "gizmo": True}
@@ -120,6 +121,7 @@ class Panel:
                 slider = gui.add_slider(
                     short_name(name), low, high, STEP, float(arm.q[joint]), hint=hint
                 )
+                slider.precision = DECIMALS
                 self._keep(slider, partial(self._move, joint, slider))
                 sliders.append(slider)
             home = gui.add_button("Home")
@@ -137,6 +139,7 @@ class Panel:
         with folder:
             hint = "Moves the arm while its tip stays: length of the way in joint space, rad or m"
             slider = gui.add_slider("along it", -1.0, 1.0, STEP, 0.0, hint=hint)
+            slider.precision = DECIMALS
             self._keep(slider, lambda: self._commands.slide(slider.value))
         return slider
 

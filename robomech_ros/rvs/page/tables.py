@@ -45,8 +45,10 @@ SINGULAR = 1e6
 def summary(arm: SeenArm) -> str:
     """Write where the tip is, and what is known of the pose, as HTML."""
     T, study, chain = arm.tip, arm.study, arm.chain
-    place = " ".join(f"{value:+.4f}" for value in T[:3, 3])
-    turn = " ".join(f"{value:+.3f}" for value in roll_pitch_yaw_from_matrix(T[:3, :3]))
+    # Adding 0 makes -0 a plain 0.
+    place = " ".join(f"{value:+.4f}" for value in T[:3, 3].round(4) + 0.0)
+    rpy = roll_pitch_yaw_from_matrix(T[:3, :3]).round(3) + 0.0
+    turn = " ".join(f"{value:+.3f}" for value in rpy)
     lines = [
         f"<div><b>{html.escape(chain.tip)}</b> in {html.escape(chain.base)}: "
         f"{place} m, roll pitch yaw {turn} rad</div>"
