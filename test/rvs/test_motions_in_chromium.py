@@ -112,6 +112,32 @@ def test_play_moves_the_cursor_until_pause(shown):
     tab.wait_for(BUTTON.format(text="Play"))
 
 
+def test_a_plan_is_made_from_start_to_goal_and_played(shown):
+    page, tab, _ = shown
+    layer = motions(page)
+    layer.player.loop = False
+    start = page._arm.q.copy()
+    tab.value(BUTTON.format(text="Start here") + ".click()")
+    tab.wait_for("document.querySelector('[data-plan]').innerText.includes('goal')")
+    number = FIELD.format(label="shoulder pan") + ".querySelector('input:not([type=hidden])')"
+    tab.value(f"(() => {{ const f = {number}; f.select(); f.focus(); }})()")
+    tab.send("Input.insertText", text="0.75")
+    wait_until(lambda: page._arm.q[0] == 0.75)
+    goal = page._arm.q.copy()
+    tab.value(BUTTON.format(text="Goal here") + ".click()")
+    # That of the test before is shown until this one is there.
+    wait_until(lambda: page._plan.name == "plan" and layer._plan.motion is page._plan.motion)
+    motion = layer._plan.motion
+    np.testing.assert_allclose(motion.q[[0, -1]], [start, goal], atol=1e-9)
+    thumb = FIELD.format(label="Time") + ".querySelector('[role=slider]')"
+    tab.wait_for(f"Math.abs({thumb}.ariaValueMax - {motion.duration}) < 1e-6")
+    tab.wait_for("__viserMutable.nodeRefFromName['/base/plan/now']")
+    tab.value(BUTTON.format(text="Play") + ".click()")
+    wait_until(lambda: layer.player.time == motion.duration and not layer.player.playing)
+    tab.wait_for(f"Math.abs({CURSOR} - {WIDTH}) < 3")
+    tab.wait_for(BUTTON.format(text="Play"))
+
+
 def test_a_plan_and_a_picture_are_saved_and_the_plan_plays_from_its_file(shown):
     _, tab, folder = shown
     opened(tab, "Keep", BUTTON.format(text="Record"))
