@@ -73,6 +73,18 @@ def motion(page, tab) -> None:
     tab.value("document.querySelector('[data-curves]').scrollIntoView({block: 'end'})")
 
 
+def workspace(page, tab) -> None:
+    """The boundary as a section and as a surface."""
+    press(tab, heading("Workspace"))
+    press(tab, field("boundary"))
+    tab.wait_for("document.querySelector('[data-section] [data-count]')")
+    tab.wait_for("__viserMutable.nodeRefFromName['/base/workspace_surface']")
+    press(tab, button("See all of it"))
+    # The folder takes its time to open.
+    tab.frames(SETTLED)
+    tab.value("document.querySelector('[data-workspace]').scrollIntoView({block: 'end'})")
+
+
 def take(page, q) -> None:
     """Bring the arm to a posture."""
     page._ask("posture", lambda: page._arm.move_to(q))
@@ -84,6 +96,7 @@ PICTURES: dict[str, tuple[str, Callable]] = {
     "view_ghosts": ("ur5e", ghosts),
     "view_contours": ("ur5e", contours),
     "view_motion": ("ur5e", motion),
+    "view_workspace": ("puma560", workspace),
 }
 
 

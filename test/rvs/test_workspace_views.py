@@ -95,7 +95,7 @@ def test_the_surface_is_the_boundary_with_a_sector_left_open(robot):
         assert cut is None and whole is None
         return
     for solid in (cut, whole):
-        assert solid.faces.min() == 0 and solid.faces.max() == len(solid.vertices) - 1
+        assert solid.faces.min() == 0 and solid.faces.max() < len(solid.vertices)
         local = view.space.section.in_frame(solid.vertices)
         found, *_ = view.space.nearest.find(view.space.section.coordinates(local))
         assert found.max() < 1e-6

@@ -24,6 +24,8 @@ MARGIN = 0.06
 # The surface: points along a curve are so far apart at least, in parts of the section's longer
 # side, and strips so wide (rad, or parts of the way of a slide).
 FINE, STRIP = 0.012, math.pi / 40.0
+# Curves nearer to each other than this part of that side are seen as one.
+SAME = 0.003
 # Azimuth, about the first axis, of the middle of the sector that is left open, towards the eye at
 # first, and half its width (rad).
 OPENING = (-0.9, 0.9)
@@ -120,16 +122,29 @@ class SectionView:
             parts = open_intervals(low, high)
         vertices: list[Array] = []
         faces: list[NDArray[np.int64]] = []
+        # Of curves that coincide one is drawn: two would show as patches.
+        drawn: list[Array] = []
         for curve in self.space.curves:
             if curve.fewer:
                 continue
             points = self._thinned(curve.points)
+            new = self._apart(0.5 * (points[1:] + points[:-1]), drawn)
+            drawn.append(curve.points)
             for first, last in parts:
                 steps = max(2, math.ceil((last - first) / STRIP)) + 1
                 ring = self._swept(points, np.linspace(first, last, steps))
-                faces.append(_strips(steps, len(points)) + sum(map(len, vertices)))
+                faces.append(_strips(steps, new) + sum(map(len, vertices)))
                 vertices.append(section.in_base(ring))
         return Solid(np.concatenate(vertices), np.concatenate(faces))
+
+    def _apart(self, points: Array, drawn: list[Array]) -> NDArray[np.bool_]:
+        """Tell which points (k, 2) are on none of the curves that are drawn already."""
+        if not drawn:
+            return np.ones(len(points), dtype=bool)
+        near = SAME * (self.axes[1].high - self.axes[1].low)
+        across = points[:, None] - np.concatenate(drawn)
+        apart: NDArray[np.bool_] = np.hypot(across[..., 0], across[..., 1]).min(axis=1) > near
+        return apart
 
     def _swept(self, points: Array, values: Array) -> Array:
         a, b = (np.tile(part, len(values)) for part in points.T)
@@ -218,9 +233,10 @@ def _upright(points: Array) -> tuple[Array, Array, Array]:
     return points[:, 0], np.zeros(len(points)), points[:, 1]
 
 
-def _strips(steps: int, points: int) -> NDArray[np.int64]:
-    """Give the triangles between rows of points, one row after the other."""
-    corner = (np.arange(steps - 1)[:, None] * points + np.arange(points - 1)).ravel()
+def _strips(steps: int, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Give the triangles between rows of points, where the gap between two of a row is wanted."""
+    points = len(wanted) + 1
+    corner = (np.arange(steps - 1)[:, None] * points + np.flatnonzero(wanted)).ravel()
     return np.concatenate([
         np.column_stack((corner, corner + 1, corner + points)),
         np.column_stack((corner + 1, corner + points + 1, corner + points)),
