@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,9 @@ class LiveLayer:
         self._names = place.chain.joint_names
         self._seen, self._clients = threading.Event(), set[int]()
         self._speaking = threading.Lock()
-        self._lines = {"state": "", "servo": "", "result": ""}
+        self._lines = {"state": "", "servo": "", "result": "", "dropped": ""}
+        # How often Stop was clicked; what was asked before a click is not done after it.
+        self._stops, self._stopping = 0, threading.Lock()
         self._controls: LiveControls | None = None
         self._waiting, self._wants_markers = False, False
         gui = place.server.gui
@@ -53,7 +55,9 @@ class LiveLayer:
 
         @stop.on_click
         async def _(_: Any) -> None:
-            robot.stop()
+            with self._stopping:
+                self._stops += 1
+                robot.stop()
 
         place.server.on_client_connect(self._came)
         place.server.on_client_disconnect(self._left)
@@ -86,11 +90,26 @@ class LiveLayer:
 
     def plan(self) -> None:
         """Plan to the goal."""
-        self._place.ask("plan to goal", lambda: self._robot.plan(self._place.arm.q.copy()))
+        self._ask_for_motion("plan to goal", "Not planned", self._robot.plan)
 
     def execute(self) -> None:
         """Plan to the goal, and execute."""
-        self._place.ask("execute", lambda: self._robot.execute(self._place.arm.q.copy()))
+        self._ask_for_motion("execute", "Not executed", self._robot.execute)
+
+    def _ask_for_motion(self, kind: str, refusal: str, way: Callable[[Array], None]) -> None:
+        """Go a way to the goal when the page comes to it, unless Stop is clicked before."""
+        stops = self._stops
+        self._say("dropped", "")
+
+        def go() -> None:
+            with self._stopping:
+                stopped = stops != self._stops
+                if not stopped:
+                    way(self._place.arm.q.copy())
+            if stopped:
+                self._say("dropped", f"{refusal}: Stop was clicked after it.")
+
+        self._place.ask(kind, go)
 
     def bring_goal(self) -> None:
         """Put the goal where the robot is, and keep it there."""

@@ -1,6 +1,7 @@
 """The node rvs over real DDS, with pages that are no browsers."""
 
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -52,6 +53,11 @@ class Browser:
     def click(self, what):
         """Click one of the buttons about the goal."""
         self.set(self.layer._controls._handles[0], what)
+
+    def stop(self):
+        """Click Stop."""
+        handles = self.page._server.viser.gui._gui_input_handle_from_uuid.values()
+        self.set(next(one for one in handles if getattr(one, "label", "") == "Stop"), True)
 
     def press(self):
         self._presses += 1
@@ -165,12 +171,7 @@ def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
     goal_beside(suite, arm, 2.0)
     suite.click("Execute")
     arm.until_moving()
-    stop = next(
-        handle
-        for handle in suite.page._server.viser.gui._gui_input_handle_from_uuid.values()
-        if getattr(handle, "label", "") == "Stop"
-    )
-    suite.set(stop, True)
+    suite.stop()
     wait_until(lambda: suite.said() and "Stopped" in suite.said())
     arm.until(lambda: not arm.velocity.any())
     rest = arm.position
@@ -179,6 +180,27 @@ def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
     suite.click("Plan")
     wait_until(lambda: "executes every plan at once" in suite.said())
     np.testing.assert_array_equal(arm.position, rest)
+
+
+@pytest.mark.parametrize("what", ["Plan", "Execute"])
+def test_what_waits_when_stop_is_clicked_is_not_done(suite, arm, what):
+    goal_beside(suite, arm, 0.25)
+    start, held, free = arm.position, threading.Event(), threading.Event()
+    suite.page._run("hold the page up", lambda: held.set() or free.wait(60.0))
+    assert held.wait(60.0)
+    try:
+        suite.click(what)
+        suite.stop()
+        wait_until(lambda: "Stopped" in suite.said())
+    finally:
+        free.set()
+    wait_until(lambda: "Stop was clicked after it" in suite.said("dropped"))
+    assert "Stopped" in suite.said()
+    np.testing.assert_array_equal(arm.position, start)
+    # A later click counts.
+    suite.click("Execute")
+    wait_until(lambda: "arrived after" in suite.said())
+    assert suite.said("dropped") == ""
 
 
 def test_who_is_not_there_is_named(shown, arm):
