@@ -1,18 +1,23 @@
 """What is kept of a page: its view as a text, recordings, and files of plans."""
 
+import time
+
 import numpy as np
 import pytest
 
 pytest.importorskip("viser")
 
-from raw_client import inside_limits, send_value, wait_until
+import msgspec.msgpack
+import zstandard
+from raw_client import PATIENCE, camera, inside_limits, send_value, slider, wait_until
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
-from robomech_ros.rvs.layers.keeping import KeepingLayer
+from robomech_ros.rvs.layers.keeping import END, KeepingLayer
 from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 
+PACK = msgspec.msgpack.encode
 ARM = load_robot("ur5e")
 NAMES = ("ghosts", "joint axes", "dark")
 GOOD = "q:0,0,0,0,0,0;eye:1,-1,1;at:0,0,0.3;show:ghosts,joint_axes"
@@ -63,6 +68,18 @@ def test_a_recording_stands_still_where_nothing_moved():
     np.testing.assert_allclose(motion.at([1.0, 1.9]), [q, q], atol=1e-9)
     np.testing.assert_allclose(motion.at([2.02, 2.9]), [q + 0.2, q + 0.2], atol=1e-9)
     assert motion.duration == pytest.approx(3.0, abs=0.01) and not recorder.running
+
+
+def test_a_recording_keeps_its_pauses_whenever_it_begins():
+    q = ARM.home()
+    for begun in np.geomspace(1e3, 1e6, 500):
+        recorder = Recorder()
+        recorder.begin(begun, q)
+        recorder.add(begun + 1.0, q + 0.1)
+        recorder.add(begun + 2.5, q + 0.2)
+        motion = recorder.end(begun + 3.0, ARM)
+        assert len(motion.times) == 6
+        np.testing.assert_allclose(motion.at([0.9, 2.4]), [q, q + 0.1], atol=1e-9)
 
 
 def test_a_recording_of_nothing_is_refused_and_one_without_end_ends():
@@ -123,3 +140,58 @@ def test_a_view_of_elsewhere_is_refused_as_a_whole(page, commander, kept):
         wait_until(lambda: "Refused" not in page._stage._notice.content)
     np.testing.assert_array_equal(page._arm.q, q)
     assert page._switched() == shown and inside_limits(page)
+
+
+def test_a_recording_that_fills_up_when_nobody_commands_is_shown(page, client):
+    with client.connect() as connection:
+        connection.send(PACK(camera()))
+        layer = next(layer for layer in page._layers if isinstance(layer, KeepingLayer))
+        wait_until(lambda: layer._controls is not None)
+        button = layer._controls.record
+        send_value(connection, button._impl.uuid, True)
+        wait_until(lambda: button.label == END)
+    wait_until(lambda: page._audience.commander is None)
+    recorder, arm = layer.recorder, page._arm
+
+    def fill():
+        begun = time.monotonic() - 0.01 * MOST_POSTURES_KEPT
+        recorder.begin(begun, arm.q)
+        for k in range(1, MOST_POSTURES_KEPT - 1):
+            recorder.add(begun + 0.01 * k, arm.q + 1e-6 * k)
+
+    page._ask("fill", fill)
+    wait_until(lambda: page._plan.name == "recording")
+    assert not recorder.running
+
+
+def scripts(connection, last):
+    """Read what a page gets until a script has a text; gives them all."""
+    heard = b""
+    while last not in heard:
+        frame = connection.recv(timeout=PATIENCE)
+        length = int.from_bytes(frame[8:16], "little")
+        heard += zstandard.decompress(frame[16 : 16 + length])
+    return heard
+
+
+def test_a_browser_brings_its_address_once(page, client, commander):
+    # Whoever commands is given the address of what is seen, after all that came before.
+    read, kept = b"get('view')", b"history.replaceState"
+    audience, first = page._audience, page._audience.commander
+    camera_of_first = page._server.viser.get_clients()[first].camera
+    assert scripts(commander, kept).count(read) == 1
+    heeding = len(camera_of_first._state.camera_cb)
+    with client.connect() as second:
+        second.send(PACK(camera()))
+        wait_until(lambda: audience._watching)
+        (number,) = audience._watching
+        send_value(second, audience._watching[number][1]._impl.uuid, True)
+        wait_until(lambda: audience.commander == number)
+        assert scripts(second, kept).count(read) == 1
+        send_value(second, slider(page, 1), -1.25)
+        wait_until(lambda: page._arm.q[1] == -1.25)
+        send_value(commander, audience._watching[first][1]._impl.uuid, True)
+        wait_until(lambda: audience.commander == first)
+        assert read not in scripts(commander, kept)
+    assert page._arm.q[1] == -1.25
+    assert len(camera_of_first._state.camera_cb) == heeding

@@ -36,6 +36,8 @@ class KeepingLayer:
     def __init__(self, place: Place) -> None:
         self._place = place
         self.recorder = Recorder()
+        self.known: KnownBrowsers = place.kept.setdefault("keeping", KnownBrowsers())
+        self.known.notice = self.notice
         self._controls: KeepingControls | None = None
         self._writing = Worker()
         self._changed, self._closing = threading.Event(), threading.Event()
@@ -118,7 +120,7 @@ class KeepingLayer:
         self._place.plan.show(motion, "recording")
 
     def _label(self) -> None:
-        if self._controls is not None:
+        if self._controls is not None and not self._controls.gone:
             self._controls.record.label = END if self.recorder.running else RECORD
 
     def _follow(self) -> None:
@@ -139,6 +141,32 @@ class KeepingLayer:
         if text != controls.written:
             controls.written = controls.view.value = text
             keep_in_address(controls.client, text)
+
+
+class KnownBrowsers:
+    """The browsers that have commanded; those of one robot, the next one knows, too.
+
+    Attributes
+    ----------
+    notice : callable
+        Called when the camera of one of them moves.
+    """
+
+    def __init__(self) -> None:
+        self.notice: Callable[[], None] = lambda: None
+        self._numbers: set[int] = set()
+
+    def is_new(self, client: Any) -> bool:
+        """Say whether a browser (viser.ClientHandle) commands for the first time."""
+        if client.client_id in self._numbers:
+            return False
+        self._numbers.add(client.client_id)
+
+        @client.camera.on_update
+        async def _(_: Any) -> None:
+            self.notice()
+
+        return True
 
 
 class KeepingControls:
@@ -180,11 +208,9 @@ class KeepingControls:
             if event.client is not None and self.view.value != self.written:
                 ask("view", partial(layer.restore, self.view.value, client))
 
-        @client.camera.on_update
-        async def _(_: Any) -> None:
-            layer.notice()
-
-        read_address_into(client, VIEW)
+        # Later its address says only where this browser left the arm.
+        if layer.known.is_new(client):
+            read_address_into(client, VIEW)
 
     def remove(self) -> None:
         """Take the controls from the browser."""

@@ -35,8 +35,8 @@ class Recorder:
         """Keep a posture if it is another one; says whether the recording goes on."""
         if not self.running or np.array_equal(q, self._q[-1]):
             return self.running
-        self._hold(now)
-        if now - self._times[-1] < NEAREST:
+        stood = self._hold(now)
+        if not stood and now - self._times[-1] < NEAREST:
             self._q[-1] = q.copy()
         else:
             self._times.append(now)
@@ -59,8 +59,10 @@ class Recorder:
         times = np.array(self._times) - self._times[0]
         return Motion(chain, times, np.array(self._q))
 
-    def _hold(self, now: float) -> None:
-        """Stay in the last posture until just before now, if it is a while ago."""
-        if now - self._times[-1] > STOOD:
+    def _hold(self, now: float) -> bool:
+        """Stay in the last posture until just before now, if it is a while ago; says whether."""
+        stood = now - self._times[-1] > STOOD
+        if stood:
             self._times.append(now - NEAREST)
             self._q.append(self._q[-1])
+        return stood
