@@ -10,7 +10,7 @@ from rclpy.subscription import Subscription
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.sparing_log import SparingLog
 from robomech_ros.nodes.rvs.jogging import Jogger
@@ -25,8 +25,8 @@ __all__ = ["RunningRobot"]
 
 Array = NDArray[np.float64]
 
-# Markers that are drawn at the most.
-_MOST_MARKERS = 1000
+# Markers that are drawn at the most, and points of all of them.
+_MOST_MARKERS, _MOST_POINTS = 1000, 100_000
 _PLANS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -72,20 +72,20 @@ class RunningRobot:
 
     def plan(self, q: Array) -> None:
         """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
-        self._soon(lambda: self._motions.plan(q))
+        self._motions.plan(q)
 
     def execute(self, q: Array) -> None:
         """Plan such a motion, and execute it."""
-        self._soon(lambda: self._motions.execute(q))
+        self._motions.execute(q)
 
     def stop(self) -> None:
-        """Stop whatever moves the robot."""
+        """Stop whatever moves the robot, without waiting for the thread of the node."""
         self._jogger.let_go()
-        self._soon(self._motions.stop)
+        self._motions.stop()
 
     def let_plans_wait(self, waiting: bool) -> None:
         """Have plans executed on request only, or each as it is made."""
-        self._soon(lambda: self._motions.let_plans_wait(waiting))
+        self._motions.let_plans_wait(waiting)
 
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""
@@ -141,16 +141,32 @@ class RunningRobot:
 
     def _take_markers(self, source: str, message: MarkerArray) -> None:
         kept = self._markers[source]
+        points = sum(len(one.points) for all_ in self._markers.values() for one in all_.values())
+        read = 0
         for marker in message.markers:
             name = f"{marker.ns}/{marker.id}"
             if marker.action == Marker.DELETEALL:
+                points -= sum(len(one.points) for one in kept.values())
                 kept.clear()
-            elif marker.action == Marker.DELETE:
-                kept.pop(name, None)
-            elif len(kept) < _MOST_MARKERS or name in kept:
-                try:
-                    kept[name] = seen_marker(self._model, marker)
-                except RobomechError as error:
-                    kept.pop(name, None)
-                    self._log.error(f"marker '{name}' cannot be shown: {error}")
+                continue
+            old = kept.pop(name, None)
+            points -= 0 if old is None else len(old.points)
+            if marker.action == Marker.DELETE or len(kept) >= _MOST_MARKERS:
+                continue
+            try:
+                read += len(marker.points)
+                _check_points(read)
+                new = seen_marker(self._model, marker)
+                _check_points(points + len(new.points))
+            except RobomechError as error:
+                self._log.error(f"marker '{name}' cannot be shown: {error}")
+            else:
+                kept[name] = new
+                points += len(new.points)
         self._view.show_markers(source, list(kept.values()))
+
+
+def _check_points(number: int) -> None:
+    """Refuse points of all markers together that would hold the page up."""
+    if number > _MOST_POINTS:
+        raise BadValueError("points of all markers", number, f"{_MOST_POINTS} at most")

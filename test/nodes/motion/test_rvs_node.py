@@ -1,5 +1,6 @@
 """The node rvs over real DDS, with pages that are no browsers."""
 
+import html
 import sys
 import threading
 import time
@@ -14,11 +15,18 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 import msgspec.msgpack
 from diagnostic_msgs.msg import DiagnosticArray
 from drivers import Driver
+from geometry_msgs.msg import Point
 from raw_client import Client, camera, wait_until
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters
 from servo_operator import START
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import Marker, MarkerArray
 
-from robomech_interfaces.srv import AnalyzeSingularity
+from robomech_interfaces.srv import AnalyzeSingularity, Execute
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.servo.node import ServoNode
@@ -70,7 +78,7 @@ class Browser:
 
     def said(self, line="result"):
         """What the page says."""
-        return self.layer._lines[line]
+        return html.unescape(self.layer._lines[line])
 
     def close(self):
         self._socket.close()
@@ -211,6 +219,173 @@ def test_who_is_not_there_is_named(shown, arm):
     shown.press()
     shown.hold("linear 2 +")
     wait_until(lambda: "No servo listens" in shown.said())
+
+
+def serve(graph, kind, name, take):
+    """Serve something in place of a node of the suite."""
+    return graph.client.create_service(kind, name, take)
+
+
+def ready(*clients):
+    wait_until(lambda: all(client.service_is_ready() for client in clients))
+
+
+def trigger(success, message=""):
+    return lambda _request, response: Trigger.Response(success=success, message=message)
+
+
+def test_stop_says_who_is_not_there_and_who_refuses(graph, shown, arm):
+    motions = shown.node._robot._motions
+    hold = motions._stoppers[1]
+    ready(hold)
+    shown.stop()
+    wait_until(lambda: "nobody serves '/trajectory_publisher/cancel'" in shown.said())
+    assert "may have failed" in shown.said() and "hold" not in shown.said()
+    serve(graph, Trigger, "trajectory_publisher/cancel", trigger(False, "not now"))
+    ready(*motions._stoppers)
+    shown.stop()
+    wait_until(lambda: "'/trajectory_publisher/cancel' refused: not now" in shown.said())
+    assert "Stopped" not in shown.said()
+
+
+def test_stop_is_said_to_have_stopped_when_all_have_answered(graph, shown, arm):
+    asked, free = threading.Event(), threading.Event()
+
+    def cancel(_request, response):
+        asked.set()
+        free.wait(60.0)
+        return trigger(True)(_request, response)
+
+    serve(graph, Trigger, "trajectory_publisher/cancel", cancel)
+    motions = shown.node._robot._motions
+    ready(*motions._stoppers)
+    shown.stop()
+    try:
+        assert asked.wait(60.0)
+        wait_until(lambda: "'/trajectory_publisher/cancel' does not answer" in shown.said())
+    finally:
+        free.set()
+    wait_until(lambda: "Stopped." in shown.said())
+    wait_until(lambda: motions._requests.waiting <= 1)
+
+
+def test_stop_does_not_wait_for_the_thread_of_the_node(graph, shown, arm):
+    motions = shown.node._robot._motions
+    asked, held, free = threading.Event(), threading.Event(), threading.Event()
+
+    def cancel(_request, response):
+        asked.set()
+        return trigger(True)(_request, response)
+
+    serve(graph, Trigger, "trajectory_publisher/cancel", cancel)
+    ready(*motions._stoppers)
+    shown.node.executor.create_task(lambda: held.set() or free.wait(60.0))
+    assert held.wait(60.0)
+    try:
+        shown.stop()
+        assert asked.wait(30.0)
+        assert not free.is_set() and "Stopped." not in shown.said()
+    finally:
+        free.set()
+    wait_until(lambda: "Stopped." in shown.said())
+
+
+def test_nothing_is_planned_where_nobody_tells_whether_plans_are_executed(graph, shown, arm):
+    graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
+    motions = shown.node._robot._motions
+    ready(motions._planner)
+    received = []
+    topic = "trajectory_planner/planned_trajectory"
+    graph.client.create_subscription(JointTrajectory, topic, received.append, LATCHED)
+    wait_until(lambda: motions._readers_of_plans())
+    goal_beside(shown, arm, 0.25)
+    for what in ("Plan", "Execute"):
+        shown.click(what)
+        wait_until(lambda: "plans are read by '/test_client'" in shown.said())
+        shown.layer.show_result("")
+    # The parameter is served, but is no truth value.
+    serve(graph, GetParameters, "trajectory_publisher/get_parameters", lambda _, answer: answer)
+    ready(motions._reader)
+    shown.click("Plan")
+    wait_until(lambda: "plans are read by '/test_client'" in shown.said())
+    assert not received
+
+
+def test_looks_that_nobody_answers_do_not_pile_up(graph, shown, arm):
+    free, asked = threading.Event(), []
+
+    def read(_request, response):
+        asked.append(None)
+        free.wait(60.0)
+        return response
+
+    serve(graph, GetParameters, "trajectory_publisher/get_parameters", read)
+    motions = shown.node._robot._motions
+    try:
+        wait_until(lambda: asked)
+        pending = motions._reader._pending_requests
+        for _ in range(5):
+            motions.look()
+            assert len(pending) <= 1
+        # It is given up after a time, and asked again.
+        first = next(iter(pending))
+        wait_until(lambda: pending and first not in list(pending))
+        assert len(pending) <= 1
+    finally:
+        free.set()
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_executes_its_own_plan_where_plans_wait(graph, shown, arm, automatic):
+    """Not the trajectory planned last, which may be somebody else's."""
+    asked = []
+
+    def read(_request, response):
+        kind = ParameterType.PARAMETER_BOOL
+        response.values = [ParameterValue(type=kind, bool_value=automatic)]
+        return response
+
+    def execute(request, response):
+        asked.append(request.trajectory)
+        return response
+
+    serve(graph, GetParameters, "trajectory_publisher/get_parameters", read)
+    serve(graph, Execute, "trajectory_publisher/execute", execute)
+    graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
+    motions = shown.node._robot._motions
+    ready(motions._planner, motions._reader, motions._executor)
+    goal_beside(shown, arm, 0.25)
+    goal = shown.page._arm.q.copy()
+    shown.click("Execute")
+    wait_until(lambda: "arrived after" in shown.said())
+    (sent,) = asked
+    if automatic:
+        # It is under way; sent again it would be executed twice.
+        assert not sent.points
+    else:
+        assert tuple(sent.joint_names) == tuple(arm.names)
+        np.testing.assert_allclose(sent.points[-1].positions, goal, atol=1e-9)
+
+
+def lines(number, points):
+    """A marker of lines between so many points."""
+    marker = Marker(type=Marker.LINE_LIST, id=number)
+    marker.points = [Point()] * points
+    marker.pose.orientation.w = 1.0
+    return marker
+
+
+def test_points_of_all_markers_together_are_bounded(graph, shown):
+    robot = shown.node._robot
+    shown.layer.want_markers(True)
+    publisher = graph.client.create_publisher(MarkerArray, "kinematics/markers", LATCHED)
+    wait_until(lambda: publisher.get_subscription_count())
+    publisher.publish(MarkerArray(markers=[lines(n, 40_000) for n in range(4)]))
+    wait_until(lambda: len(robot._markers["markers_0"]) == 2)
+    # Room that is given back is free.
+    delete = Marker(id=0, action=Marker.DELETE)
+    publisher.publish(MarkerArray(markers=[delete, lines(9, 50_000)]))
+    wait_until(lambda: set(robot._markers["markers_0"]) == {"/1", "/9"})
 
 
 @pytest.fixture
