@@ -20,6 +20,7 @@ from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.messages import DeliveryReader
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
+from robomech_ros.nodes.trajectory_publisher.speed_services import CANCELLED
 from robomech_ros.outcomes import Code
 
 __all__ = ["ExecuteService", "NoPlanError"]
@@ -75,8 +76,8 @@ class ExecuteService:
         serve(node, Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup())
 
     async def _execute(self, request: Any, response: Any) -> Any:
-        if _asks_for_latest(request.trajectory):
-            await self._plans.next_on_its_way()
+        if _asks_for_latest(request.trajectory) and not await self._plans.next_on_its_way():
+            return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
         try:
             delivery = self._delivery(request.trajectory)
         except Exception as error:

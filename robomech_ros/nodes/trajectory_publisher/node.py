@@ -68,7 +68,7 @@ class TrajectoryPublisherNode(Node):
         ExecuteService(self, settings, self._plans, self._reader, self._loop, self._link, transport)
         self._runner = ProgramRunner(self, clock, self._loop.offer, transport, limits)
         self._programs = ProgramService(self, table, self._runner, self._loop, self._link)
-        SpeedServices(self, self._loop, self._runner.cancel)
+        SpeedServices(self, self._loop, self._runner.cancel, self._plans.give_up)
         if settings.robot_description:
             when_robot_known(self, settings, self._know_robot)
         else:

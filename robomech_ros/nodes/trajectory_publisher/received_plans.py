@@ -66,15 +66,33 @@ class ReceivedPlans:
         self._reader = reader
         self._loop = loop
         self._next: Future | None = None
+        self._waiting = self._given_up = 0
         self.latest: Delivery | None = None
         self.refusal = ""
         self.topics = self._listen(table.settings.planner_topic)
 
-    async def next_on_its_way(self) -> None:
-        """Wait a moment for a plan that was made before a request but has not arrived."""
+    async def next_on_its_way(self) -> bool:
+        """Wait a moment for a plan that was made before a request but has not arrived.
+
+        Returns
+        -------
+        bool
+            False if the request was given up meanwhile.
+        """
         if self._next is None or self._next.done():
             self._next = Future()
+        before = self._given_up
+        self._waiting += 1
         await ended_within(self._node, self._next, _ON_ITS_WAY)
+        self._waiting -= 1
+        return self._given_up == before
+
+    def give_up(self) -> int:
+        """Give up the requests that wait for a plan; returns how many do."""
+        self._given_up += 1
+        if self._next is not None and not self._next.done():
+            self._next.set_result(None)
+        return self._waiting
 
     def _listen(self, planner_topic: str) -> str:
         """Subscribe to plans, to none twice; returns the topics in words."""

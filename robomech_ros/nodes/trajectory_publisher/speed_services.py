@@ -14,7 +14,9 @@ from robomech_ros.nodes.common.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
-__all__ = ["SpeedServices"]
+__all__ = ["CANCELLED", "SpeedServices"]
+
+CANCELLED = "cancelled by the service cancel"
 
 # Slowest part of the planned speed: that of the limits in a plan, too.
 _SLOWEST = 1e-6
@@ -31,6 +33,8 @@ class SpeedServices:
         What executes.
     cancel_program : callable
         Ends the program that runs, for a reason; returns whether one did.
+    give_up_requests : callable
+        Gives up the requests that wait for a plan; returns how many do.
     """
 
     def __init__(
@@ -38,10 +42,12 @@ class SpeedServices:
         node: Node,
         loop: DispatchLoop,
         cancel_program: Callable[[str], bool],
+        give_up_requests: Callable[[], int],
     ) -> None:
         self._dispatcher = loop.dispatcher
         self._loop = loop
         self._cancel_program = cancel_program
+        self._give_up_requests = give_up_requests
         serve(node, Trigger, "~/pause", self._pause)
         serve(node, Trigger, "~/resume", self._resume)
         serve(node, Trigger, "~/cancel", self._cancel)
@@ -70,9 +76,10 @@ class SpeedServices:
         return _said(response, True, "the robot moves on" if moves else "nothing was waiting")
 
     def _cancel(self, request: Any, response: Any) -> Any:
-        text = "cancelled by the service cancel"
-        ran = self._cancel_program(f"program {text}")
-        count = self._dispatcher.cancel(text, self._loop.clock.now())
+        ran = self._cancel_program(f"program {CANCELLED}")
+        count = self._give_up_requests() + self._dispatcher.cancel(
+            CANCELLED, self._loop.clock.now()
+        )
         self._loop.watch()
         what = f"{count} trajectories dropped; the robot stops on its path"
         if not count:

@@ -168,6 +168,27 @@ def test_cancel_of_an_execution(suite):
 
 
 @pytest.mark.slow
+def test_cancel_of_a_request_that_waits_for_its_plan(suite):
+    arm = suite(auto_execute=False)
+    arm.plan(0.0, MOVE, duration=1.0)
+    for _ in range(20):
+        waiting = arm.start_execute()
+        # The two go different ways: the cancel may be there first.
+        while "dropped" not in trigger(arm, "cancel")[1]:
+            pass
+        answer = ended(waiting)
+        assert answer.error_code == ErrorCode.PREEMPTED
+        if answer.error_msg == "not sent: cancelled by the service cancel":
+            break
+        # On a busy machine the motion may have begun.
+        back = arm.execute(arm.trajectory(arm.position - arm.home, 0.0, duration=1.0))
+        assert back.error_code == ErrorCode.NONE
+    else:
+        pytest.fail("the request is never cancelled while it waits")
+    assert abs(part_done(arm)) < 1e-6
+    assert arm.execute().error_code == ErrorCode.NONE
+
+
 @pytest.mark.parametrize(
     ("transport", "paused"),
     [("topic", False), ("action", True), ("follow_joint_trajectory", False), ("topic", True)],
