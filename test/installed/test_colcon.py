@@ -20,6 +20,7 @@ NODES = {
     "joint_state_simulator_node",
     "kinematics_node",
     "robomech",
+    "rvs_node",
     "servo_node",
     "trajectory_planner_node",
     "trajectory_publisher_node",
