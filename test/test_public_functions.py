@@ -210,6 +210,8 @@ def calls():
     found |= with_options(interpolant, times=[0.0, 1.0], positions=[[0.0], [1.0]])
     for name in spatial.__all__:
         function = getattr(spatial, name)
+        if not callable(function):
+            continue
         arguments = inspect.signature(function).parameters.values()
         needed = [one for one in arguments if one.default is one.empty]
         count = len(needed)

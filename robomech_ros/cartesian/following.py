@@ -15,7 +15,8 @@ from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
-from robomech_ros.spatial.poses import as_pose, pose_error
+from robomech_ros.spatial.poses import as_pose
+from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import (
     JointLimits,
     JointPath,

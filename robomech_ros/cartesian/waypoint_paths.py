@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_choice, real_array
-from robomech_ros.spatial.poses import as_pose, pose_error
+from robomech_ros.spatial.poses import as_pose
+from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import PosePath, arc_path, spline_path, straight_path
 
 __all__ = ["PathKind", "path_through"]

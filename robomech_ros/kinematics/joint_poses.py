@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.nodes.common.plain_poses import plain_pose
 from robomech_ros.robots import Joint
-from robomech_ros.spatial import position_quaternion_from_pose
 
 __all__ = ["JointPoses"]
 
@@ -45,12 +45,12 @@ class JointPoses:
     @staticmethod
     def _samples(joints: Sequence[Joint]) -> tuple[list[Any], list[Any]]:
         """Give places at 0, pi and pi / 2, and quaternions at 0 and pi / 2, each (k, 3 or 4)."""
-        poses = [
-            np.array([joint.pose(at) for joint in joints]).reshape(-1, 4, 4)
-            for at in (0.0, np.pi, 0.5 * np.pi)
+        split = [
+            [plain_pose(joint.pose(at)) for joint in joints] for at in (0.0, np.pi, 0.5 * np.pi)
         ]
-        split = [position_quaternion_from_pose(pose) for pose in poses]
-        return [place for place, _ in split], [split[0][1], split[2][1]]
+        places = [np.array([place for place, _ in one]).reshape(-1, 3) for one in split]
+        turns = [np.array([turn for _, turn in one]).reshape(-1, 4) for one in split]
+        return places, [turns[0], turns[2]]
 
     def at(self, positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Give places (k, 3) in m and quaternions xyzw (k, 4), at positions (k,) in rad or m."""

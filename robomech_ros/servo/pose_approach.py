@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import PoseCommand, TwistCommand
-from robomech_ros.spatial.axis_angle import rotation_vector_from_matrix
+from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 
 __all__ = ["PoseApproach"]
 

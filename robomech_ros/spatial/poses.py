@@ -8,18 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.axis_angle import rotation_vector_from_matrix
 from robomech_ros.spatial.matrices import as_rotation
-from robomech_ros.spatial.quaternions import matrix_from_quaternion, quaternion_from_matrix
+from robomech_ros.spatial.rows import common_shape
 
 __all__ = [
     "as_pose",
+    "assembled",
     "compose_poses",
     "inverse_pose",
-    "pose_error",
     "pose_from_matrix",
-    "pose_from_position_quaternion",
-    "position_quaternion_from_pose",
     "rigid_inverse",
 ]
 
@@ -78,67 +75,7 @@ def pose_from_matrix(rotation: ArrayLike, position: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not a rotation matrix, or not three finite numbers.
     """
-    return _assembled(as_rotation(rotation), as_finite("position", position, (3,)))
-
-
-def pose_from_position_quaternion(position: ArrayLike, quaternion: ArrayLike) -> Array:
-    """Form a pose from a position and a unit quaternion.
-
-    Parameters
-    ----------
-    position : array_like, shape (..., 3)
-        Origin of the frame (m).
-    quaternion : array_like, shape (..., 4)
-        Vector first, scalar last.
-
-    Returns
-    -------
-    ndarray, shape (..., 4, 4)
-
-    Raises
-    ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
-        Not three finite numbers, or not a unit quaternion.
-
-    See Also
-    --------
-    position_quaternion_from_pose : the inverse.
-    pose_from_matrix : from a rotation matrix.
-
-    Examples
-    --------
-    >>> from robomech_ros.spatial import pose_from_position_quaternion
-    >>> pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8])
-    array([[ 0.28, -0.96,  0.  ,  0.1 ],
-           [ 0.96,  0.28,  0.  ,  0.2 ],
-           [ 0.  ,  0.  ,  1.  ,  0.3 ],
-           [ 0.  ,  0.  ,  0.  ,  1.  ]])
-    """
-    p = as_finite("position", position, (3,))
-    return _assembled(matrix_from_quaternion(quaternion), p)
-
-
-def position_quaternion_from_pose(pose: ArrayLike) -> tuple[Array, Array]:
-    """Split a pose into a position and a unit quaternion.
-
-    Parameters
-    ----------
-    pose : array_like, shape (..., 4, 4)
-
-    Returns
-    -------
-    position : ndarray, shape (..., 3)
-        Origin of the frame (m).
-    quaternion : ndarray, shape (..., 4)
-        Vector first, scalar last, scalar not negative.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not a pose.
-    """
-    T = as_pose(pose)
-    return T[..., :3, 3].copy(), quaternion_from_matrix(T[..., :3, :3])
+    return assembled(as_rotation(rotation), as_finite("position", position, (3,)))
 
 
 def compose_poses(*poses: ArrayLike) -> Array:
@@ -227,7 +164,7 @@ def inverse_pose(pose: ArrayLike) -> Array:
     """
     T = as_pose(pose)
     rotation = np.swapaxes(T[..., :3, :3], -1, -2)
-    return _assembled(rotation, -(rotation @ T[..., :3, 3:])[..., 0])
+    return assembled(rotation, -(rotation @ T[..., :3, 3:])[..., 0])
 
 
 def rigid_inverse(T: Array) -> Array:
@@ -242,45 +179,12 @@ def rigid_inverse(T: Array) -> Array:
     ndarray, shape (4, 4)
     """
     back = T[:3, :3].T
-    return _assembled(back, -back @ T[:3, 3])
+    return assembled(back, -back @ T[:3, 3])
 
 
-def pose_error(target: ArrayLike, actual: ArrayLike) -> Array:
-    """Measure the displacement that takes the actual pose to the target.
-
-    Parameters
-    ----------
-    target, actual : array_like, shape (..., 4, 4)
-        Both expressed in the same frame.
-
-    Returns
-    -------
-    ndarray, shape (..., 6)
-        Rotation vector (rad), then difference of the origins (m), both in that frame: angular
-        first, as a twist.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not poses.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from robomech_ros.spatial import pose_error, pose_from_position_quaternion
-    >>> target = pose_from_position_quaternion([0.1, 0.2, 0.3], [0.0, 0.0, 0.6, 0.8])
-    >>> np.round(pose_error(target, np.eye(4)), 4)
-    array([0.   , 0.   , 1.287, 0.1  , 0.2  , 0.3  ])
-    """
-    A, B = as_pose(target, what="target pose"), as_pose(actual, what="actual pose")
-    between = A[..., :3, :3] @ np.swapaxes(B[..., :3, :3], -1, -2)
-    angular = rotation_vector_from_matrix(between)
-    linear = A[..., :3, 3] - B[..., :3, 3]
-    return np.concatenate((angular, np.broadcast_to(linear, angular.shape)), axis=-1)
-
-
-def _assembled(rotation: Array, position: Array) -> Array:
-    shape = np.broadcast_shapes(rotation.shape[:-2], position.shape[:-1])
+def assembled(rotation: Array, position: Array) -> Array:
+    """Put rotations (..., 3, 3) and positions (..., 3) into poses (..., 4, 4), unchecked."""
+    shape = common_shape("rotation and position", rotation.shape[:-2], position.shape[:-1])
     T = np.zeros((*shape, 4, 4))
     T[..., :3, :3], T[..., :3, 3], T[..., 3, 3] = rotation, position, 1.0
     return T

@@ -12,8 +12,10 @@ import numpy as np
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
-from robomech_ros.spatial.quaternions import QUATERNION_NORM, matrix_from_quaternion
+from robomech_ros.nodes.common.plain_poses import plain_pose
+from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 
 __all__ = [
     "fill_pose",
@@ -58,10 +60,10 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
     if not math.isfinite(p.x + p.y + p.z):
         _refuse_non_finite(f"{what}.position", p, "xyz")
     norm = math.sqrt(x * x + y * y + z * z + w * w)
-    if not abs(norm - 1.0) <= QUATERNION_NORM:
+    if not abs(norm - 1.0) <= UNIT_NORM:
         _refuse_non_finite(f"{what}.orientation", o, "xyzw")
         reason = "all zero" if norm == 0.0 else f"its norm is {norm:.9g}"
-        expected = f"expected norm 1 within {QUATERNION_NORM:g}"
+        expected = f"expected norm 1 within {UNIT_NORM:g}"
         raise BadQuaternionError([x, y, z, w], f"{what}.orientation: {reason}, {expected}")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
     return np.array((
@@ -95,24 +97,10 @@ def fill_pose(message: Pose, T: Array) -> None:
     Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number
     that is not zero is positive.
     """
-    (a, b, c, px), (d, e, f, py), (g, h, i, pz) = T[:3].tolist()
-    # The largest of the four parameters is found first: no division by a small number.
-    traces = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
-    largest = traces.index(max(traces))
-    x, y, z, w = (
-        (traces[0], b + d, c + g, h - f),
-        (b + d, traces[1], f + h, c - g),
-        (c + g, f + h, traces[2], d - b),
-        (h - f, c - g, d - b, traces[3]),
-    )[largest]
-    norm = math.sqrt(x * x + y * y + z * z + w * w)
-    if (w, x, y, z) < (0.0, 0.0, 0.0, 0.0):
-        norm = -norm
-    # Adding 0 turns -0 into 0: equal poses are equal bytes.
+    (px, py, pz), (x, y, z, w) = plain_pose(T)
     position, orientation = message.position, message.orientation
     position.x, position.y, position.z = px, py, pz
-    orientation.x, orientation.y = x / norm + 0.0, y / norm + 0.0
-    orientation.z, orientation.w = z / norm + 0.0, w / norm + 0.0
+    orientation.x, orientation.y, orientation.z, orientation.w = x, y, z, w
 
 
 def stamped_pose(T: Array, frame: str) -> PoseStamped:

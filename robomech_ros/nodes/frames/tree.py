@@ -11,7 +11,7 @@ from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.frames.history import FrameHistory, Sample
 from robomech_ros.spatial.poses import rigid_inverse
-from robomech_ros.spatial.quaternions import matrix_from_quaternion
+from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 
 __all__ = ["Found", "FrameTree", "NoTransformError"]
 

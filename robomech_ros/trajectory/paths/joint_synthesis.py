@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial.arrays import real_number
-from robomech_ros.spatial.poses import pose_error
+from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory.curves.cubic_spline import cubic_spline
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends

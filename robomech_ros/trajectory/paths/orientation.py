@@ -9,8 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
 from robomech_ros.spatial.matrices import as_rotation
+from robomech_ros.spatial.rotations.axis_angle import (
+    matrix_from_rotation_vector,
+    rotation_vector_from_matrix,
+)
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters

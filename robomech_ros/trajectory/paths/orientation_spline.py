@@ -7,7 +7,10 @@ import numpy.typing as npt
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.spatial.arrays import real_array
-from robomech_ros.spatial.axis_angle import matrix_from_rotation_vector, rotation_vector_from_matrix
+from robomech_ros.spatial.rotations.axis_angle import (
+    matrix_from_rotation_vector,
+    rotation_vector_from_matrix,
+)
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.curves.quintic_spline import Ends, Side, matched
 from robomech_ros.trajectory.paths.orientation import (

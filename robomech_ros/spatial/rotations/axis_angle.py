@@ -5,21 +5,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.quaternions import (
-    canonical_quaternion,
-    matrix_from_quaternion,
-    quaternion_from_axis_angle,
-    quaternion_from_matrix,
-    unit_quaternion,
+from robomech_ros._kernels.spatial.representations import (
+    AXIS_ANGLE,
+    MATRIX,
+    QUATERNION,
+    ROTATION_VECTOR,
 )
+from robomech_ros.spatial.rotations.conversions import converted, converted_axis_angle
 
 __all__ = [
     "axis_angle_from_matrix",
     "axis_angle_from_quaternion",
     "matrix_from_axis_angle",
     "matrix_from_rotation_vector",
+    "quaternion_from_rotation_vector",
     "rotation_vector_from_matrix",
+    "rotation_vector_from_quaternion",
 ]
 
 Array = NDArray[np.float64]
@@ -68,7 +69,7 @@ def matrix_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
            [1., 0., 0.],
            [0., 1., 0.]])
     """
-    return matrix_from_quaternion(quaternion_from_axis_angle(axis, angle))
+    return converted_axis_angle(axis, angle, MATRIX)
 
 
 def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
@@ -93,14 +94,8 @@ def axis_angle_from_quaternion(quaternion: ArrayLike) -> tuple[Array, Array]:
     BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
         Not a unit quaternion.
     """
-    q = canonical_quaternion(unit_quaternion(quaternion))
-    r = q[..., :3]
-    largest = np.abs(r).max(axis=-1, keepdims=True)
-    none = largest == 0.0
-    scaled = np.where(none, (0.0, 0.0, 1.0), r / np.where(none, 1.0, largest))
-    length = np.linalg.norm(scaled, axis=-1, keepdims=True)
-    sine = np.where(none, 0.0, largest * length)[..., 0]
-    return scaled / length + 0.0, 2.0 * np.arctan2(sine, q[..., 3])
+    four = converted("quaternion", quaternion, QUATERNION, AXIS_ANGLE)
+    return four[..., :3], four[..., 3]
 
 
 def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
@@ -136,7 +131,8 @@ def axis_angle_from_matrix(matrix: ArrayLike) -> tuple[Array, Array]:
     >>> np.round(axis, 4), round(float(np.degrees(angle)), 4)
     (array([0.5774, 0.5774, 0.5774]), 60.0)
     """
-    return axis_angle_from_quaternion(quaternion_from_matrix(matrix))
+    four = converted("rotation matrix", matrix, MATRIX, AXIS_ANGLE)
+    return four[..., :3], four[..., 3]
 
 
 def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
@@ -162,13 +158,7 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     rotation_vector_from_matrix : the inverse.
     matrix_from_axis_angle, matrix_from_quaternion, matrix_from_roll_pitch_yaw
     """
-    v = as_finite("rotation vector", vector, (3,))
-    largest = np.abs(v).max(axis=-1, keepdims=True)
-    none = largest == 0.0
-    # By the largest entry first, so that no square over- or underflows.
-    axis = np.where(none, (0.0, 0.0, 1.0), v / np.where(none, 1.0, largest))
-    angle = largest[..., 0] * np.linalg.norm(axis, axis=-1)
-    return matrix_from_axis_angle(axis, angle)
+    return converted("rotation vector", vector, ROTATION_VECTOR, MATRIX)
 
 
 def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
@@ -194,5 +184,46 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     matrix_from_rotation_vector : the inverse.
     axis_angle_from_matrix, quaternion_from_matrix, roll_pitch_yaw_from_matrix
     """
-    axis, angle = axis_angle_from_matrix(matrix)
-    return axis * angle[..., None]
+    return converted("rotation matrix", matrix, MATRIX, ROTATION_VECTOR)
+
+
+def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
+    """Convert a rotation vector, axis times angle, to a unit quaternion.
+
+    Parameters
+    ----------
+    vector : array_like, shape (..., 3)
+        Of any length, zero included (rad).
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        Vector first, scalar last.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+    """
+    return converted("rotation vector", vector, ROTATION_VECTOR, QUATERNION)
+
+
+def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
+    """Convert a unit quaternion to its rotation vector, axis times angle.
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        Vector first, scalar last.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Of length at most pi (rad).
+
+    Raises
+    ------
+    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+        Not a unit quaternion.
+    """
+    return converted("quaternion", quaternion, QUATERNION, ROTATION_VECTOR)

@@ -1,6 +1,7 @@
 """Roll, pitch and yaw about fixed axes: first about x, then y, then z of the fixed frame.
 
-``Q = Rz(yaw) Ry(pitch) Rx(roll)``, the convention of URDF and of ROS.
+``Q = Rz(yaw) Ry(pitch) Rx(roll)``, the convention of URDF and of ROS: robots are read with these,
+and no compiled code is loaded for them.
 """
 
 from __future__ import annotations
@@ -9,22 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.axis_angle import axis_angle_from_matrix
 from robomech_ros.spatial.matrices import as_rotation
-from robomech_ros.spatial.quaternions import (
-    matrix_from_quaternion,
-    quaternion_from_axis_angle,
-    quaternion_from_matrix,
-)
 
-__all__ = [
-    "axis_angle_from_roll_pitch_yaw",
-    "matrix_from_roll_pitch_yaw",
-    "quaternion_from_roll_pitch_yaw",
-    "roll_pitch_yaw_from_axis_angle",
-    "roll_pitch_yaw_from_matrix",
-    "roll_pitch_yaw_from_quaternion",
-]
+__all__ = ["matrix_from_roll_pitch_yaw", "roll_pitch_yaw_from_matrix"]
 
 Array = NDArray[np.float64]
 
@@ -124,91 +112,3 @@ def roll_pitch_yaw_from_matrix(matrix: ArrayLike) -> Array:
         s * m[..., 0, 2] - c * m[..., 1, 2] + 0.0, c * m[..., 1, 1] - s * m[..., 0, 1]
     )
     return np.stack((roll, pitch, yaw), axis=-1) + 0.0
-
-
-def quaternion_from_roll_pitch_yaw(angles: ArrayLike) -> Array:
-    """Convert roll, pitch and yaw to a unit quaternion.
-
-    Parameters
-    ----------
-    angles : array_like, shape (..., 3)
-        Roll, pitch, yaw (rad).
-
-    Returns
-    -------
-    ndarray, shape (..., 4)
-        Vector first, scalar last.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
-    """
-    return quaternion_from_matrix(matrix_from_roll_pitch_yaw(angles))
-
-
-def roll_pitch_yaw_from_quaternion(quaternion: ArrayLike) -> Array:
-    """Convert a unit quaternion to roll, pitch and yaw.
-
-    Parameters
-    ----------
-    quaternion : array_like, shape (..., 4)
-        Vector first, scalar last.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        As :func:`roll_pitch_yaw_from_matrix` (rad).
-
-    Raises
-    ------
-    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
-        Not a unit quaternion.
-    """
-    return roll_pitch_yaw_from_matrix(matrix_from_quaternion(quaternion))
-
-
-def axis_angle_from_roll_pitch_yaw(angles: ArrayLike) -> tuple[Array, Array]:
-    """Convert roll, pitch and yaw to axis and angle.
-
-    Parameters
-    ----------
-    angles : array_like, shape (..., 3)
-        Roll, pitch, yaw (rad).
-
-    Returns
-    -------
-    axis : ndarray, shape (..., 3)
-        Unit vector.
-    angle : ndarray, shape (...)
-        In [0, pi] (rad).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        Not three finite real numbers.
-    """
-    return axis_angle_from_matrix(matrix_from_roll_pitch_yaw(angles))
-
-
-def roll_pitch_yaw_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
-    """Convert an axis and an angle to roll, pitch and yaw.
-
-    Parameters
-    ----------
-    axis : array_like, shape (..., 3)
-        Direction, of any length but zero.
-    angle : array_like, shape (...)
-        Rotation about it (rad).
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        As :func:`roll_pitch_yaw_from_matrix` (rad).
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-        An axis of zero length, or not finite real numbers.
-    """
-    return roll_pitch_yaw_from_quaternion(quaternion_from_axis_angle(axis, angle))

@@ -1,0 +1,1 @@
+"""The motion of a rigid body from that of its points."""

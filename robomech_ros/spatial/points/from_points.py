@@ -1,0 +1,173 @@
+"""Angular velocity and acceleration of a rigid body from the motion of its points."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.spatial import points as kernels
+from robomech_ros._kernels.spatial.conversions import STATUSES
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite
+from robomech_ros.spatial.rows import finite_result, row_name
+
+__all__ = [
+    "angular_acceleration_from_points",
+    "angular_velocity_from_points",
+    "as_motions",
+    "raise_collinear",
+]
+
+Array = NDArray[np.float64]
+
+_velocities = direct(kernels.velocities_of_points)
+_accelerations = direct(kernels.accelerations_of_points)
+
+_METHODS = ("robust", "basic")
+_LEAST_POINTS = 3
+
+
+def angular_velocity_from_points(
+    points: ArrayLike, velocities: ArrayLike, *, method: str = "robust"
+) -> Array:
+    r"""Compute the angular velocity of a body from the velocities of three points or more.
+
+    With positions and velocities relative to the centroid as the columns of P and
+    :math:`\dot P = \Omega P`, the basic form, of three points, is
+
+    .. math:: D \omega = \mathrm{vect}(\dot P), \qquad D = (\mathrm{tr}(P) 1 - P) / 2
+
+    D depends on the frame and on the order of the points and may be singular; the robust form,
+    which is also that of least squares, is not so for any points that are not on one line:
+
+    .. math:: J \omega = 2 \mathrm{vect}(\dot P P^T), \qquad J = \mathrm{tr}(P P^T) 1 - P P^T
+
+    Parameters
+    ----------
+    points : array_like, shape (..., m, 3)
+        Positions of m points, at least three, not all on one line (m).
+    velocities : array_like, shape (..., m, 3)
+        In the same axes (m/s).
+    method : str, optional
+        ``"robust"`` or, for three points, ``"basic"``.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        In the same axes (rad/s).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Fewer than three points, points on one line, or not finite numbers; with the basic form,
+        also a singular D or more than three points.
+
+    See Also
+    --------
+    rigidity : whether the points move like those of a rigid body.
+    angular_velocity_covariance : how exact it is.
+    motion_from_tracks : from noisy positions only.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.2.1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import angular_velocity_from_points
+    >>> points = np.eye(3)
+    >>> np.round(angular_velocity_from_points(points, np.cross([0.0, 0.0, 2.0], points)), 6) + 0.0
+    array([0., 0., 2.])
+    """
+    robust = as_choice("method", method, _METHODS) == "robust"
+    (p, v), shape = as_motions(robust, ("points", points), ("velocities", velocities))
+    out = np.empty((len(p), 3))
+    status = _velocities(p, v, int(robust), out)
+    if status:
+        raise_collinear(p, shape, status, robust)
+    return finite_result("points and velocities", out, v).reshape(*shape, 3)
+
+
+def angular_acceleration_from_points(
+    points: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, *, method: str = "robust"
+) -> Array:
+    r"""Compute the angular acceleration of a body from the motion of three points or more.
+
+    As for the angular velocity, :math:`D \dot \omega = \mathrm{vect}(\ddot P - \Omega^2 P)` or
+
+    .. math:: J \dot \omega = 2 \mathrm{vect} \left( (\ddot P - \Omega^2 P) P^T \right)
+
+    Parameters
+    ----------
+    points, velocities, method
+        As for :func:`angular_velocity_from_points`.
+    accelerations : array_like, shape (..., m, 3)
+        m/s^2.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        rad/s^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`angular_velocity_from_points`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.3 and 8.3.1.
+    """
+    robust = as_choice("method", method, _METHODS) == "robust"
+    given = ("points", points), ("velocities", velocities), ("accelerations", accelerations)
+    (p, v, a), shape = as_motions(robust, *given)
+    out = np.empty((len(p), 3))
+    status = _accelerations(p, v, a, int(robust), out)
+    if status:
+        raise_collinear(p, shape, status, robust)
+    return finite_result("points, velocities and accelerations", out, a).reshape(*shape, 3)
+
+
+def as_motions(robust: bool, *given: tuple[str, ArrayLike]) -> tuple[list[Array], tuple[int, ...]]:
+    """Check positions of points and their derivatives; give them as (k, m, 3), and the batch shape.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Fewer than three points, more for the basic form, or arrays of other shapes.
+    """
+    arrays = [as_finite(what, value, (3,)) for what, value in given]
+    first = arrays[0]
+    count = first.shape[-2] if first.ndim > 1 else 0
+    if count < _LEAST_POINTS:
+        raise WrongSizeError("points", first.shape, "(..., m, 3) with m at least 3")
+    if count > _LEAST_POINTS and not robust:
+        raise WrongSizeError("points", first.shape, "(..., 3, 3), three points for the basic form")
+    for (what, _), array in zip(given, arrays, strict=True):
+        if array.shape != first.shape:
+            raise WrongSizeError(what, array.shape, f"{first.shape}, as points")
+    rows = [np.ascontiguousarray(array).reshape(-1, count, 3) for array in arrays]
+    return rows, first.shape[:-2]
+
+
+def raise_collinear(points: Array, shape: tuple[int, ...], status: int, robust: bool) -> NoReturn:
+    """Say that the points of a row do not determine how the body turns.
+
+    Raises
+    ------
+    BadValueError
+    """
+    row = int(status) // STATUSES
+    _, where = row_name(row, shape)
+    finite_result(f"points{where}", np.ptp(points[row], axis=0), points[row])
+    if robust:
+        expected = "points that are neither on one line nor all the same"
+    else:
+        expected = (
+            "points whose matrix D is regular; the robust method takes these, if not collinear"
+        )
+    raise BadValueError(f"points{where}", points[row].tolist(), expected)

@@ -1,0 +1,1 @@
+"""Rotations: their representations, rates, composition and reflections."""

@@ -1,0 +1,166 @@
+"""The Rodrigues vector ``e tan(phi/2)``, and rotations from their linear invariants."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.spatial.representations import (
+    LINEAR_INVARIANTS,
+    MATRIX,
+    QUATERNION,
+    RODRIGUES_VECTOR,
+)
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.rotations.conversions import converted
+from robomech_ros.spatial.rows import common_shape
+
+__all__ = [
+    "matrix_from_linear_invariants",
+    "matrix_from_rodrigues_vector",
+    "quaternion_from_rodrigues_vector",
+    "rodrigues_vector_from_matrix",
+    "rodrigues_vector_from_quaternion",
+]
+
+Array = NDArray[np.float64]
+
+
+def rodrigues_vector_from_matrix(matrix: ArrayLike) -> Array:
+    """Convert a rotation matrix to its Rodrigues vector.
+
+    Parameters
+    ----------
+    matrix : array_like, shape (..., 3, 3)
+        Proper orthogonal; no half turn, at which the vector is infinite.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        ``e tan(phi/2)``.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not a rotation matrix, or a half turn.
+
+    See Also
+    --------
+    matrix_from_rodrigues_vector : the inverse.
+    """
+    return converted("rotation matrix", matrix, MATRIX, RODRIGUES_VECTOR)
+
+
+def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
+    """Convert a Rodrigues vector ``e tan(phi/2)`` to a rotation matrix.
+
+    Parameters
+    ----------
+    vector : array_like, shape (..., 3)
+        Of any finite length.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        Proper orthogonal.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+
+    See Also
+    --------
+    rodrigues_vector_from_matrix : the inverse.
+    """
+    return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, MATRIX)
+
+
+def rodrigues_vector_from_quaternion(quaternion: ArrayLike) -> Array:
+    """Convert a unit quaternion to its Rodrigues vector, ``r / r0``.
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        Vector first, scalar last, which is not 0.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        ``e tan(phi/2)``.
+
+    Raises
+    ------
+    BadQuaternionError, BadValueError, WrongSizeError, NonFiniteError
+        Not a unit quaternion, or that of a half turn.
+    """
+    return converted("quaternion", quaternion, QUATERNION, RODRIGUES_VECTOR)
+
+
+def quaternion_from_rodrigues_vector(vector: ArrayLike) -> Array:
+    """Convert a Rodrigues vector ``e tan(phi/2)`` to a unit quaternion.
+
+    Parameters
+    ----------
+    vector : array_like, shape (..., 3)
+        Of any finite length.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        Vector first, scalar last.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite real numbers.
+    """
+    return converted("Rodrigues vector", vector, RODRIGUES_VECTOR, QUATERNION)
+
+
+def matrix_from_linear_invariants(vect: ArrayLike, trace: ArrayLike) -> Array:
+    r"""Find the rotation with given axial vector and trace.
+
+    The inverse of :func:`linear_invariants`.
+
+    With :math:`q = \mathrm{vect}(Q)` and :math:`q_0 = (\mathrm{tr}(Q) - 1) / 2`
+
+    .. math:: Q = \frac{q q^T}{1 + q_0} + q_0 1 + \mathrm{CPM}(q)
+
+    which is not how it is computed: near half turns it loses all digits.
+
+    Parameters
+    ----------
+    vect : array_like, shape (..., 3)
+        Axial vector e sin(phi).
+    trace : array_like, shape (...)
+        1 + 2 cos(phi), of the same rotation up to rounding; more than -1: a half turn has no axial
+        vector, and its axis is not determined.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        Proper orthogonal.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        The linear invariants of no rotation, or of a half turn.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.3.4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import matrix_from_linear_invariants
+    >>> np.round(matrix_from_linear_invariants([0.5, 0.5, 0.5], 2.0) * 3.0, 6)
+    array([[ 2., -1.,  2.],
+           [ 2.,  2., -1.],
+           [-1.,  2.,  2.]])
+    """
+    q, t = as_finite("axial vector", vect, (3,)), as_finite("trace", trace, ())
+    rows = np.empty((*common_shape("axial vector and trace", q.shape[:-1], t.shape), 4))
+    rows[..., :3], rows[..., 3] = q, 0.5 * t - 0.5
+    return converted("linear invariants", rows, LINEAR_INVARIANTS, MATRIX)

@@ -1,0 +1,100 @@
+"""Arrays with leading batch axes as rows for compiled loops, and results checked."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import all_finite, as_finite, real_array
+
+__all__ = ["as_rows", "broadcast_rows", "common_shape", "finite_result", "row_name"]
+
+Array = NDArray[np.float64]
+
+
+def as_rows(
+    what: str, value: ArrayLike, tail: tuple[int, ...], width: int
+) -> tuple[Array, tuple[int, ...]]:
+    """Give a value of shape (..., *tail) as contiguous rows (m, width) and its batch shape.
+
+    Only the shape is checked; compiled loops look at the numbers.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not real numbers, or another shape.
+    """
+    array = real_array(what, value)
+    axes = len(tail)
+    if array.shape[-axes:] != tail:
+        raise WrongSizeError(what, array.shape, f"(..., {', '.join(map(str, tail))})")
+    return np.ascontiguousarray(array).reshape(-1, width), array.shape[:-axes]
+
+
+def broadcast_rows(
+    *given: tuple[str, ArrayLike, int],
+) -> tuple[tuple[Array, ...], tuple[int, ...]]:
+    """Give finite vectors as rows, one each or one for all, and their common batch shape.
+
+    Parameters
+    ----------
+    *given : (str, array_like, int)
+        Name, value of shape (..., width), and width; 0 for plain numbers.
+
+    Returns
+    -------
+    rows : tuple of ndarray, shape (m, width) or (1, width), of plain numbers (m,) or (1,)
+    shape : tuple of int
+        Batch shape.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not finite numbers of these shapes, or batches that do not fit together.
+    """
+    arrays = [as_finite(what, value, (width,) if width else ()) for what, value, width in given]
+    tails = [(width,) if width else () for _, _, width in given]
+    batches = [a.shape[: a.ndim - len(t)] for a, t in zip(arrays, tails, strict=True)]
+    shape = common_shape(" and ".join(what for what, _, _ in given), *batches)
+    rows = []
+    for array, batch, tail in zip(arrays, batches, tails, strict=True):
+        if batch and batch != shape:
+            array = np.broadcast_to(array, shape + tail)
+        rows.append(np.ascontiguousarray(array).reshape(-1, *tail))
+    return tuple(rows), shape
+
+
+def common_shape(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """Give the batch shape that all can be broadcast to.
+
+    Raises
+    ------
+    WrongSizeError
+        There is none.
+    """
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        found = " and ".join(str(shape) for shape in shapes)
+        raise WrongSizeError(f"batch of {what}", found, "batch axes that fit together") from None
+
+
+def finite_result(what: str, result: Array, given: Array) -> Array:
+    """Give a result back, or say that what was given is too large for it.
+
+    Raises
+    ------
+    BadValueError
+        A number of the result is not finite.
+    """
+    if not all_finite(result):
+        largest = float(np.abs(given).max(initial=0.0))
+        raise BadValueError(f"largest of {what}", largest, "numbers that do not overflow")
+    return result
+
+
+def row_name(row: int, shape: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
+    """Give the index of a row in its batch, and " in row i, j" for messages, if there is one."""
+    index = tuple(int(i) for i in np.unravel_index(row, shape)) if shape else ()
+    return index, f" in row {', '.join(map(str, index))}" if index else ""

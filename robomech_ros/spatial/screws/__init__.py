@@ -1,0 +1,1 @@
+"""Poses, lines and screws; velocities, accelerations, wrenches and inertia of rigid bodies."""

@@ -1,0 +1,311 @@
+"""Mass, momentum and the equations of motion of a rigid body."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.cross_product import cross, cross_product_matrix
+from robomech_ros.spatial.rows import common_shape, finite_result
+
+__all__ = [
+    "angular_velocity_dyad",
+    "inertia_about_point",
+    "inertia_dyad",
+    "inertia_of_point_mass",
+    "momentum_screw",
+    "newton_euler_wrench",
+    "twist_kinetic_energy",
+]
+
+Array = NDArray[np.float64]
+
+_SIX = 6
+# Largest difference of an inertia matrix from its transpose, over its largest entry, that is taken
+# for rounding: six digits.
+_ASYMMETRY = 1e-5
+
+
+def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:
+    """Form the inertia ``m (|r|^2 1 - r r^T)`` of a point mass about the origin.
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        kg, not negative.
+    position : array_like, shape (..., 3)
+        r in m.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        In kg m^2.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A negative mass, or not finite numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+    """
+    m, r = _mass(mass), as_finite("position", position, (3,))
+    common_shape("mass and position", m.shape, r.shape[:-1])
+    with np.errstate(over="ignore", invalid="ignore"):
+        square = np.sum(r * r, axis=-1)[..., None, None]
+        spread = square * np.eye(3) - r[..., :, None] * r[..., None, :]
+        inertia: Array = m[..., None, None] * spread
+    return finite_result("position", inertia, r)
+
+
+def inertia_about_point(
+    mass: ArrayLike, inertia: ArrayLike, center: ArrayLike, point: ArrayLike
+) -> Array:
+    r"""Give the inertia of a body about any point, from that about its mass centre.
+
+    .. math:: I_A = I_C + m (|r|^2 1 - r r^T), \qquad r = c - a
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        kg.
+    inertia : array_like, shape (..., 3, 3)
+        About the mass centre c (kg m^2).
+    center, point : array_like, shape (..., 3)
+        Mass centre c, and a (m), in the axes of the inertia.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        In the same axes (kg m^2).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A negative mass, an inertia that is not symmetric, or not finite numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import inertia_about_point
+    >>> inertia_about_point(2.0, np.zeros((3, 3)), [0.5, 0.0, 0.0], [0.0, 0.0, 0.0]).diagonal()
+    array([0. , 0.5, 0.5])
+    """
+    own = _inertia(inertia)
+    c, a = as_finite("center", center, (3,)), as_finite("point", point, (3,))
+    shape = common_shape("center and point", c.shape[:-1], a.shape[:-1])
+    common_shape("inertia and points", own.shape[:-2], shape)
+    with np.errstate(over="ignore"):
+        r = finite_result("center and point", c - a, c)
+        total: Array = own + inertia_of_point_mass(mass, r)
+    return finite_result("inertia", total, own)
+
+
+def inertia_dyad(mass: ArrayLike, inertia: ArrayLike) -> Array:
+    """Form M = diag(I, m 1), which takes a twist at the mass centre to its momentum screw.
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        kg.
+    inertia : array_like, shape (..., 3, 3)
+        About the mass centre (kg m^2).
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        A negative mass, an inertia that is not symmetric, or not finite numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+    """
+    m, own = _mass(mass), _inertia(inertia)
+    M = np.zeros((*common_shape("mass and inertia", m.shape, own.shape[:-2]), _SIX, _SIX))
+    M[..., :3, :3] = own
+    M[..., 3:, 3:] = m[..., None, None] * np.eye(3)
+    return M
+
+
+def angular_velocity_dyad(angular_velocity: ArrayLike) -> Array:
+    """Form W = diag(CPM(omega), 0) of the equation of motion ``M t' + W M t = w``.
+
+    Parameters
+    ----------
+    angular_velocity : array_like, shape (..., 3)
+        rad/s.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not three finite numbers.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+    """
+    turn = cross_product_matrix(angular_velocity)
+    W = np.zeros((*turn.shape[:-2], _SIX, _SIX))
+    W[..., :3, :3] = turn
+    return W
+
+
+def momentum_screw(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) -> Array:
+    """Compute the momentum screw ``M t`` of a body.
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        kg.
+    inertia : array_like, shape (..., 3, 3)
+        About the mass centre (kg m^2).
+    twist : array_like, shape (..., 6)
+        Angular velocity (rad/s), then velocity of the mass centre (m/s).
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        Angular momentum about the mass centre (kg m^2/s), then momentum (kg m/s).
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`inertia_dyad`, or not a finite twist.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+    """
+    return _momentum(_mass(mass), _inertia(inertia), "twist", twist)
+
+
+def twist_kinetic_energy(mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike) -> Array:
+    """Compute the kinetic energy ``t^T M t / 2`` of a body.
+
+    Parameters
+    ----------
+    mass, inertia, twist
+        As for :func:`momentum_screw`.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In J.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`momentum_screw`.
+
+    See Also
+    --------
+    dynamics.kinetic_energy : of a whole robot.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import twist_kinetic_energy
+    >>> float(twist_kinetic_energy(2.0, 0.1 * np.eye(3), [0.0, 0.0, 1.0, 3.0, 0.0, 0.0]))
+    9.05
+    """
+    t = as_finite("twist", twist, (_SIX,))
+    momentum = momentum_screw(mass, inertia, t)
+    with np.errstate(over="ignore", invalid="ignore"):
+        energy: Array = 0.5 * np.sum(t * momentum, axis=-1)
+    return finite_result("twist", energy, t)
+
+
+def newton_euler_wrench(
+    mass: ArrayLike, inertia: ArrayLike, twist: ArrayLike, twist_rate: ArrayLike
+) -> Array:
+    r"""Compute the wrench that moves a body, by the Newton-Euler equations.
+
+    .. math::
+
+       w = M \dot t + W M t: \qquad n_C = I \dot \omega + \omega \times I \omega,
+       \quad f = m \ddot c
+
+    Parameters
+    ----------
+    mass, inertia, twist
+        As for :func:`momentum_screw`.
+    twist_rate : array_like, shape (..., 6)
+        Angular acceleration (rad/s^2), then acceleration of the mass centre (m/s^2).
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        Moment about the mass centre (N m), then force (N), of all that acts on the body.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`momentum_screw`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import newton_euler_wrench
+    >>> spin = [1.0, 0.0, 2.0, 0.0, 0.0, 0.0]
+    >>> newton_euler_wrench(1.0, np.diag([1.0, 2.0, 3.0]), spin, np.zeros(6))
+    array([ 0., -4.,  0.,  0.,  0.,  0.])
+    """
+    m, own = _mass(mass), _inertia(inertia)
+    t = as_finite("twist", twist, (_SIX,))
+    momentum = _momentum(m, own, "twist", t)
+    wrench = _momentum(m, own, "twist_rate", twist_rate)
+    shape = common_shape("twist and twist_rate", momentum.shape[:-1], wrench.shape[:-1])
+    wrench = np.array(np.broadcast_to(wrench, (*shape, _SIX)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        wrench[..., :3] += cross(t[..., :3], momentum[..., :3])
+    return finite_result("twist", wrench, t)
+
+
+def _momentum(m: Array, own: Array, what: str, value: ArrayLike) -> Array:
+    six = as_finite(what, value, (_SIX,))
+    shape = common_shape(f"mass, inertia and {what}", m.shape, own.shape[:-2], six.shape[:-1])
+    out = np.empty((*shape, _SIX))
+    with np.errstate(over="ignore", invalid="ignore"):
+        out[..., :3] = (own @ six[..., :3, None])[..., 0]
+        out[..., 3:] = m[..., None] * six[..., 3:]
+    return finite_result(f"mass, inertia and {what}", out, six)
+
+
+def _mass(mass: ArrayLike) -> Array:
+    m = as_finite("mass", mass, ())
+    if (m < 0.0).any():
+        raise BadValueError("mass", float(m.min()), "at least 0")
+    return m
+
+
+def _inertia(inertia: ArrayLike) -> Array:
+    own = as_finite("inertia", inertia, (3, 3))
+    largest = np.abs(own).max(initial=0.0, axis=(-1, -2))
+    with np.errstate(over="ignore"):
+        off = np.abs(own - np.swapaxes(own, -1, -2)).max(initial=0.0, axis=(-1, -2))
+    if (off > _ASYMMETRY * largest).any():
+        raise BadValueError("inertia", own.tolist(), "a symmetric matrix")
+    return own

@@ -1,0 +1,1 @@
+"""Linear transformations, changes of frame, and what no change of frame alters."""
