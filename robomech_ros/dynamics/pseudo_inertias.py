@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
 
 __all__ = [
     "bodies_from_parameters",
@@ -140,7 +141,7 @@ def bodies_from_parameters(parameters: ArrayLike) -> tuple[Body, ...]:
     for row in rows:
         com, moments = row[1:4] / row[0], np.empty((3, 3))
         moments[_UPPER] = moments[_UPPER[::-1]] = row[4:]
-        shift = row[0] * (com @ com * np.eye(3) - np.outer(com, com))
+        shift = inertia_of_point_mass(row[0], com)
         bodies.append(Body(float(row[0]), com, moments - shift))
     return tuple(bodies)
 

@@ -10,7 +10,17 @@ from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")
-GROUPS = ("forward", "kinetostatics", "inverse", "maps", "trajectory", "dynamics", "nodes", "view")
+GROUPS = (
+    "spatial",
+    "forward",
+    "kinetostatics",
+    "inverse",
+    "maps",
+    "trajectory",
+    "dynamics",
+    "nodes",
+    "view",
+)
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
 
 
@@ -30,6 +40,10 @@ def main() -> int:
     from table import missed, render
 
     rows, remarks = [], []
+    if "spatial" in groups:
+        import bench_spatial
+
+        rows += bench_spatial.rows()
     if "forward" in groups:
         import bench_forward
 

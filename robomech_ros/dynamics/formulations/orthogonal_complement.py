@@ -33,6 +33,7 @@ from robomech_ros.dynamics.formulations.stacked_matrices import (
 )
 from robomech_ros.dynamics.posed_bodies import PosedBodies, posed_bodies, reflected_inertias
 from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial.screws.transfers import transfer_wrench
 
 __all__ = ["OrthogonalComplement", "natural_orthogonal_complement"]
 
@@ -123,10 +124,9 @@ class OrthogonalComplement:
     def tip_wrenches(self, wrench: ArrayLike | None) -> Array:
         """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 n)."""
         given = as_screw("tip_wrench", wrench)
-        arm = self.bodies.tip - self.bodies.centres[..., -1, :]
         wrenches = np.zeros(self.T.shape[:-1])
-        wrenches[..., -6:-3] = given[:3] + np.cross(arm, given[3:])
-        wrenches[..., -3:] = given[3:]
+        centre = self.bodies.centres[..., -1, :]
+        wrenches[..., -6:] = transfer_wrench(given, self.bodies.tip, centre)
         return wrenches
 
     def generalised(self, wrenches: Array) -> Array:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics.posed_bodies import PosedBodies
 from robomech_ros.spatial.cross_product import cross_product_matrix
+from robomech_ros.spatial.screws.bodies import angular_velocity_dyad, inertia_dyad
+from robomech_ros.spatial.screws.transfers import twist_transfer_matrix
 
 __all__ = [
     "base_shaping",
@@ -66,9 +68,7 @@ def twist_shaping_rate(bodies: PosedBodies, twists: Array) -> Array:
 
 def base_shaping(arms: Array) -> Array:
     """Transfer a twist of the base's origin to points at these arms (..., n, 3) from it."""
-    T_0 = np.zeros((*arms.shape[:-1], 6, 6))
-    T_0[...] = np.eye(6)
-    T_0[..., 3:, :3] = -cross_product_matrix(arms)
+    T_0 = twist_transfer_matrix(np.zeros(3), arms)
     return T_0.reshape(*arms.shape[:-2], -1, 6)
 
 
@@ -117,10 +117,7 @@ def drive_wrenches(bodies: PosedBodies) -> Array:
 
 def extended_mass(bodies: PosedBodies) -> Array:
     """Form M (..., 6 n, 6 n), blocks diag(I_i, m_i 1)."""
-    blocks = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
-    blocks[..., :3, :3] = bodies.inertias
-    blocks[..., 3:, 3:] = bodies.masses[:, None, None] * np.eye(3)
-    return _block_diagonal(blocks)
+    return _block_diagonal(inertia_dyad(bodies.masses, bodies.inertias))
 
 
 def mass_roots(bodies: PosedBodies) -> Array:
@@ -134,9 +131,7 @@ def mass_roots(bodies: PosedBodies) -> Array:
 
 def extended_angular_velocity(twists: Array) -> Array:
     """Form W (..., 6 n, 6 n), blocks diag(Omega_i, 0), for twists (..., n, 6)."""
-    blocks = np.zeros((*twists.shape, 6))
-    blocks[..., :3, :3] = cross_product_matrix(twists[..., :3])
-    return _block_diagonal(blocks)
+    return _block_diagonal(angular_velocity_dyad(twists[..., :3]))
 
 
 def _block_diagonal(blocks: Array) -> Array:

@@ -74,7 +74,7 @@ def rotation_rates(
     --------
     >>> from robomech_ros.spatial import rotation_rates
     >>> rates, _ = rotation_rates([0.1, 0.0, 0.0], "ZYX", [0.0, 0.0, 2.0])
-    >>> rates
+    >>> rates + 0.0
     array([2., 0., 0.])
     """
     kind = kind_of("representation", representation)
