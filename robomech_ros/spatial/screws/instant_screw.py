@@ -119,7 +119,7 @@ def wrench_axis(wrench: ArrayLike, point: ArrayLike | None = None) -> InstantScr
     --------
     >>> from robomech_ros.spatial import wrench_axis
     >>> wrench_axis([0.0, 0.0, 5.0, 0.0, 10.0, 0.0]).point
-    array([ 0.5,  0. , -0. ])
+    array([0.5, 0. , 0. ])
     """
     w = as_finite("wrench", wrench, (_SIX,))
     return _screw("wrench", w[..., 3:], w[..., :3], point)
@@ -151,7 +151,7 @@ def _screw(what: str, free: Array, bound: Array, point: ArrayLike | None) -> Ins
     finite_result(what, nearest, bound)
     return InstantScrew(
         axis=np.where(turns, directions[0], directions[1]) + 0.0,
-        point=nearest,
+        point=nearest + 0.0,
         pitch=pitch,
         magnitude=np.where(turns, amounts[0], amounts[1])[..., 0],
     )
