@@ -12,6 +12,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 ONE_THREAD = dict.fromkeys(THREADS, "1")
 GROUPS = (
     "spatial",
+    "calibration",
     "forward",
     "kinetostatics",
     "inverse",
@@ -44,6 +45,10 @@ def main() -> int:
         import bench_spatial
 
         rows += bench_spatial.rows()
+    if "calibration" in groups:
+        import bench_calibration
+
+        rows += bench_calibration.rows()
     if "forward" in groups:
         import bench_forward
 

@@ -1,0 +1,255 @@
+"""The maximum-likelihood estimate of X and Z in A_i X S_i = Z, and of the noise."""
+
+import math
+
+from robomech_ros._kernels.algebra.dense import cholesky_again, cholesky_solve
+from robomech_ros._kernels.calibration.residuals import (
+    UNKNOWNS,
+    accumulate,
+    moved,
+    residual,
+    whitened,
+)
+from robomech_ros._kernels.compiling.jit import (
+    IN2,
+    OUT1,
+    OUT2,
+    OUT3,
+    b1,
+    i8,
+    inline,
+    kernel,
+    scratch,
+)
+from robomech_ros._kernels.spatial.vectors import dot
+
+__all__ = ["distances", "information_of", "linear_positions", "refine", "residuals"]
+
+# Least variance (rad^2, m^2): samples without noise would else have weights without bound.
+_LEAST = 1e-26
+_STEPS = 30
+_ROUNDS = 25
+_BRIEF = 3  # while shares are compared
+_SMALL_SHARE = 0.1
+_WORTH = 2.0  # twice the logarithm of the likelihood that one more parameter gains
+_SETTLED = 1e-3
+_LEAST_FREEDOM = 0.5
+
+
+@kernel(i8(IN2, IN2, OUT1, i8, OUT2))
+def residuals(A, S, at, inverted, out):
+    """Write rotation and position errors (n, 6) in the sensor's frame."""
+    P = scratch(3, 3)
+    for i in range(A.shape[0]):
+        turn, shift, _, _ = residual(A[i], S[i], at, inverted, P)
+        for j in range(3):
+            out[i, j], out[i, 3 + j] = turn[j], shift[j]
+    return 0
+
+
+@kernel(i8(IN2, IN2, OUT1, OUT1, i8, OUT1))
+def distances(A, S, at, noise, inverted, out):
+    """Write the squared distances (n,) of samples from the unknowns, by their noise."""
+    P = scratch(3, 3)
+    for i in range(A.shape[0]):
+        turn, shift, _, lever = residual(A[i], S[i], at, inverted, P)
+        d = whitened(turn, shift, lever, noise)[0]
+        out[i] = dot(turn, turn) / noise[0] + dot(d, d)
+    return 0
+
+
+@inline
+def _reweigh(A, S, at, weight):
+    P = scratch(3, 3)
+    total = 0.0
+    for i in range(A.shape[0]):
+        if weight[i] > 0.0:
+            _, shift, _, _ = residual(A[i], S[i], at, 0, P)
+            weight[i] = math.sqrt(shift[0] ** 2 + shift[1] ** 2 + shift[2] ** 2)
+            total += weight[i]
+    for i in range(A.shape[0]):
+        if weight[i] > 0.0:
+            weight[i] = 1.0 / (weight[i] + 1e-3 * total / A.shape[0] + 1e-15)
+
+
+@kernel(i8(IN2, IN2, OUT1, i8, OUT1))
+def linear_positions(A, S, weight, rounds, at):
+    """Find the positions of X and Z for their rotations: least sums of distances.
+
+    Weights of least squares are made the inverse distances, round by round, from those given.
+    """
+    M, b, right = scratch(6, 6), scratch(6), scratch(3)
+    for k in range(rounds):
+        M[:], b[:] = 0.0, 0.0
+        for i in range(A.shape[0]):
+            w = weight[i]
+            for r in range(3):
+                inner = 0.0
+                for c in range(3):
+                    x = at[3 * c] * S[i, 9] + at[3 * c + 1] * S[i, 10] + at[3 * c + 2] * S[i, 11]
+                    inner += A[i, 3 * r + c] * x
+                right[r] = -(A[i, 9 + r] + inner)
+            for r in range(3):
+                M[r, r] += w
+                M[3 + r, 3 + r] += w
+                b[3 + r] -= w * right[r]
+                for c in range(3):
+                    M[3 + r, c] -= w * A[i, 3 * r + c]
+                    b[c] += w * A[i, 3 * r + c] * right[r]
+        for r in range(6):
+            M[r, r] *= 1.0 + 1e-12
+        if not cholesky_solve(M, b, 6):
+            return 1
+        for r in range(3):
+            at[9 + r], at[21 + r] = b[r], b[3 + r]
+        if k + 1 < rounds:
+            _reweigh(A, S, at, weight)
+    return 0
+
+
+@inline
+def _settle(A, S, use, at, noise, inverted, M, g, sums):
+    """Take damped Gauss-Newton steps of given noise; M and sums are those of the end."""
+    P, J, F, d, trial = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(24)
+    other, slope, found = scratch(12, 12), scratch(12), scratch(13)
+    accumulate(A, S, use, at, noise, inverted, P, J, M, g, sums)
+    damping = 0.0
+    for _ in range(_STEPS):
+        F[:] = M
+        for j in range(UNKNOWNS):
+            F[j, j] *= 1.0 + damping
+            d[j] = -g[j]
+        if not cholesky_solve(F, d, UNKNOWNS):
+            damping = max(10.0 * damping, 1e-9)
+            continue
+        gain = 0.0
+        for j in range(UNKNOWNS):
+            gain -= g[j] * d[j]
+        moved(at, d, trial)
+        accumulate(A, S, use, trial, noise, inverted, P, J, other, slope, found)
+        cost = sums[0] + sums[1]
+        if found[0] + found[1] <= cost * (1.0 + 1e-12):
+            at[:], M[:], g[:], sums[:] = trial, other, slope, found
+            damping = 0.1 * damping if damping > 1e-9 else 0.0
+            if damping == 0.0 and gain <= 1e-6:
+                return
+        elif gain <= 1e-6:
+            return
+        else:
+            damping = max(10.0 * damping, 1e-4)
+
+
+@inline
+def _inverted(M, C):
+    """Write the inverse of M, lower triangle; give the logarithm of its determinant, or NaN."""
+    F, e = scratch(12, 12), scratch(12)
+    F[:] = M
+    e[:] = 0.0
+    e[0] = 1.0
+    if not cholesky_solve(F, e, UNKNOWNS):
+        return math.nan
+    determinant = 0.0
+    for j in range(UNKNOWNS):
+        determinant -= 2.0 * math.log(F[j, j])
+    for j in range(UNKNOWNS):
+        if j > 0:
+            e[:] = 0.0
+            e[j] = 1.0
+            cholesky_again(F, e, UNKNOWNS)
+        C[j, :] = e
+    return determinant
+
+
+@inline
+def _fit(A, S, use, at, noise, inverted, known, rounds, M, C):
+    """Settle, and estimate the two variances by the redundancy of their residuals, in turn."""
+    g, sums = scratch(12), scratch(13)
+    determinant = 0.0
+    for _ in range(rounds):
+        _settle(A, S, use, at, noise, inverted, M, g, sums)
+        determinant = _inverted(M, C)
+        if known or not determinant == determinant:
+            break
+        taken = 0.0
+        for j in range(3):
+            taken += sums[3] * (C[j, j] + C[6 + j, 6 + j])
+            for k in range(3):
+                taken -= 2.0 * C[j, 6 + k] * sums[4 + 3 * j + k]
+        taken /= noise[0]
+        turns = max(3.0 * sums[3] - taken, _LEAST_FREEDOM)
+        shifts = max(3.0 * sums[3] - UNKNOWNS + taken, _LEAST_FREEDOM)
+        one = max(noise[0] * sums[0] / turns, _LEAST)
+        two = max(noise[1] * sums[1] / shifts, _LEAST)
+        change = max(abs(math.log(one / noise[0])), abs(math.log(two / noise[1])))
+        noise[0], noise[1] = one, two
+        if change < _SETTLED:
+            break
+    return sums[2] + determinant + sums[0] + sums[1]
+
+
+@inline
+def _shared(A, S, use, at, noise, inverted, M, C):
+    """Find the robot's share of the rotation noise: the most likely one, by bisection.
+
+    Gives twice the gain of the logarithm of the restricted likelihood over no share; where a small
+    share gains nothing, no other is tried.
+    """
+    plain = _fit(A, S, use, at, noise, inverted, False, _BRIEF, M, C)
+    best, middle = plain, 0.0
+    kept, trial = scratch(24), scratch(3)
+    width = 0.25
+    for k in range(7):
+        if k == 0:
+            share = _SMALL_SHARE
+        elif k == 1:
+            share = 0.5
+        elif k % 2 == 0:
+            share = middle + width
+        else:
+            share = middle - width
+        if 0.0 < share <= 1.0:
+            kept[:], trial[:] = at, noise
+            trial[2] = share
+            value = _fit(A, S, use, kept, trial, inverted, False, _BRIEF, M, C)
+            if value < best:
+                best = value
+                at[:], noise[:] = kept, trial
+        if k == 0 and noise[2] == 0.0:
+            break
+        if k % 2 == 1:
+            middle = noise[2]
+            width = 0.25 if k == 1 else 0.5 * width
+    return plain - best
+
+
+@kernel(i8(IN2, IN2, OUT1, OUT1, OUT1, i8, b1, b1, OUT2))
+def refine(A, S, use, at, noise, inverted, known, shared, information):
+    """Refine X and Z (24) and the noise (3) in place; write the information (12, 12).
+
+    Where the robot's share gains less than it costs it is nought.
+    """
+    M, C = scratch(12, 12), scratch(12, 12)
+    if shared and not known:
+        gain = _shared(A, S, use, at, noise, inverted, M, C)
+        if gain < _WORTH:
+            noise[2] = 0.0
+    value = _fit(A, S, use, at, noise, inverted, known, _ROUNDS, M, C)
+    for j in range(UNKNOWNS):
+        for k in range(j + 1):
+            information[j, k] = information[k, j] = M[j, k]
+    return 0 if value == value else 1
+
+
+@kernel(i8(IN2, OUT1, OUT1, i8, OUT3))
+def information_of(A, at, noise, inverted, out):
+    """Write the information (12, 12) that a sample at each of the poses A (m, 12) would bring."""
+    P, J, M, g, sums = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(13)
+    seen, use = scratch(1, 12), scratch(1)
+    seen[:], use[0] = 0.0, 1.0
+    seen[0, 0] = seen[0, 4] = seen[0, 8] = 1.0
+    for i in range(A.shape[0]):
+        accumulate(A[i : i + 1], seen, use, at, noise, inverted, P, J, M, g, sums)
+        for j in range(UNKNOWNS):
+            for k in range(j + 1):
+                out[i, j, k] = out[i, k, j] = M[j, k]
+    return 0

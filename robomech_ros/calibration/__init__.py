@@ -1,0 +1,38 @@
+"""Hand-eye calibration: where a sensor is, on the hand or beside the robot (book: section 2.7).
+
+Poses are 4 x 4 matrices.  Each part is loaded on first use: the refinement is compiled.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.calibration.estimation import MOUNTS, hand_eye, robot_world
+    from robomech_ros.calibration.next_pose import NextPose, next_best_pose
+    from robomech_ros.calibration.relative import relative_hand_eye
+    from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult
+
+__all__ = [
+    "MOUNTS",
+    "HandEyeNoise",
+    "HandEyeResult",
+    "NextPose",
+    "hand_eye",
+    "next_best_pose",
+    "relative_hand_eye",
+    "robot_world",
+]
+
+_MODULES = {
+    "MOUNTS": "estimation",
+    "HandEyeNoise": "result",
+    "HandEyeResult": "result",
+    "NextPose": "next_pose",
+    "hand_eye": "estimation",
+    "next_best_pose": "next_pose",
+    "relative_hand_eye": "relative",
+    "robot_world": "estimation",
+}
+
+__getattr__ = lazy_exports(__name__, _MODULES, globals())

@@ -1,0 +1,72 @@
+"""The direct method: A X = X B from relative motions, by invariants."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.spatial.poses import as_pose, assembled
+from robomech_ros.spatial.transformations.redundant_sensing import frame_between_sensors
+
+__all__ = ["relative_hand_eye"]
+
+Array = NDArray[np.float64]
+
+
+def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
+    r"""Solve A X = X B for the pose X without iteration, from two motions or more.
+
+    The axial vectors of the rotations are the same vectors in two frames,
+    :math:`\mathrm{vect}(A_i) = X \mathrm{vect}(B_i)`, which gives the rotation; then
+
+    .. math:: (R_{A_i} - 1) t_X = R_X t_{B_i} - t_{A_i}
+
+    gives the position, in least squares.  Euler-Rodrigues parameters take the place of the axial
+    vectors, which vanish at half turns.
+
+    Parameters
+    ----------
+    A, B : array_like, shape (k, 4, 4)
+        k motions, two or more, about axes that are not all parallel: of the hand in its first
+        frame, and of the sensor in its own.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        ``T_hand_sensor``.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses of these shapes, or all axes parallel: the position along them is then free.
+
+    See Also
+    --------
+    hand_eye : from absolute poses, with noise and outliers.
+    spatial.frame_between_sensors : the rotation alone.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 2.7.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.calibration import relative_hand_eye
+    >>> from robomech_ros.spatial import inverse_pose, pose_exponential
+    >>> X = pose_exponential([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    >>> B = pose_exponential([[1.0, 0.0, 0.2, 0.1, 0.0, 0.3], [0.0, 1.0, 0.5, 0.0, 0.2, 0.0]])
+    >>> np.allclose(relative_hand_eye(X @ B @ inverse_pose(X), B), X)
+    True
+    """
+    first, second = as_pose(A, what="A"), as_pose(B, what="B")
+    if first.ndim != 3 or first.shape != second.shape or len(first) < 2:
+        raise WrongSizeError(
+            "motions", (first.shape[:-2], second.shape[:-2]), "(k, 4, 4) each, k >= 2"
+        )
+    rotation = frame_between_sensors(first[:, :3, :3], second[:, :3, :3])
+    left = (first[:, :3, :3] - np.eye(3)).reshape(-1, 3)
+    right = second[:, :3, 3] @ rotation.T - first[:, :3, 3]
+    position = np.linalg.lstsq(left, right.reshape(-1), rcond=None)[0].astype(np.float64)
+    return assembled(rotation, position)
