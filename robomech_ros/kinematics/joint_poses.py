@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.nodes.common.plain_poses import plain_pose
 from robomech_ros.robots import Joint
+from robomech_ros.spatial.plain_poses import plain_pose
 
 __all__ = ["JointPoses"]
 

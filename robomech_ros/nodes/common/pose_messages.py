@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros.errors import BadQuaternionError, NonFiniteError, WrongSizeError
-from robomech_ros.nodes.common.plain_poses import plain_pose
+from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 
 __all__ = [

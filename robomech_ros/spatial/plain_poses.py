@@ -1,4 +1,4 @@
-"""Poses as plain numbers, for nodes that load no compiled code."""
+"""Poses as plain numbers, for programs that load no compiled code."""
 
 import math
 
