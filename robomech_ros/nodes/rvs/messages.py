@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 # Of one plan, and of one marker; more would hold the page up.
 _MOST_POINTS = 100_000
 _LONGEST = 1e6
+# Coordinates and sizes of markers (m), which browsers draw in single precision.
+_FARTHEST = 1e6
 _KINDS = {
     Marker.ARROW: "arrow",
     Marker.CUBE: "box",
@@ -106,7 +108,8 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     Raises
     ------
     BadValueError
-        It is of a kind that is not drawn, or in a frame that is none of the robot's.
+        It is of a kind that is not drawn, in a frame that is none of the robot's, or farther away
+        or larger than 1e6 m.
     NonFiniteError, BadQuaternionError
         A number of it is NaN or infinite, or its orientation is none.
     """
@@ -127,8 +130,11 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     numbers = [*measures, colour.r, colour.g, colour.b, colour.a, *points.ravel().tolist()]
     if not np.isfinite(numbers).all():
         raise NonFiniteError("marker", numbers)
-    shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
     pose = matrix_from_pose(marker.pose)
+    farthest = max(map(abs, (*measures, *points.ravel().tolist(), *pose[:3, 3].tolist())))
+    if farthest > _FARTHEST:
+        raise BadValueError("marker", farthest, f"coordinates and sizes up to {_FARTHEST:g} m")
+    shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
     return SeenMarker(f"{marker.ns}/{marker.id}", link, kind, pose, measures, points, shade)
 
 

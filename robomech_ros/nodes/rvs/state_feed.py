@@ -23,6 +23,8 @@ _IDLE, _SELDOM = 0.2, 0.1
 _SERVO_GONE = 3.0
 # Statuses that wait at the most; the latest counts.
 _DEPTH = 10
+# How often a failure is logged at most (s).
+_LOG_PERIOD = 10.0
 
 
 class StateFeed:
@@ -41,7 +43,7 @@ class StateFeed:
     def __init__(
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveView
     ) -> None:
-        self._view, self._settings = view, settings
+        self._view, self._settings, self._logger = view, settings, node.get_logger()
         self._chain, self._joints = model.chain.joint_names, model.joint_names
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")
@@ -73,7 +75,12 @@ class StateFeed:
                 self._condition = ""
                 continue
             now = time.monotonic()
-            self._look(now)
+            try:
+                self._look(now)
+            except Exception as error:
+                # The thread goes on: it also says that states are old.
+                self._condition = f"The robot cannot be shown: {error!r}."
+                self._logger.error(self._condition, throttle_duration_sec=_LOG_PERIOD)
             # What was missed is not made up for.
             due = max(due + period, now)
             self._closing.wait(max(due - time.monotonic(), 0.0))

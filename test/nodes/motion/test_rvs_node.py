@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 import msgspec.msgpack
 from diagnostic_msgs.msg import DiagnosticArray
 from drivers import Driver
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Vector3
 from raw_client import Client, camera, wait_until
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters
@@ -25,13 +25,16 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.srv import AnalyzeSingularity, Execute
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.rvs.messages import seen_marker
 from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
+from robomech_ros.robots import load_description
 from robomech_ros.rvs.serving.server import PortTakenError
 
 PACK = msgspec.msgpack.encode
@@ -489,6 +492,32 @@ def test_wild_jogs_are_refused(jogged, text):
     wait_until(lambda: "speed" in browser.said())
     assert not browser.node._robot.jogs
     np.testing.assert_array_equal(robot.position, start)
+
+
+def test_what_cannot_be_drawn_ends_no_watch_on_the_states(shown, arm):
+    robot, names = shown.node._robot, shown.layer._names
+    shown.layer._names = (*names, "no such joint")
+    wait_until(lambda: "no such joint" in robot._feed.condition)
+    shown.layer._names = names
+    wait_until(lambda: robot._feed.condition == "")
+    arm.execute(arm.trajectory((0.3, 0.2)))
+    wait_until(lambda: np.allclose(drawn(shown), arm.position, atol=1e-6))
+
+
+def marker(x=0.0, **size):
+    """A box in the frame of the base."""
+    made = Marker(type=Marker.CUBE)
+    made.pose.position.x, made.pose.orientation.w = x, 1.0
+    made.scale = Vector3(**({"x": 1.0, "y": 1.0, "z": 1.0} | size))
+    return made
+
+
+@pytest.mark.parametrize("wild", [{"x": 1e300}, {"y": -1e300}, {"z": 1.1e6}])
+def test_markers_beyond_single_precision_are_refused(wild):
+    model = RobotModel(load_description(ROBOT))
+    assert seen_marker(model, marker(x=1e6)).pose[0, 3] == 1e6
+    with pytest.raises(BadValueError, match="marker is"):
+        seen_marker(model, marker(**wild))
 
 
 def test_two_robots_have_pages_of_their_own(graph, browse):
