@@ -13,6 +13,7 @@ import numpy as np
 __all__ = [
     "BadQuaternionError",
     "BadValueError",
+    "ContradictionError",
     "DurationTooShortError",
     "LimitExceededError",
     "MapFileError",
@@ -23,6 +24,7 @@ __all__ = [
     "RobomechError",
     "RobotDescriptionError",
     "SeedOutsideLimitsError",
+    "UndeterminedError",
     "UnknownJointError",
     "UnknownLinkError",
     "UnknownRobotError",
@@ -103,6 +105,32 @@ class BadValueError(RobomechError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.what, self.value, self.expected)
+
+
+class ContradictionError(BadValueError):
+    """Samples that cannot all be right: nothing fits them, or what is said of them is wrong."""
+
+
+class UndeterminedError(BadValueError):
+    """Samples that leave a part of the answer free.
+
+    Parameters
+    ----------
+    what, value, expected
+        As for :class:`BadValueError`.
+    free : sequence of sequences of float, optional
+        Unit vectors of the directions that are free, where there are such; the message says in
+        which frame.
+    """
+
+    def __init__(
+        self, what: str, value: object, expected: str, free: Sequence[Sequence[float]] = ()
+    ) -> None:
+        self.free = tuple(tuple(float(x) for x in one) for one in free)
+        super().__init__(what, value, expected)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.what, self.value, self.expected, self.free)
 
 
 class WrongSizeError(RobomechError):

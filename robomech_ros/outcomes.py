@@ -56,6 +56,8 @@ class Code(IntEnum):
         206,
         "a continuum of solutions, no representative inside the limits found",
     )
+    UNDETERMINED = 207, "the samples leave a part of the answer free"
+    CONTRADICTORY = 208, "the samples contradict each other, or what is said of them"
     IK_LOST = 211, "along a path: no inverse-kinematic solution from here on"
     JUMP = 212, "along a path: the joints would have to jump"
     LIMIT = 213, "a joint, velocity, acceleration or jerk limit would be exceeded"

@@ -95,6 +95,8 @@ _CODES: dict[type[BaseException], Code] = {
     errors.WrongSizeError: Code.WRONG_SIZE,
     errors.MissingLimitsError: Code.MISSING_LIMITS,
     errors.MissingInertiaError: Code.MISSING_INERTIA,
+    errors.UndeterminedError: Code.UNDETERMINED,
+    errors.ContradictionError: Code.CONTRADICTORY,
     errors.LimitExceededError: Code.LIMIT,
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,
