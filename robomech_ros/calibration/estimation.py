@@ -12,8 +12,13 @@ from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.motions import Spread, check_convention
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
-from robomech_ros.calibration.start import agreeing, errors_at, packed, start
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.calibration.start import agreeing, errors_at, packed, starts
+from robomech_ros.errors import (
+    BadValueError,
+    ContradictionError,
+    UndeterminedError,
+    WrongSizeError,
+)
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
 from robomech_ros.spatial.poses import as_pose, assembled, inverse_pose
 
@@ -36,11 +41,17 @@ _OUTLYING, _MEDIAN = 36.0, 2.366
 _GROSS = 100.0
 _ROUNDS = 10
 _LEAST_VARIANCE = 1e-26
+# What misses by less (rad, and the same part of the distances) is no outlier: rounding at the
+# end, and of exact samples what the start leaves.
+_EXACT, _ROUGH = 1e-8, 1e-6
 # What is off by so much (rad, and the same part of the distances) is not noise of a sensor.
 _SUSPICIOUS = 0.02
 # Poses that have nothing to do with each other are a radian apart.
 _CHAOS = 0.3
 _WEAK = 5.0
+# Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
+# likelihood) the best must be more likely.
+_APART, _CLEARLY = 0.5, 20.0
 
 
 @dataclass(eq=False)
@@ -92,9 +103,12 @@ def hand_eye(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not poses, fewer than three that differ, pure translations or parallel axes (the message
-        gives the direction that is free), an exchanged mount or inverted poses, or samples that
-        contradict each other.
+        Not poses, or fewer than three that differ.
+    UndeterminedError
+        Pure translations or parallel axes (the message and ``free`` give the direction), or half
+        turns that several sensors fit.
+    ContradictionError
+        An exchanged mount or inverted poses, or samples that contradict each other.
 
     See Also
     --------
@@ -130,7 +144,7 @@ def hand_eye(
     A, S = packed(moving[first]), packed(sensor[first])
     spread = Spread(moving[first], sensor[first])
     spread.check(parent)
-    fit, squares = _started(A, S, given)
+    fit, others, squares = _started(A, S, given)
     if _suspicious(squares, S):
         check_convention(moving[first], sensor[first], kind, squares)
     _refined(fit, A, S, kind, wary)
@@ -138,6 +152,7 @@ def hand_eye(
     if not used.all():
         spread = Spread(moving[first][used], sensor[first][used])
     spread.check(parent, _parts(fit.noise))
+    _check_single(fit, others, A, S, kind)
     return _result(fit, robot, (packed(moving), packed(sensor)), back, kind)
 
 
@@ -238,16 +253,17 @@ def _distinct(robot: Array, sensor: Array) -> tuple[NDArray[np.intp], NDArray[np
     return first, back
 
 
-def _started(A: Array, S: Array, given: Array | None) -> tuple[_Fit, tuple[float, float]]:
-    """Start without iteration; also give the median squared errors there."""
-    voters = agreeing(A, S)
-    at = start(A, S, voters)
+def _started(
+    A: Array, S: Array, given: Array | None
+) -> tuple[_Fit, list[Array], tuple[float, float]]:
+    """Start without iteration; also give other places to, and the median squared errors there."""
+    at, *others = starts(A, S, agreeing(A, S))
     turns, shifts = errors_at(A, S, at)
     squares = float(np.median(turns)), float(np.median(shifts))
     fit = _Fit(
         given is not None, at, _noise(squares, len(A), given), np.ones(len(A)), np.zeros((12, 12))
     )
-    return fit, squares
+    return fit, others, squares
 
 
 def _noise(squares: tuple[float, float], n: int, given: Array | None = None) -> Array:
@@ -270,8 +286,7 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
 
     Raises
     ------
-    BadValueError
-        They contradict each other.
+    ContradictionError
     """
     side = MOUNTS.index(mount)
     wary = wary and len(A) >= _LEAST_FOR_OUTLIERS
@@ -279,7 +294,8 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
         for _ in range(_ROUNDS):
             turns, shifts = errors_at(A, S, fit.at)
             scale = _noise((float(np.median(turns)), float(np.median(shifts))), len(A))
-            if not _left_out(fit, turns / scale[0] + shifts / scale[1], _GROSS):
+            gross = turns / scale[0] + shifts / scale[1] > _GROSS
+            if not _left_out(fit, gross & ~_missed_by_less(_ROUGH, A, S, fit.at)):
                 break
             _refine(A, S, fit.use, fit.at, fit.noise, side, fit.known, False, fit.information)
     for _ in range(_ROUNDS):
@@ -287,10 +303,12 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
         _refine(A, S, fit.use, fit.at, fit.noise, side, fit.known, shared, fit.information)
         squares = np.empty(len(A))
         _distances(A, S, fit.at, fit.noise, side, squares)
-        if not wary or not _left_out(fit, squares, _OUTLYING):
+        if not wary or not _left_out(
+            fit, (squares > _OUTLYING) & ~_missed_by_less(_EXACT, A, S, fit.at)
+        ):
             break
     if wary and fit.noise[0] > _CHAOS**2:
-        raise BadValueError(
+        raise ContradictionError(
             "rotation error of the samples",
             f"{float(np.sqrt(fit.noise[0])):.3g} rad",
             f"at most {_CHAOS} rad: the robot's and the sensor's poses contradict each other; "
@@ -298,9 +316,39 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
         )
 
 
-def _left_out(fit: _Fit, squares: Array, limit: float) -> bool:
-    """Use the samples within a limit; say whether they are other ones than before."""
-    use = (squares <= limit).astype(float)
+def _check_single(fit: _Fit, others: list[Array], A: Array, S: Array, mount: str) -> None:
+    """Refuse half turns that other poses of the sensor fit as well.
+
+    Raises
+    ------
+    UndeterminedError
+    """
+    side = MOUNTS.index(mount)
+    squares, unused = np.empty(len(A)), np.empty((12, 12))
+    _distances(A, S, fit.at, fit.noise, side, squares)
+    best = float(fit.use @ squares)
+    for at in others:
+        _refine(A, S, fit.use, at, fit.noise.copy(), side, True, False, unused)
+        apart = float(at[:9] @ fit.at[:9])
+        _distances(A, S, at, fit.noise, side, squares)
+        if apart < 1.0 + 2.0 * np.cos(_APART) and float(fit.use @ squares) - best < _CLEARLY:
+            raise UndeterminedError(
+                "axes of the robot's rotations",
+                "those of half turns at right angles to each other",
+                "a turn by another angle or about another axis: several sensors fit equally well",
+            )
+
+
+def _missed_by_less(limit: float, A: Array, S: Array, at: Array) -> NDArray[np.bool_]:
+    """Say which samples miss by less than an angle and that part of the distances."""
+    turns, shifts = errors_at(A, S, at)
+    reach = 1.0 + float(np.mean(A[:, 9:] ** 2 + S[:, 9:] ** 2))
+    return np.asarray((turns < limit**2) & (shifts < limit**2 * reach))
+
+
+def _left_out(fit: _Fit, wrong: NDArray[np.bool_]) -> bool:
+    """Leave out samples; say whether they are other ones than before."""
+    use = np.where(wrong, 0.0, 1.0)
     changed = not np.array_equal(use, fit.use)
     fit.use = use
     return changed

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.calibration.start import agreeing, errors_at, packed, start
-from robomech_ros.errors import BadValueError
+from robomech_ros.calibration.start import agreeing, errors_at, packed, starts
+from robomech_ros.errors import ContradictionError, UndeterminedError
+from robomech_ros.spatial.arrays import readable_axis
 from robomech_ros.spatial.matrices import nearest_rotation
 from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
@@ -54,24 +55,26 @@ class Spread:
 
         Raises
         ------
-        BadValueError
+        UndeterminedError
             No rotations, or all about parallel axes.
         """
         if self._still(2, variances):
             most = float(np.sqrt(min(self._moved[2], self._seen[2])))
-            raise BadValueError(
+            raise UndeterminedError(
                 "rotation of the robot's poses",
                 f"{most:.3g} rad: pure translations",
                 "turns about two axes that are not parallel; the sensor's position in the "
                 f"{parent} frame is free in all directions",
+                np.eye(3).tolist(),
             )
         if self._still(1, variances):
-            axis = _rounded(self._axes[:, 2])
-            raise BadValueError(
+            axis = readable_axis(self._axes[:, 2])
+            raise UndeterminedError(
                 "axes of the robot's rotations",
                 f"all parallel to {axis}",
                 f"at least two that are not parallel; the sensor's position along {axis} of the "
                 f"{parent} frame is free: add poses turned about another axis",
+                [axis],
             )
 
     def _still(self, k: int, variances: tuple[float, float]) -> bool:
@@ -82,12 +85,6 @@ class Spread:
         return all(
             one <= self._chance * noise for one, noise in zip(turned, variances, strict=True)
         )
-
-
-def _rounded(axis: Array) -> list[float]:
-    """Give an axis to read, its largest entry positive."""
-    axis = axis * np.sign(axis[int(np.argmax(np.abs(axis)))])
-    return [float(x) for x in np.round(axis, 4) + 0.0]
 
 
 def check_convention(robot: Array, sensor: Array, mount: str, squares: tuple[float, float]) -> None:
@@ -106,10 +103,10 @@ def check_convention(robot: Array, sensor: Array, mount: str, squares: tuple[flo
 
     Raises
     ------
-    BadValueError
+    ContradictionError
     """
     A, S = packed(inverse_pose(robot)), packed(sensor)
-    found = errors_at(A, S, start(A, S, agreeing(A, S)))
+    found = errors_at(A, S, starts(A, S, agreeing(A, S))[0])
     ratio = max(
         float(np.median(one)) / before if before > 0.0 else np.inf
         for one, before in zip(found, squares, strict=True)
@@ -117,7 +114,7 @@ def check_convention(robot: Array, sensor: Array, mount: str, squares: tuple[flo
     if ratio <= _CLEARLY**2:
         other = "eye-to-hand" if mount == "eye-in-hand" else "eye-in-hand"
         better = 1.0 / np.sqrt(max(ratio, 1e-24))
-        raise BadValueError(
+        raise ContradictionError(
             "mount",
             mount,
             f"'{other}', or robot_poses T_base_hand and sensor_poses T_sensor_target of which one "

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
-from robomech_ros.spatial.transformations.redundant_sensing import frame_between_sensors
+from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
 
 __all__ = ["relative_hand_eye"]
 
@@ -23,7 +23,8 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
     .. math:: (R_{A_i} - 1) t_X = R_X t_{B_i} - t_{A_i}
 
     gives the position, in least squares.  Euler-Rodrigues parameters take the place of the axial
-    vectors, which vanish at half turns.
+    vectors, which vanish at half turns; of the frames that half turns about axes at right angles
+    leave open, the positions tell which one is right.
 
     Parameters
     ----------
@@ -39,7 +40,10 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not poses of these shapes, or all axes parallel: the position along them is then free.
+        Not poses of these shapes.
+    ContradictionError, UndeterminedError
+        Other angles for both; no rotations, all about parallel axes, along which the position is
+        then free, or half turns about axes at right angles whose positions do not tell either.
 
     See Also
     --------
@@ -65,8 +69,13 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
         raise WrongSizeError(
             "motions", (first.shape[:-2], second.shape[:-2]), "(k, 4, 4) each, k >= 2"
         )
-    rotation = frame_between_sensors(first[:, :3, :3], second[:, :3, :3])
+    frames, misfits = frames_between(first[:, :3, :3], second[:, :3, :3])
     left = (first[:, :3, :3] - np.eye(3)).reshape(-1, 3)
-    right = second[:, :3, 3] @ rotation.T - first[:, :3, 3]
-    position = np.linalg.lstsq(left, right.reshape(-1), rcond=None)[0].astype(np.float64)
-    return assembled(rotation, position)
+    right = second[:, :3, 3] @ np.swapaxes(frames, 1, 2) - first[:, :3, 3]
+    positions = np.linalg.lstsq(left, right.reshape(len(frames), -1).T, rcond=None)[0].T
+    missed = (positions @ left.T - right.reshape(len(frames), -1)) ** 2
+    reach = float(np.mean(first[:, :3, 3] ** 2 + second[:, :3, 3] ** 2))
+    if reach > 0.0:
+        misfits = misfits + missed.sum(axis=1) / reach
+    best = single_match(frames, misfits, 6 * len(first) - 6)
+    return assembled(frames[best], positions[best].astype(np.float64))

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.spatial.matrices import nearest_rotation
+from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
 
-__all__ = ["agreeing", "errors_at", "packed", "start"]
+__all__ = ["agreeing", "errors_at", "packed", "starts"]
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,8 @@ _LEAST_TO_VOTE = 5
 # thirds of the pairs are right.  So much of a normal distribution is within 0.45 deviations.
 _JUDGED, _WITHIN = 0.35, 0.45
 _AGREE = 4.0
-_EXACT = 1e-9
+# What rounding makes of angles (rad) near 0 and half turns, by their cosines.
+_EXACT = 1e-6
 _ROUNDS = 12
 
 
@@ -64,23 +66,29 @@ def agreeing(A: Array, S: Array) -> NDArray[np.bool_]:
     return np.asarray(2 * votes > votes.max())
 
 
-def start(A: Array, S: Array, voters: NDArray[np.bool_]) -> Array:
-    """Find unknowns (24) to refine from: both rotations, then both positions.
+def starts(A: Array, S: Array, voters: NDArray[np.bool_]) -> list[Array]:
+    """Find unknowns (24) to refine from: both rotations, then both positions; the best first.
 
     The rotations make the sum of the traces of ``R_Z^T R_A R_X R_S`` largest, which is bilinear
-    in them; signs of vectors and half turns play no part.  The positions make the sum of distances
-    least, which samples that are wrong hardly move.
+    in them; signs of vectors and half turns play no part.  Half turns about axes at right angles
+    leave several rotations open.  The positions make the sum of distances least, which samples
+    that are wrong hardly move.
     """
     both = A[voters, :9].T @ S[voters, :9]
     square = both.reshape(3, 3, 3, 3).transpose(0, 3, 1, 2).reshape(9, 9)
-    u, _, vt = np.linalg.svd(square)
-    X, Z = vt[0].reshape(3, 3), u[:, 0].reshape(3, 3)
-    if np.linalg.det(X) < 0.0:
-        X, Z = -X, -Z
-    at = np.zeros(24)
-    at[:9], at[12:21] = nearest_rotation(np.stack((X, Z))).reshape(2, 9)
-    _positions(A, S, voters.astype(float), _ROUNDS, at)
-    return at
+    _, values, vectors = np.linalg.svd(square)
+    found = rotations_between(top_vectors(values, vectors))
+    targets = nearest_rotation((found.reshape(-1, 9) @ square.T).reshape(-1, 3, 3))
+    reach = float(np.mean(A[voters, 9:] ** 2 + S[voters, 9:] ** 2)) or 1.0
+    ats, costs = [], []
+    for X, Z in zip(found, targets, strict=True):
+        at = np.zeros(24)
+        at[:9], at[12:21] = X.reshape(9), Z.reshape(9)
+        _positions(A, S, voters.astype(float), _ROUNDS, at)
+        turns, shifts = errors_at(A, S, at)
+        ats.append(at)
+        costs.append(float(turns[voters].sum() + shifts[voters].sum() / reach))
+    return [ats[int(k)] for k in np.argsort(costs, kind="stable")]
 
 
 def errors_at(A: Array, S: Array, at: Array) -> tuple[Array, Array]:

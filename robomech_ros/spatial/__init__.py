@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from robomech_ros.spatial.points.rigidity import (
         Rigidity,
         angular_velocity_covariance,
+        require_rigid,
         rigidity,
     )
     from robomech_ros.spatial.points.tracks import (
@@ -262,6 +263,7 @@ __all__ = [
     "reflection",
     "reflection_normal",
     "reflections_from_matrix",
+    "require_rigid",
     "rigidity",
     "rodrigues_vector_from_matrix",
     "rodrigues_vector_from_quaternion",
@@ -375,6 +377,7 @@ _MODULES = {
     "reflection": "transformations.reflections",
     "reflection_normal": "transformations.reflections",
     "reflections_from_matrix": "transformations.reflections",
+    "require_rigid": "points.rigidity",
     "rigidity": "points.rigidity",
     "rodrigues_vector_from_matrix": "rotations.rodrigues_vectors",
     "rodrigues_vector_from_quaternion": "rotations.rodrigues_vectors",

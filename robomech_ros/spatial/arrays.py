@@ -10,7 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics.arrays import real_array, real_number
 
-__all__ = ["all_finite", "as_choice", "as_finite", "as_flag", "listed", "real_array", "real_number"]
+__all__ = [
+    "all_finite",
+    "as_choice",
+    "as_finite",
+    "as_flag",
+    "listed",
+    "readable_axis",
+    "real_array",
+    "real_number",
+]
 
 Array = NDArray[np.float64]
 
@@ -48,6 +57,12 @@ def listed(what: str, value: object, expected: str) -> tuple[Any, ...]:
         return tuple(value)
     except TypeError:  # an array without axes says that it is one to iterate over
         raise BadValueError(what, value, expected) from None
+
+
+def readable_axis(axis: Array) -> list[float]:
+    """Give a unit vector as messages show it: four digits, its largest entry positive."""
+    axis = axis * np.sign(axis[int(np.argmax(np.abs(axis)))])
+    return [float(x) for x in np.round(axis, 4) + 0.0]
 
 
 def as_finite(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:

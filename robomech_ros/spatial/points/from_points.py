@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
 from robomech_ros._kernels.spatial.conversions import STATUSES
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import as_choice, as_finite
+from robomech_ros.errors import UndeterminedError, WrongSizeError
+from robomech_ros.spatial.arrays import as_choice, as_finite, readable_axis
 from robomech_ros.spatial.rows import finite_result, row_name
 
 __all__ = [
@@ -62,12 +62,13 @@ def angular_velocity_from_points(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Fewer than three points, points on one line, or not finite numbers; with the basic form,
-        also a singular D or more than three points.
+        Fewer than three points, or not finite numbers; with the basic form, also more than three.
+    UndeterminedError
+        Points on one line, or all the same; with the basic form, a singular D.
 
     See Also
     --------
-    rigidity : whether the points move like those of a rigid body.
+    require_rigid : refuses points that do not move like those of a rigid body.
     angular_velocity_covariance : how exact it is.
     motion_from_tracks : from noisy positions only.
 
@@ -115,7 +116,7 @@ def angular_acceleration_from_points(
 
     Raises
     ------
-    BadValueError, WrongSizeError, NonFiniteError
+    BadValueError, WrongSizeError, NonFiniteError, UndeterminedError
         As for :func:`angular_velocity_from_points`.
 
     References
@@ -159,15 +160,26 @@ def raise_collinear(points: Array, shape: tuple[int, ...], status: int, robust: 
 
     Raises
     ------
-    BadValueError
+    BadValueError, UndeterminedError
     """
     row = int(status) // STATUSES
     _, where = row_name(row, shape)
     finite_result(f"points{where}", np.ptp(points[row], axis=0), points[row])
-    if robust:
-        expected = "points that are neither on one line nor all the same"
-    else:
+    here = points[row].tolist()
+    if not np.ptp(points[row], axis=0).any():
+        raise UndeterminedError(
+            f"points{where}", here, "points that are not all the same", np.eye(3).tolist()
+        )
+    if not robust:
         expected = (
             "points whose matrix D is regular; the robust method takes these, if not collinear"
         )
-    raise BadValueError(f"points{where}", points[row].tolist(), expected)
+        raise UndeterminedError(f"points{where}", here, expected)
+    centred = points[row] - points[row].mean(axis=0)
+    axis = readable_axis(np.linalg.svd(centred)[2][0])
+    raise UndeterminedError(
+        f"points{where}",
+        here,
+        f"points that are not all on one line: the turn about their line, {axis}, is free",
+        [axis],
+    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, ContradictionError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross
 from robomech_ros.spatial.points.from_points import (
@@ -15,9 +15,15 @@ from robomech_ros.spatial.points.from_points import (
     angular_velocity_from_points,
     as_motions,
 )
-from robomech_ros.spatial.rows import common_shape, finite_result
+from robomech_ros.spatial.rows import common_shape, finite_result, row_name
 
-__all__ = ["Rigidity", "angular_velocity_covariance", "rigidity", "spread_matrix"]
+__all__ = [
+    "Rigidity",
+    "angular_velocity_covariance",
+    "require_rigid",
+    "rigidity",
+    "spread_matrix",
+]
 
 Array = NDArray[np.float64]
 
@@ -79,6 +85,10 @@ def rigidity(
     BadValueError, WrongSizeError, NonFiniteError
         As for :func:`angular_velocity_from_points`, or a tolerance that is negative.
 
+    See Also
+    --------
+    require_rigid : refuses what is not.
+
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.3.
@@ -113,6 +123,63 @@ def rigidity(
     fastest = np.argmax(np.abs(growth).reshape(*growth.shape[:-2], count * count), axis=-1)
     pair = np.stack((fastest // count, fastest % count), axis=-1)
     return Rigidity(slip, left, growth, pair, rigid)
+
+
+def require_rigid(
+    points: ArrayLike,
+    velocities: ArrayLike,
+    accelerations: ArrayLike | None = None,
+    *,
+    tolerance: float | None = None,
+) -> Rigidity:
+    """Refuse points that do not move like those of a rigid body, naming what is wrong.
+
+    Parameters
+    ----------
+    points, velocities, accelerations, tolerance
+        As for :func:`rigidity`.
+
+    Returns
+    -------
+    Rigidity
+
+    Raises
+    ------
+    ContradictionError
+        They are no rigid body: the message names the two points whose distance changes fastest, and
+        by how much the motion misses.
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`rigidity`.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 8.2 and 8.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.spatial import require_rigid
+    >>> points = np.eye(3)
+    >>> bool(require_rigid(points, np.cross([0.0, 0.0, 2.0], points)).rigid)
+    True
+    """
+    found = rigidity(points, velocities, accelerations, tolerance=tolerance)
+    if not found.rigid.all():
+        index = tuple(int(i) for i in np.argwhere(~found.rigid)[0])
+        _, where = row_name(int(np.argmin(found.rigid)), found.rigid.shape)
+        i, j = (int(k) for k in found.pair[index])
+        slip, left = (
+            float(np.linalg.norm(one[index], axis=-1).max())
+            for one in (found.velocity_residuals, found.acceleration_residuals)
+        )
+        within = "rounding" if tolerance is None else f"{float(tolerance):g}"
+        raise ContradictionError(
+            f"motion of the points{where}",
+            f"{slip:.3g} m/s and {left:.3g} m/s^2 from that of a rigid body",
+            f"zero within {within}; the distance of points {i} and {j} changes fastest, by "
+            f"{float(found.stretching[(*index, i, j)]):.3g} m/s",
+        )
+    return found
 
 
 def angular_velocity_covariance(points: ArrayLike, deviation: ArrayLike) -> Array:

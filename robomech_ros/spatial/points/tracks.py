@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.spatial import points as kernels
-from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors import BadValueError, ContradictionError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
 from robomech_ros.spatial.points.from_points import (
     angular_acceleration_from_points,
@@ -28,6 +28,9 @@ _WINDOW = 21
 _DEGREE = 4
 _MOST_DEGREE = 12
 _LEAST_POINTS = 3
+# Noise changes distances by 1.4 deviations and less after the fit, a window that is too long for
+# the motion by a few more.
+_MOST_CHANGE, _ROUNDING = 10.0, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +73,7 @@ def motion_from_tracks(
     window: int = _WINDOW,
     degree: int = _DEGREE,
     deviation: float | None = None,
+    tolerance: float | None = None,
 ) -> TrackedMotion:
     """Compute how a body moves from noisy tracks of its points.
 
@@ -89,6 +93,9 @@ def motion_from_tracks(
         Of the polynomial, from 2 to 12 and less than the window.
     deviation : float, optional
         Standard deviation of the noise of a coordinate (m); default as the samples scatter.
+    tolerance : float, optional
+        Largest change (root mean square, m) of the distance between two points of a rigid body;
+        default ten times the deviation.
 
     Returns
     -------
@@ -97,8 +104,10 @@ def motion_from_tracks(
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Times that do not increase, too few samples or points, points on one line, a window or
-        degree out of range, or not finite numbers.
+        Times that do not increase, too few samples or points, a window or degree out of range, or
+        not finite numbers.
+    ContradictionError, UndeterminedError
+        Points that are no rigid body; points on one line, or all the same.
 
     See Also
     --------
@@ -135,10 +144,42 @@ def motion_from_tracks(
     omega = angular_velocity_from_points(smooth, speed)
     alpha = angular_acceleration_from_points(smooth, speed, change)
     sigma = _deviation(deviation, squares, gains[:, 0], 3 * m)
+    _check_distances(smooth, _largest_change(tolerance, sigma))
     centred = smooth - smooth.mean(axis=1, keepdims=True)
     inverse = np.linalg.inv(spread_matrix(centred))
     noise = sigma * sigma * gains[:, 1:, None, None] * inverse[:, None]
     return TrackedMotion(t, smooth, speed, change, omega, alpha, noise[:, 0], noise[:, 1], sigma)
+
+
+def _largest_change(given: float | None, sigma: float) -> float:
+    """Largest change of a distance (m) of a rigid body; without bound where noise is unknown."""
+    if given is None:
+        return _MOST_CHANGE * sigma if sigma > 0.0 else np.inf
+    limit = real_number("tolerance", given, "a positive number")
+    if not limit > 0.0:
+        raise BadValueError("tolerance", limit, "a positive number")
+    return limit
+
+
+def _check_distances(points: Array, limit: float) -> None:
+    """Refuse tracks (n, m, 3) whose distances change by more than a limit (m).
+
+    Raises
+    ------
+    ContradictionError
+    """
+    first, second = np.triu_indices(points.shape[1], 1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        lengths = np.linalg.norm(points[:, first] - points[:, second], axis=-1)
+        changes = np.std(lengths, axis=0)
+    worst = int(np.argmax(changes))
+    # Rounding of the fit of exact tracks.
+    if changes[worst] > limit + _ROUNDING * float(np.abs(lengths).max()):
+        raise ContradictionError(
+            f"change of the distance of points {first[worst]} and {second[worst]}",
+            f"{float(changes[worst]):.3g} m",
+            f"at most {limit:.3g} m of points of a rigid body",
+        )
 
 
 def _deviation(given: float | None, squares: Array, gains: Array, width: int) -> float:

@@ -7,16 +7,28 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.errors import (
+    BadValueError,
+    ContradictionError,
+    UndeterminedError,
+    WrongSizeError,
+)
+from robomech_ros.spatial.arrays import readable_axis, real_number
 from robomech_ros.spatial.cross_product import cross
-from robomech_ros.spatial.matrices import nearest_rotation
+from robomech_ros.spatial.matrices import as_rotation, nearest_rotation
 from robomech_ros.spatial.rotations.axis_angle import (
     rotation_vector_from_matrix,
 )
 from robomech_ros.spatial.rotations.quaternions import quaternion_from_matrix
+from robomech_ros.spatial.transformations.matching import rotations_between, top_vectors
 
-__all__ = ["SensorAgreement", "frame_between_sensors", "sensor_agreement"]
+__all__ = [
+    "SensorAgreement",
+    "frame_between_sensors",
+    "frames_between",
+    "sensor_agreement",
+    "single_match",
+]
 
 Array = NDArray[np.float64]
 
@@ -25,6 +37,14 @@ _SAME_ANGLE = 1e-6
 _LEAST_SENSORS = 2
 # Ratio of singular values of axes below which they are all parallel.
 _PARALLEL = 1e-9
+# Difference of angles (rad) beyond which both have not seen the same.
+_CHAOS = 0.3
+# Sines of half turns below which there is no rotation but rounding.
+_NO_TURN = 1e-12
+# Frames nearer to each other than this (rad) are one; sums of squares below this are rounding.
+_APART, _ROUNDING = 0.5, 1e-24
+# Logarithm of how much more likely the best frame must be than any other.
+_CLEARLY = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +139,10 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not rotations of these shapes, or all axes parallel: X is then free to turn about them.
+        Not rotations of these shapes.
+    ContradictionError, UndeterminedError
+        Other angles for both sensors; no rotations, all about parallel axes, about which X is then
+        free to turn, or half turns about axes at right angles, which four X match.
 
     See Also
     --------
@@ -129,30 +152,116 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 2.7 and 2.7.1.
     """
+    A, B = (as_rotation(one, what=what) for one, what in ((first, "first"), (second, "second")))
+    if A.ndim != 3 or A.shape != B.shape or len(A) < 2:
+        raise WrongSizeError("rotations", (A.shape[:-2], B.shape[:-2]), "(k, 3, 3) each, k >= 2")
+    frames, misfits = frames_between(A, B)
+    best: Array = frames[single_match(frames, misfits, 3 * len(A) - 3)]
+    return best
+
+
+def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
+    """Find the frames that match rotations best, by invariants: one, or several after half turns.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (k, 3, 3)
+        Checked rotations, as :func:`frame_between_sensors` takes them.
+
+    Returns
+    -------
+    frames : ndarray, shape (c, 3, 3)
+    misfits : ndarray, shape (c,)
+        Sums of squared differences of the rotations of both sensors (rad^2).
+
+    Raises
+    ------
+    ContradictionError, UndeterminedError
+        Other angles for both, no rotations, or all about parallel axes.
+    """
     a, b = (quaternion_from_matrix(one) for one in (first, second))
-    if a.ndim != 2 or a.shape != b.shape or len(a) < 2:
-        raise WrongSizeError("rotations", (a.shape[:-1], b.shape[:-1]), "(k, 3, 3) each, k >= 2")
-    # Half turns come with either sign of r; a further pair tells which one matches.
-    signs = _matching_signs(a, b)
-    r, s = a[:, :3], signs[:, None] * b[:, :3]
-    values = np.linalg.svd(s, compute_uv=False)
-    if not values[1] > _PARALLEL * values[0] or values[0] == 0.0:
-        axis = s[int(np.argmax(np.linalg.norm(s, axis=1)))].tolist()
-        raise BadValueError("axes of the rotations", axis, "at least two that are not parallel")
-    normals = cross(r, np.roll(r, 1, axis=0)), cross(s, np.roll(s, 1, axis=0))
-    return nearest_rotation(r.T @ s + normals[0].T @ normals[1])
+    r, s = a[:, :3], b[:, :3]
+    angles = [2.0 * np.arctan2(np.linalg.norm(one[:, :3], axis=1), one[:, 3]) for one in (a, b)]
+    _check_axes(r, s, angles[0] - angles[1])
+    pairs = np.einsum("kab,kcd->acbd", first, second).reshape(9, 9)
+    values, vectors = np.linalg.eigh(0.5 * (pairs + pairs.T))
+    frames = []
+    for X in rotations_between(top_vectors(values[::-1], vectors[:, ::-1].T)):
+        # Half turns come with either sign of r; X tells which one matches.
+        signs = np.where(np.sum(r * (s @ X.T), axis=1) < 0.0, -1.0, 1.0)
+        matched = signs[:, None] * s
+        normals = cross(r, np.roll(r, 1, axis=0)), cross(matched, np.roll(matched, 1, axis=0))
+        frames.append(nearest_rotation(r.T @ matched + normals[0].T @ normals[1]))
+    found = np.stack(frames)
+    differences = first @ found[:, None] - found[:, None] @ second
+    return found, 0.5 * (differences**2).sum(axis=(1, 2, 3))
 
 
-def _matching_signs(a: Array, b: Array) -> Array:
-    """Signs of the second quaternions with which their inner products match the first ones'."""
-    signs = np.ones(len(a))
-    free = np.minimum(a[:, 3], b[:, 3]) < 1e-6
-    settled = np.flatnonzero(~free)
-    start = settled if len(settled) else np.arange(1)
-    used = [int(j) for j in start]
-    for k in (int(i) for i in np.flatnonzero(free) if i not in start):
-        inner_a = np.array([a[k, :3] @ a[j, :3] for j in used])
-        inner_b = np.array([signs[j] * (b[k, :3] @ b[j, :3]) for j in used])
-        signs[k] = -1.0 if inner_a @ inner_b < 0.0 else 1.0
-        used.append(k)
-    return signs
+def _check_axes(r: Array, s: Array, differences: Array) -> None:
+    """Refuse rotations about parallel axes, as far as the angles of both sensors can tell.
+
+    Parameters
+    ----------
+    r, s : ndarray, shape (k, 3)
+        Euler-Rodrigues parameters by both.
+    differences : ndarray, shape (k,)
+        Of the angles by both (rad): these should be the same, so this is noise.
+
+    Raises
+    ------
+    ContradictionError, UndeterminedError
+    """
+    most = float(np.median(np.abs(differences)))
+    if most > _CHAOS:
+        raise ContradictionError(
+            "difference of the angles of both sensors",
+            f"{most:.3g} rad (median)",
+            f"at most {_CHAOS} rad: all sensors see a rotation turn by the same angle",
+        )
+    noise = 0.5 * float(np.linalg.norm(differences))
+    sizes = np.min([np.linalg.svd(one, compute_uv=False) for one in (r, s)], axis=0)
+    if sizes[0] <= max(_NO_TURN, noise):
+        raise UndeterminedError(
+            "rotation of the motions",
+            f"{2.0 * float(np.arcsin(min(sizes[0], 1.0))):.3g} rad: pure translations",
+            "turns about two axes that are not parallel: all directions are free",
+            np.eye(3).tolist(),
+        )
+    if sizes[1] <= max(_PARALLEL * sizes[0], noise):
+        axis = readable_axis(np.linalg.eigh(r.T @ r)[1][:, 2])
+        raise UndeterminedError(
+            "axes of the rotations",
+            f"all parallel to {axis}",
+            f"at least two that are not parallel: along {axis} of the first frame it is free",
+            [axis],
+        )
+
+
+def single_match(frames: Array, misfits: Array, freedom: int) -> int:
+    """Give the number of the frame that fits best, if it does so clearly.
+
+    Parameters
+    ----------
+    frames : ndarray, shape (c, 3, 3)
+    misfits : ndarray, shape (c,)
+        Sums of squares, in any unit.
+    freedom : int
+        How many numbers are left over to tell by.
+
+    Raises
+    ------
+    UndeterminedError
+        Another one fits almost as well: all axes are those of half turns at right angles.
+    """
+    best = int(np.argmin(misfits))
+    between = np.trace(frames @ frames[best].T, axis1=1, axis2=2)
+    others = misfits[between < 1.0 + 2.0 * np.cos(_APART)]
+    if len(others):
+        better = np.log((others.min() + _ROUNDING) / (misfits[best] + _ROUNDING))
+        if 0.5 * freedom * better < _CLEARLY:
+            raise UndeterminedError(
+                "axes of the rotations",
+                "those of half turns at right angles to each other",
+                "a turn by another angle or about another axis: several frames match equally well",
+            )
+    return best

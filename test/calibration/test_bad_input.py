@@ -1,0 +1,163 @@
+"""Everything wrong that calibration can be given: each has its error, its code and its text."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hand_eye_cells import samples
+
+from robomech_ros import spatial
+from robomech_ros.calibration import hand_eye, relative_hand_eye, robot_world
+from robomech_ros.errors import (
+    BadQuaternionError,
+    BadValueError,
+    ContradictionError,
+    NonFiniteError,
+    UndeterminedError,
+    WrongSizeError,
+)
+
+CAMERA = np.radians(0.1), 0.5e-3
+A, S, X, Z = samples(np.random.default_rng(1), 8, camera=CAMERA)
+ABOUT_Z = spatial.pose_exponential([[0, 0, a, 0.1, 0.2 * a, 0.3] for a in (-1.0, 0.2, 0.9, 1.4)])
+SLIDES = spatial.pose_exponential([[0, 0, 0, 0.1, 0.2 * a, a] for a in (-1.0, 0.2, 0.9, 1.4)])
+
+
+def seen(poses):
+    return spatial.inverse_pose(poses @ X) @ Z
+
+
+def one_wrong(poses, change):
+    wrong = poses.copy()
+    change(wrong[5])
+    return wrong
+
+
+def scale(pose):
+    pose[:3, :3] *= 1.01
+
+
+def mirror(pose):
+    pose[:3, 0] *= -1.0
+
+
+def spoil(pose):
+    pose[1, 3] = np.nan
+
+
+CASES = {
+    "scaled rotation": (
+        lambda: hand_eye(one_wrong(A, scale), S),
+        BadValueError,
+        r"rotation of robot_poses in row 5 is .* orthonormal within 0\.0201",
+    ),
+    "improper rotation": (
+        lambda: hand_eye(A, one_wrong(S, mirror)),
+        BadValueError,
+        "rotation of sensor_poses in row 5 is .* determinant not positive",
+    ),
+    "not a number": (
+        lambda: hand_eye(A, one_wrong(S, spoil)),
+        NonFiniteError,
+        r"sensor_poses\[5, 1, 3\] is nan",
+    ),
+    "zero quaternion": (
+        lambda: hand_eye(spatial.pose_from_position_quaternion(A[:, :3, 3], np.zeros((8, 4))), S),
+        BadQuaternionError,
+        "all zero in row 0, expected norm 1",
+    ),
+    "zero axis": (
+        lambda: hand_eye(spatial.pose_from_screw(np.zeros((8, 3)), [0, 0, 0], 0.1, 0.0), S),
+        BadValueError,
+        "not zero",
+    ),
+    "too few": (
+        lambda: hand_eye(A[:2], S[:2]),
+        WrongSizeError,
+        "samples that differ from each other has size 2, expected 3 or more",
+    ),
+    "duplicates only": (
+        lambda: hand_eye(A[[0, 1, 0, 1]], S[[0, 1, 0, 1]]),
+        WrongSizeError,
+        "samples that differ from each other has size 2, expected 3 or more",
+    ),
+    "parallel axes": (
+        lambda: hand_eye(ABOUT_Z, seen(ABOUT_Z)),
+        UndeterminedError,
+        r"parallel to \[0.0, 0.0, 1.0\].* along \[0.0, 0.0, 1.0\] of the hand frame is free",
+    ),
+    "pure translations": (
+        lambda: hand_eye(SLIDES, seen(SLIDES)),
+        UndeterminedError,
+        "pure translations.* hand frame is free in all directions",
+    ),
+    "parallel axes of motions": (
+        lambda: relative_hand_eye(ABOUT_Z, ABOUT_Z),
+        UndeterminedError,
+        r"parallel to \[0.0, 0.0, 1.0\].* of the first frame it is free",
+    ),
+    "translations as motions": (
+        lambda: relative_hand_eye(SLIDES, SLIDES),
+        UndeterminedError,
+        "pure translations",
+    ),
+    "one motion": (lambda: relative_hand_eye(A[:1], S[:1]), WrongSizeError, "k >= 2"),
+    "motions of other moments": (
+        lambda: relative_hand_eye(A, spatial.pose_exponential(np.full((8, 6), 0.1))),
+        ContradictionError,
+        "difference of the angles of both sensors is .* turn by the same angle",
+    ),
+    "exchanged mount": (
+        lambda: hand_eye(A, S, mount="eye-to-hand"),
+        ContradictionError,
+        "mount is 'eye-to-hand', expected 'eye-in-hand'",
+    ),
+    "inverted poses": (
+        lambda: robot_world(A, S),
+        ContradictionError,
+        "of which one is inverted here",
+    ),
+    "samples of other moments": (
+        lambda: hand_eye(A, np.roll(S, 3, axis=0)),
+        ContradictionError,
+        "contradict each other; are they of the same moments",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_has_its_error_and_its_text(case):
+    call, error, text = CASES[case]
+    with pytest.raises(error, match=text) as caught:
+        call()
+    assert type(caught.value) is error
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (type(again), str(again)) == (error, str(caught.value))
+
+
+def test_what_is_free_can_be_read():
+    with pytest.raises(UndeterminedError) as caught:
+        hand_eye(ABOUT_Z, seen(ABOUT_Z))
+    assert caught.value.free == ((0.0, 0.0, 1.0),)
+    with pytest.raises(UndeterminedError) as caught:
+        hand_eye(SLIDES, seen(SLIDES))
+    assert np.array_equal(caught.value.free, np.eye(3))
+
+
+def test_parallel_axes_that_noise_hides_from_the_direct_method_are_refused():
+    rng = np.random.default_rng(3)
+    noise = rng.normal(size=(4, 6)) * 2e-3
+    with pytest.raises(UndeterminedError, match="all parallel to"):
+        relative_hand_eye(ABOUT_Z @ spatial.pose_exponential(noise), ABOUT_Z)
+    tilted = spatial.pose_exponential([[0.3, 0, 0.9, 0, 0, 0], [0, 0, 1, 0, 0, 0]])
+    np.testing.assert_allclose(relative_hand_eye(tilted, tilted), np.eye(4), atol=1e-12)
+
+
+def test_exact_samples_are_no_outliers():
+    rng = np.random.default_rng(2)
+    for count in (5, 6, 20):
+        for _ in range(20):
+            A, S, X, _ = samples(rng, count)
+            found = hand_eye(A, S)
+            assert found.outliers == ()
+            np.testing.assert_allclose(found.sensor, X, atol=1e-10)
