@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from wrong_values import WRONG_VALUES, with_options
 
-from robomech_ros import dynamics, spatial, trajectory
+from robomech_ros import calibration, dynamics, spatial, trajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import (
     forward_kinematics,
@@ -84,8 +84,15 @@ PUMA, PANDA = load_robot("puma560"), load_robot("panda")
 LIMITS = Limits(list("abcdef"), velocity=1.0, acceleration=2.0, jerk=3.0)
 TABLE = {"a": [0.1] * 6, "b": [0.2] * 6, "alpha": [0.3] * 6}
 MOTION = point_to_point([0] * 6, [0.5] * 6, limits=LIMITS)
+POSES = spatial.pose_exponential(np.random.default_rng(2).normal(size=(4, 6)))
 VALUES = (
     *WRONG_VALUES,
+    POSES,
+    1.1 * POSES,
+    np.zeros((4, 4, 4)),
+    np.tile(np.eye(4), (4, 1, 1)),
+    np.full((4, 4, 4), np.nan),
+    POSES * 1e300,
     ["0"] * 6,
     ["same"] * 6,
     [np.nan] * 6,
@@ -148,7 +155,7 @@ def calls():
         even_turns, count=2, axis=[1, 0, 0]
     )
     found |= with_options(global_conditioning_index, chain=PUMA, length=0.3, postures=256)
-    found |= maps() | of_dynamics()
+    found |= maps() | of_dynamics() | of_calibration()
     found |= with_options(chain_from_dh, **TABLE)
     for key in ("lower", "upper", "velocity", "effort"):
         found[f"limits.{key}"] = lambda value, key=key: chain_from_dh(**TABLE, limits={key: value})
@@ -228,6 +235,19 @@ def maps():
     found["load_reach_map.path"] = load_reach_map
     good |= {"shape": None, "spacing": 0.2}
     found["reach_map.spacing"] = lambda value: reach_map(PUMA, **(good | {"spacing": value}))
+    return found
+
+
+def of_calibration():
+    """Every function of calibration: poses of a sensor at the hand's origin."""
+    A = spatial.pose_exponential(np.random.default_rng(1).normal(size=(4, 6)))
+    B = spatial.inverse_pose(A)
+    found = with_options(calibration.next_best_pose, calibration=calibration.hand_eye(A, B))
+    found |= with_options(calibration.hand_eye, robot_poses=A, sensor_poses=B)
+    found |= with_options(calibration.robot_world, A=A, B=A)
+    found |= with_options(calibration.relative_hand_eye, A=A, B=A)
+    functions = [one for one in calibration.__all__ if one[0].islower()]
+    assert {name.split(".")[0] for name in found} == set(functions)
     return found
 
 

@@ -17,6 +17,7 @@ from robomech_ros.kinetostatics.point_jacobians import TIP, as_point
 from robomech_ros.kinetostatics.rates import joint_rates
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.screws.accelerations import point_acceleration
 
 __all__ = ["bias_acceleration", "jacobian_rate", "joint_accelerations"]
 
@@ -134,15 +135,15 @@ def bias_acceleration(
     qd = np.asarray(qd, dtype=np.float64)
     with np.errstate(over="ignore", invalid="ignore"):
         bias: Array = np.einsum("...ij,...j->...i", rate, qd)
+        omega = np.zeros(3)
         if arm.any():
-            # The point turns about the tip's origin.
             omega = np.einsum("...ij,...j->...i", jacobian(chain, q)[..., :3, :], qd)
-            r = forward_kinematics(chain, q)[..., :3, :3] @ arm
-            turned = np.cross(bias[..., :3], r) + np.cross(omega, np.cross(omega, r))
-            bias[..., 3:] += turned
-    if not np.isfinite(bias).all():
+    if not (np.isfinite(bias).all() and np.isfinite(omega).all()):
         largest = float(np.abs(qd).max(initial=0.0))
         raise BadValueError("largest of qd", largest, "rates with a finite bias acceleration")
+    if arm.any():
+        r = forward_kinematics(chain, q)[..., :3, :3] @ arm
+        bias[..., 3:] = point_acceleration(r, np.zeros(3), bias[..., 3:], omega, bias[..., :3])
     return bias
 
 

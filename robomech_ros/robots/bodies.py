@@ -17,6 +17,7 @@ from robomech_ros.errors import (
 )
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
 from robomech_ros.spatial.arrays import listed, real_array
+from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
 
 __all__ = ["Body", "bodies_carried", "combined", "pack_bodies"]
 
@@ -140,7 +141,7 @@ def combined(bodies: Iterable[Body]) -> Body | None:
     inertia = np.zeros((3, 3))
     for part in parts:
         r = part.com - com
-        inertia = inertia + part.inertia + part.mass * (r @ r * np.eye(3) - np.outer(r, r))
+        inertia = inertia + part.inertia + part.mass * inertia_of_point_mass(1.0, r)
     return Body(mass, com, inertia, any(part.as_measured for part in parts))
 
 

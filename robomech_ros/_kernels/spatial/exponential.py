@@ -1,4 +1,4 @@
-"""Exponential and logarithm of poses, their screws, and the factors of rotation vectors.
+"""Exponential, logarithm and adjoint of poses, their screws, and the factors of rotation vectors.
 
 A pose is a row of sixteen numbers, a screw vector a row of six, angular first.
 """
@@ -26,6 +26,7 @@ from robomech_ros._kernels.spatial.vectors import (
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
 __all__ = [
+    "adjoints",
     "exponentials",
     "inverse_factors",
     "logarithms",
@@ -150,6 +151,38 @@ def logarithms(rows, out):
         v = combined(combined(p, cross(turn, p), -0.5), triple(turn, p), factor)
         out[k, 0], out[k, 1], out[k, 2] = turn
         out[k, 3], out[k, 4], out[k, 5] = v
+    return 0
+
+
+@lean
+def _write_block(rows, out, k, i, j):
+    """Write three rows of three numbers into a matrix of six columns from row i and column j."""
+    for r in range(3):
+        at = 6 * (i + r) + j
+        out[k, at], out[k, at + 1], out[k, at + 2] = rows[r]
+
+
+@kernel(i8(IN2, OUT2))
+def adjoints(rows, out):
+    """Matrices (m, 36) that express twists in another frame, of poses (m, 16)."""
+    zero = 0.0, 0.0, 0.0
+    for k in range(rows.shape[0]):
+        status, x, y, z, w, p = _read_pose(rows, k)
+        if status != 0:
+            return k * STATUSES + status
+        a = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
+        b = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
+        c = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
+        one = combined(scaled(c, p[1]), b, -p[2])
+        two = combined(scaled(a, p[2]), c, -p[0])
+        three = combined(scaled(b, p[0]), a, -p[1])
+        total = dot(one, one) + dot(two, two) + dot(three, three)
+        if not total < math.inf:
+            return k * STATUSES + BAD_INPUT
+        _write_block((a, b, c), out, k, 0, 0)
+        _write_block((zero, zero, zero), out, k, 0, 3)
+        _write_block((one, two, three), out, k, 3, 0)
+        _write_block((a, b, c), out, k, 3, 3)
     return 0
 
 

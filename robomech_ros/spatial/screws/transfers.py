@@ -8,10 +8,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.spatial import exponential
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.cross_product import cross, cross_product_matrix
-from robomech_ros.spatial.poses import as_pose
-from robomech_ros.spatial.rows import common_shape, finite_result
+from robomech_ros.spatial.rows import as_rows, common_shape, finite_result
+from robomech_ros.spatial.screws.exponential import raise_bad_pose
 
 __all__ = [
     "pose_adjoint",
@@ -22,6 +24,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+_adjoints = direct(exponential.adjoints)
 
 _SIX = 6
 
@@ -172,13 +176,11 @@ def pose_adjoint(pose: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not a pose, or too far away.
     """
-    T = as_pose(pose)
-    Q = T[..., :3, :3]
-    matrix = np.zeros((*T.shape[:-2], _SIX, _SIX))
-    matrix[..., :3, :3] = matrix[..., 3:, 3:] = Q
-    with np.errstate(over="ignore", invalid="ignore"):
-        matrix[..., 3:, :3] = cross_product_matrix(T[..., :3, 3]) @ Q
-    return finite_result("pose", matrix, T)
+    rows, shape = as_rows("pose", pose, (4, 4), 16)
+    out = np.empty((len(rows), _SIX * _SIX))
+    if _adjoints(rows, out):
+        raise_bad_pose(rows, shape)
+    return out.reshape(*shape, _SIX, _SIX)
 
 
 def _moved(what: str, six: ArrayLike, start: ArrayLike, end: ArrayLike, free: int) -> Array:

@@ -14,11 +14,12 @@ from robomech_ros.spatial.rotations.axis_angle import (
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
 )
+from robomech_ros.spatial.rotations.rates import angular_motion
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.paths.curve import Curve, as_curve
 from robomech_ros.trajectory.paths.curve_arguments import as_breaks, as_parameters
 from robomech_ros.trajectory.paths.frenet import frenet_serret
-from robomech_ros.trajectory.paths.rotation_vectors import angular_motion, applied
+from robomech_ros.trajectory.paths.rotation_vectors import applied
 from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.tolerances import NEARLY_HALF_TURN
 
@@ -96,7 +97,7 @@ class PiecewiseRotation:
         segment = np.searchsorted(self.breaks, inside, side="right") - 1
         base = self.rotations[np.minimum(segment, len(self.breaks) - 2)]
         theta, rate, second, _ = self.vectors.sample(inside)
-        omega, alpha = angular_motion(theta, rate, second)
+        omega, alpha = angular_motion(theta, "rotation-vector", rate, second)
         rotation = base @ matrix_from_rotation_vector(theta)
         return Turning(rotation, applied(base, omega), applied(base, alpha))
 
