@@ -17,6 +17,9 @@ CONFIRMATION = 1.0
 # How long there are no joint states when a controller without signs of life has died (s): some
 # middleware gives no signs inside one process.
 HUSH = 0.25
+# What the time between two looks counts of that at most (s): whoever was held up has not heard
+# what was said meanwhile, and hears it before the next look.
+_ONE_LOOK = 0.6 * HUSH
 
 
 class ArrivalWatch:
@@ -53,7 +56,9 @@ class ArrivalWatch:
         self._delivery = delivery
         self._gateway = gateway
         self._settings = settings
-        self._now = self._looks_since = delivery.sent_at
+        self._now = delivery.sent_at
+        # How long there were no joint states, of which each look counts a part (s).
+        self._hushed = 0.0
         self._missing_since: float | None = None
         self._watch_from(positions)
 
@@ -78,14 +83,12 @@ class ArrivalWatch:
     def look(self, now: float) -> None:
         """Look where the robot is at a time (s)."""
         delivery, gateway = self._delivery, self._gateway
-        if now > self._now + HUSH:
-            # Whoever was held up has not heard what was said meanwhile.
-            self._looks_since = now
-        self._now = now
+        since, self._now = now - self._now, now
         self.elapsed = now - delivery.sent_at
         self.late = self.elapsed - delivery.lasts
         positions = gateway.positions(delivery.names)
         self._progress.look(now, positions, gateway.heard(delivery.names))
+        self._hushed = self._hushed + min(since, _ONE_LOOK) if self._progress.silent else 0.0
         if positions is None:
             # What was seen at last says more.
             self.off = self.off or f"no joint states of {', '.join(delivery.names)}"
@@ -128,8 +131,7 @@ class ArrivalWatch:
     def _gone(self, patience: float) -> str:
         """Say what was not there for longer than `patience` (s); empty if all is there."""
         delivery, silent = self._delivery, self._progress.silent
-        hushed = min(silent, self._now - self._looks_since) > HUSH
-        if self._gateway.replaced or (self._gateway.died and hushed):
+        if self._gateway.replaced or (self._gateway.died and self._hushed > HUSH):
             return "the controller has died: its process is gone, or stands still"
         missing = self._gateway.missing(delivery.transport)
         if not missing:

@@ -164,6 +164,34 @@ def test_a_controller_that_has_died_is_told_at_once(robot, dispatcher, transport
     assert "at last joint 'shoulder' is at" in one.report.text
 
 
+@pytest.mark.parametrize("gaps", [(0.3,), (1.0,), (0.3, 0.1)])
+def test_who_looks_seldom_takes_a_dead_controller_for_dead(robot, dispatcher, gaps):
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 20.0), Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 0.3)
+    robot.died, robot.talks = True, 0
+    now = 0.25
+    for k in range(3):
+        assert one.report is None
+        now += gaps[k % len(gaps)]
+        dispatcher.step(now)
+        if one.report is not None:
+            break
+    assert k >= 1, "the first look after a pause has not heard what was said meanwhile"
+    assert one.report.text.startswith("the controller has died: its process is gone")
+
+
+def test_who_looks_seldom_does_not_take_one_that_speaks_for_dead(robot, dispatcher):
+    one = delivery()
+    dispatcher.offer(one, 0.0)
+    robot.died = True
+    for now in (0.3, 0.6, 0.9, 1.2, 1.5):
+        assert one.report is None
+        robot.at = one.waypoints.curve.sample(min(now, 1.0)).position
+        dispatcher.step(now)
+    assert one.report.code == 0
+
+
 def test_who_was_held_up_does_not_take_the_controller_for_dead(robot, dispatcher):
     """The lease had run out while the publisher stood still, and no joint states were heard."""
     one = delivery()
