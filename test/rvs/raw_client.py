@@ -50,6 +50,8 @@ class Client:
             additional_headers=more,
             subprotocols=[f"viser-v{viser.__version__}"],
             max_size=None,
+            # It reads on, and so answers pings, though nobody takes what it reads.
+            max_queue=None,
             open_timeout=PATIENCE,
         )
 
