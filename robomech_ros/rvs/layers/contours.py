@@ -111,11 +111,10 @@ class ContoursLayer:
         """Do something on the thread of the page."""
         self._place.ask(("contours", kind), request)
 
-    def problem(self, pair: tuple[int, int]) -> CurveProblem:
-        """Give the contours of the pose."""
+    def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
+        """Give the contours of the pose; None where they have been switched off."""
         T = self._target
-        assert T is not None, "drawn before a pose is known"
-        return PostureProblem(self._place.chain, T, pair)
+        return None if T is None else PostureProblem(self._place.chain, T, pair)
 
     def disc(self, found: Finding) -> tuple[str, str]:
         """Give the number and the colour of a posture in the table, none outside the limits."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from typing import Any, Protocol
 
 __all__ = ["AllControls", "Audience", "Controls"]
@@ -26,9 +27,10 @@ class AllControls:
         self._parts = parts
 
     def remove(self) -> None:
-        """Take them from the browser."""
-        for part in self._parts:
-            part.remove()
+        """Take them from the browser, the others, too, where that fails with one."""
+        with ExitStack() as removing:
+            for part in reversed(self._parts):
+                removing.callback(part.remove)
 
 
 class Audience:
@@ -67,11 +69,10 @@ class Audience:
         self._watching.pop(number, None)
         if number != self.commander:
             return False
+        self.commander = None
+        self._tell_watchers(_NOBODY)
         # What computes for it ends, too.
         self.withdraw()
-        self.commander = None
-        for text, _ in self._watching.values():
-            text.content = _WATCHING.format(text=_NOBODY)
         return True
 
     def give_command(self, number: int) -> None:
@@ -84,21 +85,38 @@ class Audience:
             self._let_watch(self._clients[self.commander])
         for handle in self._watching.pop(number, ()):
             handle.remove()
-        self.commander, self._controls = number, self._make_controls(client)
-        for text, _ in self._watching.values():
-            text.content = _WATCHING.format(text=_OTHER)
+        self._equip(client)
 
     def withdraw(self) -> None:
         """Take the controls from the browser that commands, until it gets new ones."""
-        if self._controls is not None:
-            self._controls.remove()
-            self._controls = None
+        controls, self._controls = self._controls, None
+        if controls is not None:
+            controls.remove()
 
     def renew(self) -> None:
         """Give the browser that commands new controls."""
         self.withdraw()
         if self.commander is not None:
-            self._controls = self._make_controls(self._clients[self.commander])
+            self._equip(self._clients[self.commander])
+
+    def _equip(self, client: Any) -> None:
+        """Let a browser command; where its controls cannot be made, nobody does."""
+        try:
+            self._controls = self._make_controls(client)
+        except Exception:
+            self.commander = None
+            # Nobody may command by those that were made before it failed.
+            client.gui.reset()
+            client.scene.reset()
+            self._let_watch(client)
+            self._tell_watchers(_NOBODY)
+            raise
+        self.commander = client.client_id
+        self._tell_watchers(_OTHER)
+
+    def _tell_watchers(self, sentence: str) -> None:
+        for text, _ in self._watching.values():
+            text.content = _WATCHING.format(text=sentence)
 
     def _let_watch(self, client: Any) -> None:
         text = client.gui.add_html(_WATCHING.format(text=_OTHER), order=-1)

@@ -42,8 +42,8 @@ class Owner(Protocol):
     def present(self, kind: Hashable, request: Request) -> None:
         """Have something done on the thread of the page; of a kind, the latest."""
 
-    def problem(self, pair: tuple[int, int]) -> CurveProblem:
-        """Give what is drawn, for two equations; called in ``compute``."""
+    def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
+        """Give what is drawn, for two equations; None for nothing; called in ``compute``."""
 
     def disc(self, found: Finding) -> tuple[str, str]:
         """Give text and colour of the disc of a root; called in ``compute``."""
@@ -149,6 +149,8 @@ class CurveView:
             if first == second:
                 raise BadValueError("Second curve", chosen[1], "another equation than the first")
             self._problem = self._owner.problem((first, second))
+            if self._problem is None:
+                return
             self._curves = self._problem.curves()
         except RobomechError as error:
             self._present(notice([f"Refused: {error}"]))

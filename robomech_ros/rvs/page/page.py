@@ -55,6 +55,7 @@ class RobotPage:
         self._dark: set[int] = set()
         self._kept: dict[str, Any] = {}
         arm, seen = SeenArm(chain), seen_robot(description)
+        self._layers: list[Layer] = []
         self._server = guarded_server(host, port, chain.name)
         set_theme(self._server.viser.gui, False)
         self._worker = Worker()
@@ -111,8 +112,7 @@ class RobotPage:
             kept=self._kept,
             separate=self._stage.separate,
         )
-        self._layers: list[Layer] = []
-        self._layers += [make(place) for make in self._makers]
+        self._layers = [make(place) for make in self._makers]
 
     # What browsers ask for, on threads of the server.
 
@@ -202,9 +202,12 @@ class RobotPage:
         self._plan.show(motion, name)
 
     def _make_controls(self, client: Any) -> Controls:
+        self._panel = None
         shown = self._switched(client.client_id)
-        self._panel = Panel(client, self._arm, self, BASE, self._reach, shown)
-        return AllControls([self._panel, *(layer.controls(client) for layer in self._layers)])
+        panel = Panel(client, self._arm, self, BASE, self._reach, shown)
+        controls = AllControls([panel, *(layer.controls(client) for layer in self._layers)])
+        self._panel = panel
+        return controls
 
     def _switched(self, browser: int | None = None) -> dict[str, bool]:
         """Give what is shown; the page of a browser, or else of who commands, may be dark."""
