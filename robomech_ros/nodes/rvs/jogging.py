@@ -1,4 +1,7 @@
-"""Jogs the robot through the servo, while a page holds a button."""
+"""Jogs the robot through the servo, while a page holds a button.
+
+What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
+"""
 
 import threading
 import time
@@ -12,7 +15,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.jog import JogDirection, JogSwitch
+from robomech_ros.rvs.model.jog import Beat, JogDirection, JogSwitch
 
 __all__ = ["Jogger"]
 
@@ -20,9 +23,10 @@ __all__ = ["Jogger"]
 _PERIOD = 0.02
 
 
-class _Way(NamedTuple):
-    """Axes, of the base or of the tip, and the part of the greatest speed."""
+class _Jog(NamedTuple):
+    """What is held: which way, along whose axes, and at which part of the greatest speed."""
 
+    direction: JogDirection
     frame: str
     speed: float
 
@@ -38,7 +42,7 @@ class Jogger:
         The robot.
     settings : RvsSettings
     complain : callable
-        Told when nobody listens to the commands.
+        Told when nobody listens to the commands, and when a jog fails.
     """
 
     def __init__(
@@ -50,18 +54,17 @@ class Jogger:
     ) -> None:
         self._clock, self._model, self._settings = node.get_clock(), model, settings
         self._complain = complain
-        self._switch = JogSwitch(settings.jog_silence, time.monotonic)
-        self._way = _Way("base", 0.0)
+        self._logger = node.get_logger()
+        self._switch = JogSwitch[_Jog](settings.jog_silence, time.monotonic)
         servo = settings.servo
         self._twists = node.create_publisher(TwistStamped, f"{servo}/delta_twist_cmds", 10)
         self._joints = node.create_publisher(JointState, f"{servo}/joint_velocity_cmds", 10)
         self._thread = threading.Thread(target=self._run, name="jog", daemon=True)
         self._thread.start()
 
-    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+    def hold(self, beat: Beat, frame: str, speed: float) -> None:
         """Go on with a press, or begin one; see ``LiveRobot``."""
-        self._way = _Way(frame, speed)
-        self._switch.hold(direction, press)
+        self._switch.hold(_Jog(beat.direction, frame, speed), beat.press, beat.age)
 
     def let_go(self) -> None:
         """End the press."""
@@ -79,16 +82,26 @@ class Jogger:
 
     def _run(self) -> None:
         while self._switch.wait():
-            last: JogDirection | None = None
-            while (direction := self._switch.held()) is not None:
-                if last is None and not self._heard(direction):
-                    self._switch.release()
-                    break
-                self._send(direction, self._way)
-                last = direction
-                time.sleep(_PERIOD)
-            if last is not None:
-                self._send(last, self._way._replace(speed=0.0))
+            try:
+                self._jog()
+            except Exception as error:
+                # The servo brakes without commands, and the next press is tried again.
+                self._switch.release()
+                self._logger.error(f"a jog failed: {error!r}")
+                self._complain(f"The jog failed: {error}")
+
+    def _jog(self) -> None:
+        """Command what is held, and then to stand."""
+        last: _Jog | None = None
+        while (jog := self._switch.held()) is not None:
+            if not self._heard(jog.direction):
+                self._switch.release()
+                break
+            self._send(jog)
+            last = jog
+            time.sleep(_PERIOD)
+        if last is not None:
+            self._send(last._replace(speed=0.0))
 
     def _heard(self, direction: JogDirection) -> bool:
         publisher = self._joints if direction.kind == "joint" else self._twists
@@ -97,17 +110,17 @@ class Jogger:
         self._complain(f"No servo listens on '{publisher.topic_name}'.")
         return False
 
-    def _send(self, direction: JogDirection, way: _Way) -> None:
-        given, stamp = self._settings, self._clock.now().to_msg()
-        linear = way.speed * given.jog_linear_speed
+    def _send(self, jog: _Jog) -> None:
+        given, stamp, direction = self._settings, self._clock.now().to_msg(), jog.direction
+        linear = jog.speed * given.jog_linear_speed
         if direction.kind == "joint":
-            speed = way.speed * given.jog_joint_speed
+            speed = jog.speed * given.jog_joint_speed
             command = joint_jog(self._model.chain, direction, speed, linear)
             command.header.stamp = stamp
             self._joints.publish(command)
             return
         chain = self._model.chain
-        frame = self._model.frame_of(chain.tip if way.frame == "tip" else chain.base)
-        twist = twist_jog(frame, direction, linear, way.speed * given.jog_angular_speed)
+        frame = self._model.frame_of(chain.tip if jog.frame == "tip" else chain.base)
+        twist = twist_jog(frame, direction, linear, jog.speed * given.jog_angular_speed)
         twist.header.stamp = stamp
         self._twists.publish(twist)

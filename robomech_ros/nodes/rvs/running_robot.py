@@ -18,7 +18,7 @@ from robomech_ros.nodes.rvs.messages import motion_from_trajectory, seen_marker
 from robomech_ros.nodes.rvs.motions import Motions
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
-from robomech_ros.rvs.model.jog import JogDirection
+from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.model.live_robot import LiveView, SeenMarker
 
 __all__ = ["RunningRobot"]
@@ -91,9 +91,9 @@ class RunningRobot:
         """Listen to markers, or not."""
         self._soon(lambda: self._listen(wanted))
 
-    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+    def hold(self, beat: Beat, frame: str, speed: float) -> None:
         """Jog while this is said again and again; see ``LiveRobot``."""
-        self._jogger.hold(direction, press, frame, speed)
+        self._jogger.hold(beat, frame, speed)
 
     def let_go(self) -> None:
         """End the jog."""

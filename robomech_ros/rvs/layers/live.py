@@ -97,17 +97,24 @@ class LiveLayer:
         self._ask_for_motion("execute", "Not executed", self._robot.execute)
 
     def _ask_for_motion(self, kind: str, refusal: str, way: Callable[[Array], None]) -> None:
-        """Go a way to the goal when the page comes to it, unless Stop is clicked before."""
-        stops = self._stops
+        """Go a way to the goal when the page comes to it.
+
+        Not if Stop is clicked before, or the browser has lost command by then.
+        """
+        stops, controls = self._stops, self._controls
         self._say("dropped", "")
 
         def go() -> None:
+            dropped = ""
             with self._stopping:
-                stopped = stops != self._stops
-                if not stopped:
+                if stops != self._stops:
+                    dropped = "Stop was clicked after it"
+                elif controls is None or controls.gone:
+                    dropped = "another browser has taken command"
+                else:
                     way(self._place.arm.q.copy())
-            if stopped:
-                self._say("dropped", f"{refusal}: Stop was clicked after it.")
+            if dropped:
+                self._say("dropped", f"{refusal}: {dropped}.")
 
         self._place.ask(kind, go)
 

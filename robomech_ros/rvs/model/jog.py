@@ -1,4 +1,24 @@
-"""Jogging by buttons that are held: which way, and when it has to end."""
+"""Jogging by buttons that are held: which way, and when it has to end.
+
+What stops the robot:
+
+- The page says that the button is let go, or that the page is hidden or left; somebody clicks Stop;
+  another browser takes command; the connection is closed.  The press ends at once.
+- The page says nothing for ``silence``.  The press ends that long after its last word.
+- What the page says comes later and later, as where messages queue up.  Every word tells how old
+  its press is by the clock of the page, so the server knows how much longer a word took than the
+  fastest one of this press; the two clocks need not agree.  The press ends with the first word that
+  took longer by ``silence``.
+
+So whatever becomes of the connection, the press has ended at most twice ``silence`` after the
+button was let go: the last word came up to one ``silence`` late, and counts for another.  What the
+first word took cannot be seen, and comes on top: the motion began as much later.
+
+The thread that commands the servo looks every 0.02 s whether the press has ended, and commands to
+stand.  If it cannot, since the process hangs or is gone, the servo brakes after its
+``command_timeout`` (0.1 s); if the servo is gone, the controller follows the plan to stop in the
+servo's last message.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +26,15 @@ import re
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, NamedTuple, TypeVar
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["AXES", "JogDirection", "JogSwitch", "read_hold"]
+__all__ = ["AXES", "Beat", "JogDirection", "JogSwitch", "read_beat"]
 
 AXES = "xyz"
-_HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) [0-9]{1,9}")
+Held = TypeVar("Held")
+_HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) ([0-9]{1,9})")
 
 
 @dataclass(frozen=True)
@@ -34,21 +56,36 @@ class JogDirection:
     sign: int
 
 
-def read_hold(text: str, joints: int) -> tuple[JogDirection, int]:
+class Beat(NamedTuple):
+    """What a page says again and again while a button is held.
+
+    Attributes
+    ----------
+    direction : JogDirection
+    press : int
+        The same as long as the button is held.
+    age : float
+        How long it had been held (s) when the page said so.
+    """
+
+    direction: JogDirection
+    press: int
+    age: float
+
+
+def read_beat(text: str, joints: int) -> Beat:
     """Read what a page says while a button is held.
 
     Parameters
     ----------
     text : str
-        Direction, number of the press and count of the beat: ``"joint 2 + 1712 5"``.
+        Direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
     joints : int
         How many there are.
 
     Returns
     -------
-    direction : JogDirection
-    press : int
-        The same as long as the button is held.
+    Beat
 
     Raises
     ------
@@ -63,18 +100,20 @@ def read_hold(text: str, joints: int) -> tuple[JogDirection, int]:
     count = joints if kind == "joint" else len(AXES)
     if index >= count:
         raise BadValueError(f"number of the {kind} jog", index, f"0 to {count - 1}")
-    return JogDirection(kind, index, 1 if found[3] == "+" else -1), int(found[4])
+    direction = JogDirection(kind, index, 1 if found[3] == "+" else -1)
+    return Beat(direction, int(found[4]), 1e-3 * int(found[5]))
 
 
-class JogSwitch:
+class JogSwitch(Generic[Held]):
     """A switch that is on only while somebody keeps saying so; for several threads.
 
-    A press that has ended, for whatever reason, stays ended.
+    A press that has ended, for whatever reason, stays ended; see above for what ends it.
 
     Parameters
     ----------
     silence : float
-        After so long (s) without a word it is off.
+        After so long (s) without a word, or with a word that took so much longer than another one
+        of the press, it is off.
     clock : callable
         Gives the time (s).
     """
@@ -82,20 +121,35 @@ class JogSwitch:
     def __init__(self, silence: float, clock: Callable[[], float]) -> None:
         self._silence, self._clock = silence, clock
         self._change = threading.Condition()
-        self._direction: JogDirection | None = None
+        self._what: Held | None = None
         self._press = self._ended = -1
-        self._heard = 0.0
+        # When the last word came, and when the press began, by the word that came fastest.
+        self._heard = self._begun = 0.0
         self._closed = False
 
-    def hold(self, direction: JogDirection, press: int) -> None:
-        """Go on with a press, or begin one."""
+    def hold(self, what: Held, press: int, age: float) -> None:
+        """Go on with a press, or begin one.
+
+        Parameters
+        ----------
+        what : object
+            What is held.
+        press : int
+            Its number.
+        age : float
+            How long it had been held (s) when this was said.
+        """
         with self._change:
             self._end_if_silent()
             if press == self._ended:
                 return
+            now = self._clock()
             if press != self._press:
-                self._ended = self._press
-            self._direction, self._press, self._heard = direction, press, self._clock()
+                self._ended, self._begun = self._press, now - age
+            self._begun = min(self._begun, now - age)
+            self._what, self._press, self._heard = what, press, now
+            if now - age - self._begun > self._silence:
+                self._end()
             self._change.notify_all()
 
     def release(self) -> None:
@@ -103,16 +157,16 @@ class JogSwitch:
         with self._change:
             self._end()
 
-    def held(self) -> JogDirection | None:
-        """Give the direction that is held now; None if there is none."""
+    def held(self) -> Held | None:
+        """Give what is held now; None if nothing is."""
         with self._change:
             self._end_if_silent()
-            return self._direction
+            return self._what
 
     def wait(self) -> bool:
         """Wait for a press; False once the switch is closed."""
         with self._change:
-            self._change.wait_for(lambda: self._direction is not None or self._closed)
+            self._change.wait_for(lambda: self._what is not None or self._closed)
             return not self._closed
 
     def close(self) -> None:
@@ -123,9 +177,9 @@ class JogSwitch:
             self._change.notify_all()
 
     def _end_if_silent(self) -> None:
-        if self._direction is not None and self._clock() - self._heard > self._silence:
+        if self._what is not None and self._clock() - self._heard > self._silence:
             self._end()
 
     def _end(self) -> None:
-        if self._direction is not None:
-            self._direction, self._ended = None, self._press
+        if self._what is not None:
+            self._what, self._ended = None, self._press

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.jog import JogDirection
+from robomech_ros.rvs.model.jog import Beat
 from robomech_ros.rvs.motion import Motion
 
 __all__ = ["LiveRobot", "LiveView", "SeenMarker", "ServoNews"]
@@ -113,14 +113,13 @@ class LiveRobot(Protocol):
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""
 
-    def hold(self, direction: JogDirection, press: int, frame: str, speed: float) -> None:
+    def hold(self, beat: Beat, frame: str, speed: float) -> None:
         """Jog while this is said again and again.
 
         Parameters
         ----------
-        direction : JogDirection
-        press : int
-            Of the button; one that was let go does nothing any more.
+        beat : Beat
+            Of a press that has ended it does nothing any more.
         frame : {"base", "tip"}
             Whose axes those of the tip's motion are.
         speed : float

@@ -22,14 +22,14 @@ _BUTTON = (
     "touch-action:none"
 )
 # Begins when a button is pressed.  Until it is let go, or the page is hidden, left or without its
-# field, the field gets direction, press and beat; then it is emptied, twice, since the page sends
-# only the last of what two fields get at about the same time.
+# field, the field gets direction, press and its age (ms); then it is emptied, twice, since the page
+# sends only the last of what two fields get at about the same time.
 _PRESS = (
     "var b=event.target.closest('[data-jog]'),"
     "l=document.querySelector('label[for=\"FIELD\"]'),"
     "f=l&&l.closest('.mantine-Flex-root').querySelector('input');"
     "if(b&&f&&event.button===0){event.preventDefault();"
-    "var n=0,p=Date.now(),t=0,"
+    "var p=Date.now(),s=performance.now(),t=0,"
     "w=function(v){Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set"
     ".call(f,v);f.dispatchEvent(new Event('input',{bubbles:true}))},"
     "e=function(){if(!t)return;clearInterval(t);t=0;b.style.outline='';"
@@ -38,7 +38,7 @@ _PRESS = (
     "document.removeEventListener('visibilitychange',e);w('');"
     "setTimeout(function(){if(!f.value)w(' ')},120)},"
     "g=function(){if(document.hidden||!b.isConnected||!f.isConnected){e();return}"
-    "w(b.dataset.jog+' '+p+' '+(++n))};"
+    "w(b.dataset.jog+' '+p+' '+Math.round(performance.now()-s))};"
     "t=setInterval(g,PERIOD);b.style.outline='2px solid #e8590c';b.setAttribute('data-held','');"
     "try{b.setPointerCapture(event.pointerId)}catch(x){}"
     "b.onpointerup=b.onpointercancel=b.onlostpointercapture=b.oncontextmenu=e;"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any, Protocol
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.jog import read_hold
+from robomech_ros.rvs.model.jog import read_beat
 from robomech_ros.rvs.model.live_robot import LiveRobot
 from robomech_ros.rvs.page.jog_pad import jog_pad
 from robomech_ros.rvs.page.tables import short_name
+from robomech_ros.spatial.arrays import as_choice
 
 __all__ = ["GOAL", "LiveCommands", "LiveControls"]
 
@@ -18,6 +20,8 @@ GOAL = "Goal"
 PLAN, EXECUTE, TO_ROBOT = "Plan", "Execute", "To robot"
 # Parts of the greatest jogging speed.
 SLOWEST, AT_FIRST = 0.05, 0.5
+# Whose axes the tip is jogged along and about.
+FRAMES = ("base", "tip")
 
 
 class LiveCommands(Protocol):
@@ -69,6 +73,8 @@ class LiveControls:
         self._robot, self._commands, self._joints = robot, commands, chain.n
         self.client_id = client.client_id
         self._handles: list[Any] = []
+        # Whether the browser commands no more; changed while nothing is jogged.
+        self.gone, self._jogging = False, threading.Lock()
         gui = client.gui
         self._add_goal(gui)
         self._add_jog(gui, chain)
@@ -115,7 +121,7 @@ class LiveControls:
             hint = "Part of the greatest jogging speed, a parameter of the node"
             self._speed = gui.add_slider("speed", SLOWEST, 1.0, 0.05, AT_FIRST, hint=hint)
             hint = "Axes along and about which the tip is jogged"
-            self._frame = gui.add_dropdown("axes of", ("base", "tip"), hint=hint)
+            self._frame = gui.add_dropdown("axes of", FRAMES, hint=hint)
             self._field = gui.add_text("jog", "")
             names = [short_name(name) for name in chain.joint_names]
             gui.add_html(jog_pad(self._field._impl.uuid, names))
@@ -127,26 +133,34 @@ class LiveControls:
                 self._hold(self._field.value)
 
     def _hold(self, text: str) -> None:
-        if not text.strip():
-            self._robot.let_go()
-            return
-        try:
-            direction, press = read_hold(text, self._joints)
-            speed = self._speed.value
-            if not SLOWEST <= speed <= 1.0:
-                raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
-            self._robot.hold(direction, press, str(self._frame.value), float(speed))
-        except BadValueError as error:
-            self._robot.let_go()
-            self._commands.refuse(error)
+        """Go on with a jog, or end it, as the text says."""
+        with self._jogging:
+            # What a browser said before it lost command may come after.
+            if self.gone:
+                return
+            if not text.strip():
+                self._robot.let_go()
+                return
+            try:
+                beat = read_beat(text, self._joints)
+                speed = self._speed.value
+                if not SLOWEST <= speed <= 1.0:
+                    raise BadValueError("speed", speed, f"{SLOWEST:g} to 1")
+                frame = as_choice("axes", self._frame.value, FRAMES)
+                self._robot.hold(beat, frame, speed)
+            except BadValueError as error:
+                self._robot.let_go()
+                self._commands.refuse(error)
 
     def show_waiting(self, waiting: bool) -> None:
         """Show whether plans wait to be executed on request."""
-        if self._waiting.value != waiting:
+        if not self.gone and self._waiting.value != waiting:
             self._waiting.value = waiting
 
     def remove(self) -> None:
         """Take the controls from the browser, and end its jog."""
-        self._robot.let_go()
+        with self._jogging:
+            self.gone = True
+            self._robot.let_go()
         for handle in reversed(self._handles):
             handle.remove()

@@ -49,7 +49,7 @@ class Browser:
         self.layer = self.page._layers[0]
         self.client = Client(node)
         self._socket = self.client.connect()
-        self._presses = self._beats = 0
+        self._presses, self._pressed_at = 0, 0.0
         self.send(camera())
         wait_until(lambda: self.layer._controls is not None)
 
@@ -71,12 +71,18 @@ class Browser:
         self.set(next(one for one in handles if getattr(one, "label", "") == "Stop"), True)
 
     def press(self):
-        self._presses += 1
+        self._presses, self._pressed_at = self._presses + 1, time.monotonic()
+
+    @property
+    def press_has_ended(self):
+        """Whether the node takes the present press for over."""
+        switch = self.node._robot._jogger._switch
+        return switch.held() is None and switch._ended == self._presses
 
     def hold(self, direction):
         """Say that a button is held."""
-        self._beats += 1
-        text = f"{direction} {self._presses} {self._beats}"
+        age = round(1000 * (time.monotonic() - self._pressed_at))
+        text = f"{direction} {self._presses} {age}"
         self.set(self.layer._controls._field, text)
 
     def said(self, line="result"):
@@ -212,6 +218,30 @@ def test_what_waits_when_stop_is_clicked_is_not_done(suite, arm, what):
     suite.click("Execute")
     wait_until(lambda: "arrived after" in suite.said())
     assert suite.said("dropped") == ""
+
+
+@pytest.mark.parametrize("what", ["Plan", "Execute"])
+def test_what_waits_when_command_is_lost_is_not_done(suite, browse, arm, what):
+    goal_beside(suite, arm, 0.25)
+    other = Browser(suite.node)
+    wait_until(lambda: suite.page._audience._watching)
+    ((number, (_, button)),) = suite.page._audience._watching.items()
+    start, held, free = arm.position, threading.Event(), threading.Event()
+    suite.page._run("hold the page up", lambda: held.set() or free.wait(60.0))
+    assert held.wait(60.0)
+    try:
+        other.set(button, True)
+        wait_until(lambda: "take over" in suite.page._worker._waiting)
+        suite.click(what)
+        wait_until(lambda: len(suite.page._worker._waiting) > 1)
+    finally:
+        free.set()
+    wait_until(lambda: "another browser has taken command" in suite.said("dropped"))
+    assert suite.page._audience.commander == number
+    np.testing.assert_array_equal(arm.position, start)
+    other.click("Execute")
+    wait_until(lambda: "arrived after" in suite.said())
+    other.close()
 
 
 def test_who_is_not_there_is_named(shown, arm):
@@ -406,11 +436,16 @@ def jogged(graph, drive, browse):
 
 
 def hold_until(browser, direction, condition):
-    """Hold a button until something is so."""
+    """Hold a button until something is so.
+
+    A press ends where the machine is too busy for its beats; then the button is pressed again.
+    """
     browser.press()
     deadline = time.monotonic() + 60.0
     while not condition():
         assert time.monotonic() < deadline, browser.said()
+        if browser.press_has_ended:
+            browser.press()
         browser.hold(direction)
         time.sleep(0.05)
 
@@ -461,11 +496,15 @@ def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
     if how == "close":
         browser.close()
     elif how == "take over":
+        lost = browser.layer._controls
         other = Browser(browser.node)
         wait_until(lambda: browser.page._audience._watching)
         ((number, (_, button)),) = browser.page._audience._watching.items()
         other.set(button, True)
         wait_until(lambda: browser.page._audience.commander == number)
+        # What it said last may come after.
+        lost._hold("joint 1 + 99 0")
+        assert not browser.node._robot.jogs
         other.close()
     until_still(robot)
     assert not browser.node._robot.jogs
@@ -477,6 +516,8 @@ WILD = [
     "linear 0 + 1 1; drop",
     "nan",
     "joint 0 +" * 300,
+    7,
+    ["joint 0 + 1 1"],
 ]
 
 
@@ -486,12 +527,31 @@ def test_wild_jogs_are_refused(jogged, text):
     start = robot.position
     browser.set(browser.layer._controls._field, text)
     wait_until(lambda: "Refused" in browser.said())
-    browser.set(browser.layer._controls._speed, 1e300)
-    browser.press()
-    browser.hold("linear 0 +")
-    wait_until(lambda: "speed" in browser.said())
+    controls = browser.layer._controls
+    # A slider takes what can be read as a number.
+    for field, value, right, word in (
+        (controls._speed, 1e300, 0.5, "speed is 1e+300"),
+        (controls._speed, "nan", 0.5, "speed is nan"),
+        (controls._frame, "sideways", "base", "axes is 'sideways'"),
+    ):
+        browser.set(field, value)
+        browser.press()
+        browser.hold("linear 0 +")
+        wait_until(lambda w=word: w in browser.said())
+        browser.set(field, right)
     assert not browser.node._robot.jogs
     np.testing.assert_array_equal(robot.position, start)
+
+
+def test_a_jog_that_fails_is_told_and_the_next_one_moves(jogged):
+    browser, robot = jogged
+    browser.node.destroy_publisher(browser.node._robot._jogger._joints)
+    browser.press()
+    browser.hold("joint 1 +")
+    wait_until(lambda: "The jog failed" in browser.said())
+    assert not browser.node._robot.jogs
+    start = robot.position
+    hold_until(browser, "linear 2 +", lambda: np.abs(robot.position - start).max() > 0.01)
 
 
 def test_what_cannot_be_drawn_ends_no_watch_on_the_states(shown, arm):
