@@ -65,14 +65,12 @@ class Motions:
         planner, publisher, controller = settings.planner, settings.publisher, settings.controller
         self._planner = ask(node, PlanJoint, f"{planner}/plan_joint")
         self._executor = ask(node, Execute, f"{publisher}/execute")
-        self._stoppers = [
-            ask(node, Trigger, f"{publisher}/cancel"),
-            ask(node, Trigger, f"{controller}/hold"),
-        ]
+        cancel = ask(node, Trigger, f"{publisher}/cancel")
+        hold = ask(node, Trigger, f"{controller}/hold")
         self._reader = ask(node, GetParameters, f"{publisher}/get_parameters")
         self._writer = ask(node, SetParameters, f"{publisher}/set_parameters")
         self._requests = Requests(node)
-        self._stopping = Stopping(self._requests, self._stoppers, view)
+        self._stopping = Stopping(self._requests, cancel, hold, view)
         # Held while something is decided and sent, so that nothing is sent after a stop.
         self._lock = threading.RLock()
         # Which request is the latest, which was the latest to stop; whether a look is under way.

@@ -1,8 +1,12 @@
-"""Has the robot stopped, and says so when those who were asked have answered."""
+"""Has the robot stopped, and says so when those who were asked have answered.
+
+Publisher and controller are asked at once, since either may hang.  The publisher may stop the robot
+by a trajectory that brakes on the path; where that comes after the controller held, the robot would
+move on to its end.  So the controller is asked to hold again once the publisher has answered.
+"""
 
 import threading
 import time
-from collections.abc import Sequence
 from typing import Any
 
 from rclpy.client import Client
@@ -19,20 +23,20 @@ _SOON, _PATIENCE = 2.0, 60.0
 
 
 class Stopping:
-    """Calls services that stop the robot, from any thread.
+    """Calls the services that stop the robot, from any thread.
 
     Parameters
     ----------
     requests : Requests
         Sends.
-    clients : sequence of Client
-        Of services of std_srvs/Trigger, all of which are called.
+    cancel, hold : Client
+        Of the services (std_srvs/Trigger) of publisher and controller.
     view : LiveView
         Shows what came of it.
     """
 
-    def __init__(self, requests: Requests, clients: Sequence[Client], view: LiveView) -> None:
-        self._requests, self._clients, self._view = requests, clients, view
+    def __init__(self, requests: Requests, cancel: Client, hold: Client, view: LiveView) -> None:
+        self._requests, self._cancel, self._hold, self._view = requests, cancel, hold, view
         self._lock = threading.Lock()
         self._number, self._since, self._shown, self._named = 0, 0.0, True, False
         # Of the latest stop: who has not answered, and what went wrong.
@@ -41,12 +45,13 @@ class Stopping:
 
     def stop(self) -> None:
         """Stop; what came of an earlier stop is shown no more."""
-        there = [client for client in self._clients if client.service_is_ready()]
+        clients = (self._cancel, self._hold)
+        there = [client for client in clients if client.service_is_ready()]
         with self._lock:
             self._number += 1
             self._since, self._shown, self._named = time.monotonic(), True, False
             self._open = there[:]
-            absent = [client for client in self._clients if client not in there]
+            absent = [client for client in clients if client not in there]
             self._faults = [f"nobody serves {self._requests.name(one)}" for one in absent]
             number = self._number
         for client in there:
@@ -82,8 +87,13 @@ class Stopping:
                 if number != self._number:
                     return
                 self._open.remove(client)
-                if fault:
+                if fault and fault not in self._faults:
                     self._faults.append(fault)
+                again = client is self._cancel and self._hold.service_is_ready()
+                if again:
+                    self._open.append(self._hold)
+            if again:
+                self._send(number, self._hold)
             self._show()
 
         self._requests.send(client, Trigger.Request(), answered, end, _PATIENCE)
@@ -92,7 +102,8 @@ class Stopping:
         with self._lock:
             faults = list(self._faults)
             if self._late:
-                faults += [f"{self._requests.name(one)} does not answer" for one in self._open]
+                silent = dict.fromkeys(map(self._requests.name, self._open))
+                faults += [f"{name} does not answer" for name in silent]
             ended = not self._open
             # Under the lock: what is shown last is the latest.
             if faults:

@@ -144,7 +144,7 @@ def suite(graph, shown):
     graph.start(TrajectoryPlannerNode, robot_description=ROBOT)
     graph.start(TrajectoryPublisherNode, robot_description=ROBOT)
     motions = shown.node._robot._motions
-    wanted = [motions._planner, motions._executor, motions._reader, *motions._stoppers]
+    wanted = [motions._planner, motions._executor, motions._reader, *stoppers(motions)]
     wait_until(lambda: all(client.service_is_ready() for client in wanted))
     return shown
 
@@ -190,7 +190,7 @@ def test_stop_stops_and_says_why_the_motion_ended(suite, arm):
     arm.until_moving()
     suite.stop()
     wait_until(lambda: suite.said() and "Stopped" in suite.said())
-    arm.until(lambda: not arm.velocity.any())
+    until_still(arm)
     rest = arm.position
     assert abs(rest[0] - suite.page._arm.q[0]) > 0.1
     # Nothing that was planned before moves it after.
@@ -220,8 +220,8 @@ def test_what_waits_when_stop_is_clicked_is_not_done(suite, arm, what):
     assert suite.said("dropped") == ""
 
 
-@pytest.mark.parametrize("what", ["Plan", "Execute"])
-def test_what_waits_when_command_is_lost_is_not_done(suite, browse, arm, what):
+@pytest.mark.parametrize(("what", "kind"), [("Plan", "plan to goal"), ("Execute", "execute")])
+def test_what_waits_when_command_is_lost_is_not_done(suite, arm, what, kind):
     goal_beside(suite, arm, 0.25)
     other = Browser(suite.node)
     wait_until(lambda: suite.page._audience._watching)
@@ -233,7 +233,7 @@ def test_what_waits_when_command_is_lost_is_not_done(suite, browse, arm, what):
         other.set(button, True)
         wait_until(lambda: "take over" in suite.page._worker._waiting)
         suite.click(what)
-        wait_until(lambda: len(suite.page._worker._waiting) > 1)
+        wait_until(lambda: kind in suite.page._worker._waiting)
     finally:
         free.set()
     wait_until(lambda: "another browser has taken command" in suite.said("dropped"))
@@ -259,6 +259,11 @@ def serve(graph, kind, name, take):
     return graph.client.create_service(kind, name, take)
 
 
+def stoppers(motions):
+    """Clients of the services that Stop calls."""
+    return motions._stopping._cancel, motions._stopping._hold
+
+
 def ready(*clients):
     wait_until(lambda: all(client.service_is_ready() for client in clients))
 
@@ -269,13 +274,13 @@ def trigger(success, message=""):
 
 def test_stop_says_who_is_not_there_and_who_refuses(graph, shown, arm):
     motions = shown.node._robot._motions
-    hold = motions._stoppers[1]
+    hold = stoppers(motions)[1]
     ready(hold)
     shown.stop()
     wait_until(lambda: "nobody serves '/trajectory_publisher/cancel'" in shown.said())
     assert "may have failed" in shown.said() and "hold" not in shown.said()
     serve(graph, Trigger, "trajectory_publisher/cancel", trigger(False, "not now"))
-    ready(*motions._stoppers)
+    ready(*stoppers(motions))
     shown.stop()
     wait_until(lambda: "'/trajectory_publisher/cancel' refused: not now" in shown.said())
     assert "Stopped" not in shown.said()
@@ -291,7 +296,7 @@ def test_stop_is_said_to_have_stopped_when_all_have_answered(graph, shown, arm):
 
     serve(graph, Trigger, "trajectory_publisher/cancel", cancel)
     motions = shown.node._robot._motions
-    ready(*motions._stoppers)
+    ready(*stoppers(motions))
     shown.stop()
     try:
         assert asked.wait(60.0)
@@ -300,6 +305,27 @@ def test_stop_is_said_to_have_stopped_when_all_have_answered(graph, shown, arm):
         free.set()
     wait_until(lambda: "Stopped." in shown.said())
     wait_until(lambda: motions._requests.waiting <= 1)
+
+
+def test_what_the_publisher_sends_when_it_cancels_moves_nothing_after_stop(graph, shown, arm):
+    """As a trajectory that brakes on the path, which comes after the controller held."""
+    motions, start = shown.node._robot._motions, arm.position
+    braking = arm.trajectory((20.0, 1.0))
+    _, hold = stoppers(motions)
+
+    def cancel(_request, response):
+        wait_until(lambda: hold not in motions._stopping._open)
+        arm._topic.publish(braking)
+        wait_until(lambda: not np.allclose(drawn(shown), start, atol=1e-4))
+        return trigger(True)(_request, response)
+
+    serve(graph, Trigger, "trajectory_publisher/cancel", cancel)
+    ready(*stoppers(motions))
+    wait_until(lambda: np.allclose(drawn(shown), start, atol=1e-6))
+    shown.stop()
+    wait_until(lambda: "Stopped." in shown.said())
+    until_still(arm)
+    assert np.abs(arm.position - start).max() < 0.5
 
 
 def test_stop_does_not_wait_for_the_thread_of_the_node(graph, shown, arm):
@@ -311,7 +337,7 @@ def test_stop_does_not_wait_for_the_thread_of_the_node(graph, shown, arm):
         return trigger(True)(_request, response)
 
     serve(graph, Trigger, "trajectory_publisher/cancel", cancel)
-    ready(*motions._stoppers)
+    ready(*stoppers(motions))
     shown.node.executor.create_task(lambda: held.set() or free.wait(60.0))
     assert held.wait(60.0)
     try:
