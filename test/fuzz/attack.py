@@ -97,7 +97,8 @@ class Attack:
         self._node, self._maker, self._rng, self._alive = node, maker, rng, alive
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
-        self._waiting: dict[Future, tuple[str, str]] = {}
+        # Each with whose it is, and what takes it.
+        self._waiting: dict[Future, tuple[str, Callable[[Any], None]]] = {}
         self._heard = time.monotonic()
         self._find(names)
 
@@ -112,7 +113,9 @@ class Attack:
                     self._raw.append(RawWriter(node, kind, service))
             for action, kinds in get_action_server_names_and_types_by_node(node, name, own):
                 kind = interface_class(kinds[0])
-                self._actions.append((action, kinds[0], kind, ask_action(node, kind, action)))
+                client = ask_action(node, kind, action)
+                assert client.wait_for_server(PATIENCE), f"no {action}"
+                self._actions.append((action, kinds[0], kind, client))
             for topic, kinds in node.get_subscriber_names_and_types_by_node(name, own):
                 if topic not in _SHARED and "/_action/" not in topic:
                     kind = interface_class(kinds[0])
@@ -178,19 +181,20 @@ class Attack:
                 self.outcome.unanswered[service] += 1
             self._waiting.clear()
 
-    def _await(self, future: Future, name: str, kind: str) -> None:
+    def _await(self, future: Future, name: str, take: Callable[[Any], None]) -> None:
         if len(self._waiting) <= 1:
             self._heard = time.monotonic()
-        self._waiting[future] = name, kind
-        future.add_done_callback(self._take)
+        self._waiting[future] = name, take
+        future.add_done_callback(self._came)
 
-    def _take(self, future: Future) -> None:
-        if future not in self._waiting:
-            return
-        name, kind = self._waiting.pop(future)
-        self._heard = time.monotonic()
-        answer = future.result()
-        answer = getattr(answer, "result", answer)
+    def _came(self, future: Future) -> None:
+        if future in self._waiting:
+            _, take = self._waiting.pop(future)
+            self._heard = time.monotonic()
+            take(future.result())
+
+    def _note(self, name: str, kind: str, answer: Any) -> None:
+        """Count what a request or a goal came to."""
         self.outcome.codes[name][code_of(answer)] += 1
         fault = fault_of(answer, kind)
         if fault:
@@ -201,22 +205,25 @@ class Attack:
 
     def _request(self) -> None:
         service, name, kind, client = self._pick(self._services)
-        self._await(client.call_async(self._maker.make(kind.Request)), service, name)
+        answer = client.call_async(self._maker.make(kind.Request))
+        self._await(answer, service, partial(self._note, service, name))
 
     def _goal(self) -> None:
         action, name, kind, client = self._pick(self._actions)
         cancelled = self._rng.random() < 0.5
 
-        def accepted(future: Future) -> None:
-            handle = future.result()
+        def end(answer: Any) -> None:
+            self._note(action, name, answer.result)
+
+        def go_on(handle: Any) -> None:
             if not handle.accepted:
                 self.outcome.codes[action][-1] += 1
                 return
-            self._await(handle.get_result_async(), action, name)
+            self._await(handle.get_result_async(), f"{action}: result", end)
             if cancelled:
-                handle.cancel_goal_async()
+                self._await(handle.cancel_goal_async(), f"{action}: cancellation", lambda _: None)
 
-        client.send_goal_async(self._maker.make(kind.Goal)).add_done_callback(accepted)
+        self._await(client.send_goal_async(self._maker.make(kind.Goal)), f"{action}: goal", go_on)
 
     def _message(self) -> None:
         kind, publisher = self._pick(self._topics)

@@ -1,0 +1,105 @@
+"""The attack of `make fuzz` notices every answer that does not come."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from rclpy.task import Future
+
+from robomech_interfaces.action import ExecuteTrajectory
+from robomech_interfaces.srv import SolveFK
+from robomech_ros.robots import load_robot
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "fuzz"))
+
+import attack
+from messages import MessageMaker
+
+COUNT, TIMEOUT = 10, 60.0
+ACTION, SERVICE = "/server/execute", "/server/solve_fk"
+
+
+def ends_at_once(handle):
+    """End a goal."""
+    handle.succeed()
+    return ExecuteTrajectory.Result()
+
+
+async def never_ends(handle):
+    """Execute a goal without end."""
+    await Future()
+
+
+@pytest.fixture
+def attack_on(graph):
+    """Make an attack by things of one kind on a server that spins or rests."""
+    attacker, resting = [Node(name, context=graph.context) for name in ("attacker", "resting")]
+    servers = []
+
+    def make(kind, execute, *, spins):
+        server = graph.client if spins else resting
+        servers.append(ActionServer(server, ExecuteTrajectory, ACTION, execute))
+        server.create_service(SolveFK, SERVICE, lambda request, response: response)
+        wait_until_seen(attacker)
+        rng = np.random.default_rng(0)
+        maker = MessageMaker(rng, load_robot("puma560"), (0.0,))
+        return attack.Attack(attacker, [server.get_name()], maker, rng, lambda: True, {kind: 1.0})
+
+    yield make
+    for waitable in (*servers, *attacker.waitables):
+        waitable.destroy()
+    attacker.destroy_node()
+    resting.destroy_node()
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    """Make attacks wait for nothing."""
+    return lambda: monkeypatch.setattr(attack, "PATIENCE", 0.0)
+
+
+def wait_until_seen(node):
+    """Wait until a node knows the services of the server."""
+    deadline = time.monotonic() + TIMEOUT
+    while (
+        not {SERVICE, f"{ACTION}/_action/send_goal"}
+        <= dict(node.get_service_names_and_types()).keys()
+    ):
+        assert time.monotonic() < deadline, "the server does not appear"
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize(("kind", "missing"), [("request", SERVICE), ("goal", f"{ACTION}: goal")])
+def test_a_server_that_says_nothing_is_noticed(attack_on, impatient, kind, missing):
+    """Goals that were neither accepted nor refused did not count."""
+    attacking = attack_on(kind, ends_at_once, spins=False)
+    impatient()
+    attacking.run(COUNT)
+    assert attacking.outcome.unanswered == {missing: COUNT}
+    assert attacking.outcome.answered == 0
+
+
+def test_goals_that_never_end_are_noticed(attack_on, impatient):
+    attacking = attack_on("goal", never_ends, spins=True)
+    deadline = time.monotonic() + TIMEOUT
+    for _ in range(COUNT):
+        attacking._goal()
+    while {name for name, _ in attacking._waiting.values()} != {f"{ACTION}: result"}:
+        assert time.monotonic() < deadline, attacking._waiting
+        attacking.spin_once(0.1)
+    impatient()
+    attacking.settle()
+    assert attacking.outcome.unanswered == {f"{ACTION}: result": COUNT}
+
+
+@pytest.mark.parametrize("kind", ["request", "goal"])
+def test_nothing_is_missing_of_a_server_that_answers(attack_on, kind):
+    attacking = attack_on(kind, ends_at_once, spins=True)
+    attacking.run(COUNT)
+    assert not attacking.outcome.unanswered
+    assert attacking.outcome.answered == COUNT
+    assert not attacking.outcome.faults
