@@ -76,7 +76,7 @@ class TrajectoryGoal:
     belt : Belt or None
         Where the trajectory is, if it came late and the robot catches up with it.
     streamed : bool
-        Whether it may be one of a stream.
+        Whether it came by a topic, and may be one of a stream.
     """
 
     waypoints: Waypoints

@@ -1,7 +1,6 @@
 """How others command the robot: the topic joint_trajectory, the services hold and reset."""
 
 import math
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -10,7 +9,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
+from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.deep_queues import serve
@@ -47,9 +46,7 @@ class TrajectoryTopic:
         self._logger = node.get_logger()
         self._joints = joints
         self._on_refused = on_refused
-        # What the topic has had followed lately, where that ended, and when its last message
-        # came (s).
-        self._goals: deque[TrajectoryGoal] = deque(maxlen=_DEPTH)
+        # Where the last message of the topic ended, and when it came (s).
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
         self._heard_at = -math.inf
         topic = f"{joints.place}/{_TOPIC}"
@@ -61,7 +58,6 @@ class TrajectoryTopic:
                 return
             by = "a trajectory on the topic joint_trajectory"
             goal = self._joints.execute(trajectory, by, self._log_end, streamed=True)
-            self._goals.append(goal)
             if goal.strain:
                 self._logger.warning(goal.strain, throttle_duration_sec=_SELDOM)
         except RobomechError as error:
@@ -81,9 +77,7 @@ class TrajectoryTopic:
             now, goal = self._joints.follower.now, self._joints.follower.active
         soon = now < self._heard_at + _STREAM
         self._heard_at, self._end = now, end
-        if not soon or goal is None or end is None or known is None:
-            return False
-        if any(goal is own for own in self._goals):
+        if not soon or goal is None or goal.streamed or end is None or known is None:
             return False
         same = end[0] == known[0] and len(end[1]) == len(known[1])
         return same and all(abs(x - y) <= _SAME for x, y in zip(end[1], known[1], strict=True))
