@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import rclpy
 from attack import ODDS, Attack
+from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import TwistStamped
 from messages import SHARES, MessageMaker
 from nav_msgs.msg import Path as PathMessage
@@ -43,6 +44,8 @@ _SENSIBLE = {"request": 0.85, "message": 0.12, "goal": 0.03}
 # How far a planned motion goes from home (rad or m).
 _FAR = 0.15
 _PROFILES = 6
+# A plan of so long has almost as many points as one may have.
+_LONGEST = Duration(sec=99)
 _STREAM, _PERIOD = 25, 0.02
 _TOPICS = (
     (JointState, "joint_states"),
@@ -102,7 +105,10 @@ class Load:
         self.rounds = 0
 
     def touch_everything(self) -> None:
-        """Ask for all that the nodes load and compute only when somebody asks for it first."""
+        """Ask for all that is loaded or computed for the first who asks, and for the longest plans.
+
+        Buffers of the middleware stay as large as the largest message that went through them.
+        """
         self._call("kinematics/query_workspace", QueryWorkspace, QueryWorkspace.Request())
         posture = JointState(position=self._chain.home().tolist())
         self._call(
@@ -110,9 +116,14 @@ class Load:
             AnalyzeSingularity.Request(state=posture),
         )  # fmt: skip
         via = JointTrajectoryPoint(positions=(self._chain.home() + _FAR).tolist())
+        away = JointState(position=via.positions)
         for profile in range(_PROFILES):
             request = PlanJoint.Request(start=posture, goal=posture, via=[via], profile=profile)
             self._call("trajectory_planner/plan_joint", PlanJoint, request)
+            request = PlanJoint.Request(start=posture, goal=away, profile=profile)
+            request.duration = _LONGEST
+            self._call("trajectory_planner/plan_joint", PlanJoint, request)
+        self._undo()
 
     def round(self) -> None:
         """Do a little of everything, and wait for all answers."""
