@@ -11,6 +11,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class
 from robomech_ros.nodes.middleware.deep_queues import ask
+from robomech_ros.nodes.process.memory import bounded_memory
 
 __all__ = ["NoAnswerError", "call_service"]
 
@@ -54,7 +55,8 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
     rclpy.init(args=[])
     node = Node("robomech_call", enable_rosout=False, start_parameter_services=False)
     try:
-        return _answer(node, f"/{service.removeprefix('/')}", kind, values, deadline, timeout)
+        with bounded_memory():
+            return _answer(node, f"/{service.removeprefix('/')}", kind, values, deadline, timeout)
     except Exception:
         # Each of rclpy's functions has an exception of its own for a context that is gone.
         if rclpy.ok():

@@ -13,6 +13,7 @@ from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_
 from robomech_ros.nodes.commands.message_yaml import fill_message, parse_yaml
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.process.memory import bounded_memory
 from robomech_ros.trajectory import Waypoints
 
 __all__ = ["from_file", "from_topic", "waypoints_of"]
@@ -31,8 +32,9 @@ def from_topic(topic: str, timeout: float) -> JointTrajectory | None:
     try:
         node.create_subscription(JointTrajectory, topic, received.append, LATCHED)
         deadline = time.monotonic() + timeout
-        while not received and time.monotonic() < deadline:
-            rclpy.spin_once(node, timeout_sec=_POLL)
+        with bounded_memory():
+            while not received and time.monotonic() < deadline:
+                rclpy.spin_once(node, timeout_sec=_POLL)
     finally:
         node.destroy_node()
         rclpy.try_shutdown()

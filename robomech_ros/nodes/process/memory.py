@@ -1,11 +1,12 @@
-"""The memory of a node's process: bounded, and given back when nobody uses it any more."""
+"""The memory of a process that talks ROS: bounded, and given back when nobody uses it any more."""
 
 import ctypes
 import os
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
-__all__ = ["LARGEST_DATA", "PERIOD", "bound_memory", "give_back_regularly"]
+__all__ = ["LARGEST_DATA", "PERIOD", "bound_memory", "bounded_memory", "give_back_regularly"]
 
 # Largest size of a process's data, bytes; all nodes in one process have 1 GB.
 LARGEST_DATA = 3_000_000_000
@@ -19,9 +20,9 @@ PERIOD = 15.0
 def bound_memory(largest: int = LARGEST_DATA) -> None:
     """Let the system refuse more memory to this process; a lower bound of the user's stays.
 
-    Fast CDR believes the length of a list in a request: a few corrupt bytes announce 93 million
-    poses, for which a node took all memory of the machine, silent for minutes.  Such a list is
-    refused by the bound, and the bytes are passed over.
+    Fast CDR believes the length of a list in a request or an answer: a few corrupt bytes announce
+    93 million poses, for which a node took all memory of the machine, silent for minutes.  Such a
+    list is refused by the bound, and the bytes are passed over.
 
     Parameters
     ----------
@@ -37,6 +38,28 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
     if soft == resource.RLIM_INFINITY or soft > largest:
         with suppress(OSError, ValueError):
             resource.setrlimit(resource.RLIMIT_DATA, (largest, hard))
+
+
+@contextmanager
+def bounded_memory(largest: int = LARGEST_DATA) -> Iterator[None]:
+    """Bound the memory of this process as `bound_memory` does, while the body runs.
+
+    Parameters
+    ----------
+    largest : int, optional
+        Of the data of the process (bytes).
+    """
+    try:
+        import resource
+    except ImportError:
+        yield
+        return
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    bound_memory(largest)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
 def give_back_regularly(period: float = PERIOD) -> threading.Event:
