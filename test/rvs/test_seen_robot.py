@@ -186,6 +186,31 @@ def test_ghosts_lie_where_the_links_are(robot):
     assert ghosts.placed([], []).positions.shape == (0, 3)
 
 
+def test_what_two_ghosts_have_at_one_place_is_drawn_once():
+    description = load_description("ur5e")
+    seen, chain = seen_robot(description), description.chain()
+    ghosts = Ghosts(seen.tree.chain(chain.base, chain.tip), seen.shapes)
+    one = np.array([0.4, -1.2, 1.5, -0.8, 0.9, 0.2])
+    # The shoulder of the second is where that of the first is, the other way round that of the
+    # third, and the fourth is elsewhere.
+    postures = [one + (turn, bend, 0.0, 0.0, 0.0, 0.0) for turn, bend in
+                ((0.0, 0.0), (0.0, 0.5), (np.pi, 0.5), (1.0, 0.5))]  # fmt: skip
+    pieces = ghosts.placed(postures, PALETTE[:4])
+    seen_at_all = pieces.scales.min(axis=1).reshape(4, -1) > 1e-3
+    assert seen_at_all[0].all() and seen_at_all[3].sum() == ghosts.pieces - 1
+    # Each alone, with where its pieces are and how they lie.
+    alone = [ghosts.placed([q], PALETTE[:1]) for q in postures]
+    T = np.array([
+        [pose_from_position_quaternion(p, np.roll(w, -1))
+         for p, w in zip(one.positions, one.wxyz, strict=True)] for one in alone
+    ])  # fmt: skip
+    for k, piece in np.ndindex(4, ghosts.pieces):
+        near = np.linalg.norm(T[:k, piece, :3, 3] - T[k, piece, :3, 3], axis=1) < 1e-9
+        across = np.cross(T[:k, piece, :3, 2], T[k, piece, :3, 2])
+        again = near & (np.linalg.norm(across, axis=1) < 1e-9)
+        assert seen_at_all[k, piece] != again.any()
+
+
 def test_links_that_mimic_are_moved_with_the_robot():
     description = load_description("puma560")
     seen = seen_robot(description)

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 SWEEP = 12
 START_COLOUR, GOAL_COLOUR, NOW_COLOUR = (40, 140, 90), (190, 60, 150), (245, 130, 30)
 SWEEP_OPACITY, NOW_OPACITY = 0.16, 0.9
+# How slim they are: within the other ghosts, and around them.
+SWEEP_SLIMNESS, NOW_SLIMNESS = 0.74, 0.86
 # Points of a trace; its width and the axes along it, in reaches of the robot.
 TRACE = 200
 TRACE_WIDTH, AXES_LENGTH, AXES_RADIUS = 0.006, 0.05, 0.0025
@@ -67,10 +69,17 @@ class MotionScene:
         self._reach = place.seen.reach
         chain = place.chain
         drawn = place.seen.tree.chain(chain.base, chain.tip)
-        pieces = Ghosts(drawn, place.seen.shapes)
         self._scene.add_frame(self._root, show_axes=False)
-        self._sweep = GhostBatch(self._scene, f"{self._root}/sweep", pieces, SWEEP_OPACITY)
-        self._now = GhostBatch(self._scene, f"{self._root}/now", pieces, NOW_OPACITY)
+        ways = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
+        self._sweep, self._now = (
+            GhostBatch(
+                self._scene,
+                f"{self._root}/{name}",
+                Ghosts(drawn, place.seen.shapes, slimness),
+                opacity,
+            )
+            for name, (slimness, opacity) in ways.items()
+        )
         self._lines: list[Any] = []
 
     def show(self, plan: SweptPlan | None, sweep: bool, traced: Iterable[str]) -> None:

@@ -18,8 +18,7 @@ __all__ = ["PALETTE", "GhostPieces", "Ghosts"]
 Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
 
-# Colours of postures that are told apart on light and dark ground (0 to 255), and what a ghost's
-# drums and bars measure of those of the robot, so that a body hides the ghost in it.
+# Colours of postures that are told apart on light and dark ground (0 to 255).
 PALETTE: tuple[Rgb, ...] = (
     (31, 119, 180),
     (230, 120, 20),
@@ -34,7 +33,12 @@ PALETTE: tuple[Rgb, ...] = (
     (190, 140, 80),
     (90, 140, 110),
 )
-SLIMNESS = 0.8
+# What a ghost's drums and bars measure across of those of the robot, so that a body hides the ghost
+# in it; along, they are less short by this part.
+SLIMNESS, ALONG = 0.8, 0.2
+# Pieces of two ghosts that are apart by less than this part of their radius are drawn as one: two
+# surfaces at one place show as patches.
+SAME, NOTHING = 0.02, 1e-6
 
 
 class GhostPieces(NamedTuple):
@@ -65,17 +69,26 @@ class Ghosts:
     chain : SerialChain
     shapes : mapping of str to sequence of Shape
         Generated shapes of its links.
+    slimness : float, optional
+        What is seen at one place together differs in it: the slimmer is inside.
     """
 
-    def __init__(self, chain: SerialChain, shapes: Mapping[str, Sequence[Shape]]) -> None:
+    def __init__(
+        self,
+        chain: SerialChain,
+        shapes: Mapping[str, Sequence[Shape]],
+        slimness: float = SLIMNESS,
+    ) -> None:
         self._chain = chain
         known = [frame.name for frame in chain.frames if frame.joints > 0]
         self._links = [name for name in known if shapes.get(name)]
         rows = [(k, shape) for k, name in enumerate(self._links) for shape in shapes[name]]
         self._link = np.array([k for k, _ in rows], dtype=np.int64)
         self._pose = np.array([shape.pose for _, shape in rows]).reshape(-1, 4, 4)
-        measures = [(s.radius * SLIMNESS, s.radius * SLIMNESS, s.length) for _, s in rows]
-        self._scale = np.array(measures).reshape(-1, 3)
+        measures = [(s.radius, s.radius, s.length) for _, s in rows]
+        self._scale = np.array(measures).reshape(-1, 3) * (
+            (slimness, slimness, 1.0 - ALONG * (1.0 - slimness))
+        )
 
     @property
     def pieces(self) -> int:
@@ -84,6 +97,8 @@ class Ghosts:
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts; those of the first posture come first.
+
+        A piece that lies where an earlier ghost has it is too small to be seen.
 
         Parameters
         ----------
@@ -97,10 +112,23 @@ class Ghosts:
             empty = np.empty((0, 3))
             return GhostPieces(empty, np.empty((0, 4)), empty, np.empty((0, 3), dtype=np.uint8))
         poses = link_poses(self._chain, np.array(postures), self._links)
-        T = (poses[:, self._link] @ self._pose).reshape(-1, 4, 4)
+        T = poses[:, self._link] @ self._pose
+        scales = np.where(self._is_again(T)[..., None], NOTHING, self._scale).reshape(-1, 3)
+        T = T.reshape(-1, 4, 4)
         return GhostPieces(
             T[:, :3, 3],
             np.roll(quaternion_from_matrix(T[:, :3, :3]), 1, axis=-1),
-            np.tile(self._scale, (count, 1)),
+            scales,
             np.repeat(np.array(colours, dtype=np.uint8), self.pieces, axis=0),
         )
+
+    def _is_again(self, T: Array) -> NDArray[np.bool_]:
+        """Tell which pieces, at T (count, pieces, 4, 4), lie where an earlier ghost has them."""
+        middles, axes = T[..., :3, 3], T[..., :3, 2]
+        radius, length = self._scale[:, 0], self._scale[:, 2]
+        shift = np.linalg.norm(middles[:, None] - middles, axis=-1)
+        # A cylinder is the same the other way round.
+        tilt = np.linalg.norm(np.cross(axes[:, None], axes), axis=-1)
+        same = shift + 0.5 * length * tilt < SAME * radius
+        again: NDArray[np.bool_] = np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T
+        return again
