@@ -155,6 +155,16 @@ def test_the_tip_stays_along_the_self_motion_up_to_a_limit(robot):
     np.testing.assert_allclose(arm.q, begin, atol=1e-9)
 
 
+@pytest.mark.parametrize("robot", ["iiwa14", "panda"])
+def test_no_sample_of_a_self_motion_is_listed_twice(robot):
+    postures = SeenArm(load_robot(robot)).study.postures
+    q = np.array([posture.q for posture in postures])
+    assert sum(posture.is_here for posture in postures) == 1
+    apart = np.abs(q[:, None] - q).max(axis=-1) + 9.0 * np.eye(len(q))
+    assert apart.min() > 1e-6
+    assert all(posture.name for posture in postures)
+
+
 def test_an_arm_of_six_joints_has_no_self_motion():
     arm = SeenArm(load_robot("ur5e"))
     assert arm.self_motion() is None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,12 +135,18 @@ def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
 
 
 def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:
-    names = _names(result.branches)
-    columns = (names, result.seed_distance, result.limit_margin, result.condition_number)
-    rows = zip(result.q, *columns, strict=True)
+    columns = (result.branches, result.seed_distance, result.limit_margin, result.condition_number)
+    found: list[Posture] = []
+    for q, name, *numbers in zip(result.q, *columns, strict=True):
+        # A sample of a self-motion may be there twice, and only once with its name.
+        again = next((k for k, one in enumerate(found) if _is_same(q, one.q)), None)
+        if again is None:
+            found.append(Posture(q, name, *map(float, numbers)))
+        elif not found[again].name:
+            found[again] = replace(found[again], name=name)
     found = [
-        Posture(q, name, float(distance), float(margin), float(condition))
-        for q, name, distance, margin, condition in list(rows)[:MOST_POSTURES]
+        one if one.name else replace(one, name=f"sample {number}")
+        for number, one in enumerate(found[:MOST_POSTURES], start=1)
     ]
     if result.family != "redundant":
         found.sort(key=lambda posture: _natural(posture.name))
@@ -152,9 +158,8 @@ def _natural(name: str) -> list[tuple[str, int]]:
     return [(text, int(number or 0)) for text, number in re.findall(r"(\D*)(\d*)", name)]
 
 
-def _names(branches: tuple[str, ...]) -> list[str]:
-    """Give a name to samples of a self-motion that have none."""
-    return [name or f"sample {number}" for number, name in enumerate(branches, start=1)]
+def _is_same(q: Array, other: Array) -> bool:
+    return bool(np.abs(q - other).max() < HERE)
 
 
 def _nearest(chain: SerialChain, T: Array, present: Array) -> tuple[Array, float, float]:
