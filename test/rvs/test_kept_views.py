@@ -127,6 +127,29 @@ def test_the_view_is_shown_and_taken(page, commander, kept):
     wait_until(lambda: page._panel._boxes["frames"].value)
 
 
+def test_a_view_switches_what_layers_show_and_marks_it(page, commander, kept):
+    layers = {type(layer).__name__: layer for layer in page._layers}
+    understand, workspace = layers["UnderstandLayer"], layers["WorkspaceLayer"]
+    wait_until(lambda: kept._controls.view.value.startswith("q:"))
+    assert kept._controls.view.value.endswith("show:ghosts,ground,gizmo,cut_open")
+    before = kept._controls.view.value.rpartition("show:")[0]
+    names = ["numbers", "force ellipsoid", "boundary", "contours"]
+    text = f"{before}show:ghosts,{','.join(names).replace(' ', '_')}"
+    send_value(commander, kept._controls.view._impl.uuid, text)
+    wait_until(lambda: [name for name, on in page._switched().items() if on] == ["ghosts", *names])
+    wait_until(lambda: "force" in understand._nodes and understand._nodes["force"].visible)
+    assert "velocity" not in understand._nodes
+    wait_until(lambda: "No boundary" in workspace._text.content)
+    boxes = {**understand._folder._boxes, **workspace._folder._boxes}
+    boxes["contours"] = layers["ContoursLayer"]._box
+    wait_until(lambda: {name for name, box in boxes.items() if box.value} == set(names))
+    # And back, by a checkbox, which the text follows.
+    send_value(commander, boxes["force ellipsoid"]._impl.uuid, False)
+    wait_until(lambda: "force_ellipsoid" not in kept._controls.view.value)
+    wait_until(lambda: "numbers" in kept._controls.view.value)
+    assert not understand._nodes["force"].visible
+
+
 def test_a_view_of_elsewhere_is_refused_as_a_whole(page, commander, kept):
     wait_until(lambda: kept._controls.view.value.startswith("q:"))
     q, shown, right = page._arm.q, page._switched(), kept._controls.view.value

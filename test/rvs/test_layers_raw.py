@@ -15,13 +15,17 @@ from robomech_ros.rvs.model.dh_editing import table_of
 
 
 def control(page, label):
-    """A control of the browser that commands, by its label."""
-    for layer in page._layers:
-        folder = getattr(layer, "_folder", None)
-        for handle in getattr(folder, "_handles", ()):
-            if getattr(handle, "label", None) == label:
-                return handle
-    raise KeyError(label)
+    """A control of the browser that commands, by its label, once it is there."""
+    found = []
+
+    def is_there():
+        folders = [getattr(layer, "_folder", None) for layer in page._layers]
+        handles = [one for folder in folders for one in getattr(folder, "_handles", ())]
+        found.extend(one for one in handles if getattr(one, "label", None) == label)
+        return found
+
+    wait_until(is_there)
+    return found[0]
 
 
 def understand(page):
@@ -74,7 +78,6 @@ def test_a_dh_number_changed_is_another_robot_solved_at_once_and_reset_brings_it
     assert chain.dh.a[1] == 0.6 and first.dh.a[1] != 0.6
     np.testing.assert_array_equal(page._arm.q, q)
     assert sum(posture.is_here for posture in page._arm.study.postures) == 1
-    wait_until(lambda: control(page, "Reset robot") is not None)
     send_value(commander, control(page, "Reset robot")._impl.uuid, True)
     wait_until(lambda: page._arm.chain is first)
     wait_until(lambda: page._panel is not None)

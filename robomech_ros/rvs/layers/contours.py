@@ -21,7 +21,7 @@ from robomech_ros.rvs.model.curve_problems import (
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.page.audience import AllControls, Controls
 from robomech_ros.rvs.page.curve_view import CurveView
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -52,6 +52,9 @@ class ContoursLayer:
         self._target: Array | None = None
         self._study = place.arm.study
         self._q = place.arm.q
+        self._box: Any = None
+        if not what_is_missing(place.chain):
+            place.offered["contours"] = Switch(lambda: self._on, self._turn)
 
     # What a page calls.
 
@@ -79,7 +82,7 @@ class ContoursLayer:
                 gui.add_html(small_text([missing]))
                 return AllControls([folder])
             hint = "Postures are where both curves cross and the other equations vanish, too"
-            switch = gui.add_checkbox("contours", False, hint=hint)
+            switch = self._box = gui.add_checkbox("contours", False, hint=hint)
             names = minor_names()
             self._view = CurveView(gui, self, names, (0, len(names) - 1))
         self._view.show(False)
@@ -100,6 +103,12 @@ class ContoursLayer:
         self._on, self._target = on, None
         if self._view is not None:
             self._view.show(on)
+
+    def _turn(self, on: bool) -> None:
+        # Where nobody commands, there is nothing to be switched.
+        if self._view is not None and not self._view.removed and on != self._on:
+            self._box.value = on
+            self._switch(on)
 
     # What the view of the curves calls.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from robomech_ros.rvs.model.understanding import (
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice, as_flag
@@ -36,6 +37,13 @@ __all__ = ["UnderstandLayer"]
 ORDER = 10
 COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
 OPACITY = 0.4
+# What can be shown, and its label.
+LABELS = {
+    "numbers": "numbers",
+    "velocity": "velocity ellipsoid",
+    "force": "force ellipsoid",
+    "lost": "lost directions",
+}
 LOST, WEAKEST = ((225, 40, 45), (190, 50, 190)), ((235, 165, 60), (190, 140, 220))
 # Widths of arrows, in reaches of the robot.
 SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
@@ -76,6 +84,9 @@ class UnderstandLayer:
         self._nodes: dict[str, Any] = {}
         self._folder: Folder | None = None
         self._table: Any = None
+        for name, label in LABELS.items():
+            is_on = partial(getattr, self._switches, name)
+            place.offered[label] = Switch(is_on, partial(self._turn, name))
 
     def show(self) -> None:
         """Follow the arm."""
@@ -100,13 +111,12 @@ class UnderstandLayer:
         folder = self._folder = Folder(gui, "Understand", ORDER)
         with folder:
             self._table = folder.text()
-            folder.checkbox("numbers", switches.numbers, self._switch("numbers"))
-            for kind in COLOURS:
-                label = f"{kind} ellipsoid"
-                folder.checkbox(label, getattr(switches, kind), self._switch(kind))
-            part = gui.add_dropdown("ellipsoids of", tuple(ROWS), initial_value=switches.part)
-            folder.listen(part, self._switch("part"))
-            folder.checkbox("lost directions", switches.lost, self._switch("lost"))
+            for name, label in LABELS.items():
+                folder.checkbox(label, getattr(switches, name), self._switch(name))
+                if name == "force":
+                    parts = tuple(ROWS)
+                    part = gui.add_dropdown("ellipsoids of", parts, initial_value=switches.part)
+                    folder.listen(part, self._switch("part"))
             folder.button("Go to the least condition number", self._go)
         self.show()
         return folder
@@ -127,6 +137,11 @@ class UnderstandLayer:
             self._place.ask((self, name), switched)
 
         return asked
+
+    def _turn(self, name: str, on: bool) -> None:
+        setattr(self._switches, name, on)
+        if self._folder is not None:
+            self._folder.mark(LABELS[name], on)
 
     def _find_facts(self) -> None:
         """Have the facts found, once for the robot."""

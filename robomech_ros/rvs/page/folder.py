@@ -26,6 +26,7 @@ class Folder:
         self._gui = gui
         self._folder = gui.add_folder(label, order=order, expand_by_default=expanded)
         self._handles: list[Any] = []
+        self._boxes: dict[str, Any] = {}
         self.removed = False
 
     def __enter__(self) -> Folder:
@@ -45,7 +46,13 @@ class Folder:
         self, label: str, checked: bool, changed: Callable[[Any], None], hint: str | None = None
     ) -> Any:
         """Add a checkbox."""
-        return self.listen(self._gui.add_checkbox(label, checked, hint=hint), changed)
+        box = self._boxes[label] = self._gui.add_checkbox(label, checked, hint=hint)
+        return self.listen(box, changed)
+
+    def mark(self, label: str, checked: bool) -> None:
+        """Mark a checkbox, of which something else was the switch."""
+        if not self.removed and self._boxes[label].value != checked:
+            self._boxes[label].value = checked
 
     def listen(self, handle: Any, changed: Callable[[Any], None]) -> Any:
         """Keep a control; the value that the page gives it is handed on."""

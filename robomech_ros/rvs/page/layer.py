@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
@@ -13,7 +13,7 @@ from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 
-__all__ = ["Layer", "LayerMaker", "Place"]
+__all__ = ["Layer", "LayerMaker", "Place", "Switch"]
 
 
 class Ask(Protocol):
@@ -31,6 +31,19 @@ class Ask(Protocol):
         source : object, optional
             The control that asked, which is not set back to what it asked for.
         """
+
+
+class Switch(NamedTuple):
+    """A part of what a layer shows, which the address of the page keeps.
+
+    Parameters
+    ----------
+    is_on, turn : callable
+        Says whether it is shown; and has it shown, or not, and marked so in the controls.
+    """
+
+    is_on: Callable[[], bool]
+    turn: Callable[[bool], None]
 
 
 @dataclass(frozen=True)
@@ -61,6 +74,8 @@ class Place:
     switched, switch : callable
         Give what can be shown and whether it is, as for the browser that commands; and show a part
         or not.
+    offered : dict
+        Where layers put what of theirs can be shown, by its name on the page, as a Switch each.
     kept : dict
         What layers leave here, by their names, those of the next robot find.
     separate : callable
@@ -79,6 +94,7 @@ class Place:
     run: Callable[[Hashable, Callable[[], None]], None]
     switched: Callable[[], dict[str, bool]]
     switch: Callable[[str, bool], None]
+    offered: dict[str, Switch]
     kept: dict[str, Any]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
 

@@ -14,7 +14,7 @@ from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.audience import AllControls, Audience, Controls
-from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place
+from robomech_ros.rvs.page.layer import Layer, LayerMaker, Place, Switch
 from robomech_ros.rvs.page.panel import AT_FIRST, Panel
 from robomech_ros.rvs.page.stage import BASE, Stage
 from robomech_ros.rvs.page.theme import set_theme
@@ -97,6 +97,7 @@ class RobotPage:
             self._stage.switch(what, shown)
         self._stage.show(arm, ())
         self._plan = SeenPlan()
+        self._offered: dict[str, Switch] = {}
         place = Place(
             server=viser,
             seen=seen,
@@ -109,6 +110,7 @@ class RobotPage:
             run=self._run,
             switched=self._switched,
             switch=self._switch,
+            offered=self._offered,
             kept=self._kept,
             separate=self._stage.separate,
         )
@@ -203,18 +205,25 @@ class RobotPage:
 
     def _make_controls(self, client: Any) -> Controls:
         self._panel = None
-        shown = self._switched(client.client_id)
+        shown = self._shown_to(client.client_id)
         panel = Panel(client, self._arm, self, BASE, self._reach, shown)
         controls = AllControls([panel, *(layer.controls(client) for layer in self._layers)])
         self._panel = panel
         return controls
 
-    def _switched(self, browser: int | None = None) -> dict[str, bool]:
-        """Give what is shown; the page of a browser, or else of who commands, may be dark."""
-        number = self._audience.commander if browser is None else browser
-        return {**self._switches, "dark": number in self._dark}
+    def _shown_to(self, browser: int | None) -> dict[str, bool]:
+        """Give what of the stage a browser is shown, and whether its page is dark."""
+        return {**self._switches, "dark": browser in self._dark}
+
+    def _switched(self) -> dict[str, bool]:
+        """Give what can be shown, that of layers, too, and whether who commands is shown it."""
+        offered = {what: switch.is_on() for what, switch in self._offered.items()}
+        return {**self._shown_to(self._audience.commander), **offered}
 
     def _switch(self, what: str, shown: bool) -> None:
+        if what in self._offered:
+            self._offered[what].turn(shown)
+            return
         if what == "dark":
             if self._audience.commander is not None:
                 change = self._dark.add if shown else self._dark.discard
