@@ -10,7 +10,7 @@ from controls import button, field, heading, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
-from robomech_ros.rvs.model.curve_drawing import placed_points
+from robomech_ros.rvs.model.section_drawing import section_points
 
 pytestmark = [
     pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
@@ -71,14 +71,14 @@ def test_a_click_in_the_section_lists_the_postures_there(shown):
     page, tab = shown
     section, R = layer(page)._view, page._arm.tip[:3, :3]
     wanted = np.array([0.5, 0.3])
-    tab.click(*seen_at(tab, placed_points(section.axes, wanted).tolist()))
+    tab.click(*seen_at(tab, section_points(section, wanted).tolist()))
     # A pixel is about 6 mm.
     wait_until(lambda: np.abs(section.coordinates(page._arm.target) - wanted).max() < 0.02)
     wait_until(lambda: np.allclose(page._arm.tip, page._arm.target, atol=1e-9))
     np.testing.assert_allclose(page._arm.tip[:3, :3], R, atol=1e-9)
     assert_listed(page, tab)
     # The ring is there, and the curves of the section stand in the half-plane of the point.
-    x, y = placed_points(section.axes, section.coordinates(page._arm.tip)).tolist()
+    x, y = section_points(section, section.coordinates(page._arm.tip)).tolist()
     ring = f"getComputedStyle({SECTION}.querySelector('[data-workspace-here]')).transform"
     tab.wait_for(f"(m => Math.hypot(m.e - {x}, m.f - {y}) < 0.1)(new DOMMatrix({ring}))")
     tab.wait_for("__viserMutable.nodeRefFromName['/base/workspace_surface']")
@@ -87,8 +87,8 @@ def test_a_click_in_the_section_lists_the_postures_there(shown):
 def test_a_click_where_nothing_is_reached_says_why(shown):
     page, tab = shown
     section, q = layer(page)._view, page._arm.q
-    far = np.array([1.5, 0.5])
-    tab.click(*seen_at(tab, placed_points(section.axes, far).tolist()))
+    far = np.array([0.85, 0.75])
+    tab.click(*seen_at(tab, section_points(section, far).tolist()))
     wait_until(lambda: not page._arm.study.postures)
     tab.wait_for(f"{ROWS}.length === 0")
     tab.wait_for("document.querySelector('[data-sentence]').innerText.includes('reach')")

@@ -97,7 +97,7 @@ def test_nothing_is_computed_before_it_is_asked_for(page, commander):
 
 def test_an_arm_without_a_boundary_says_why(page, commander):
     switch_on(page, commander, "boundary")
-    wait_until(lambda: "spherical wrist" in layer(page)._text.content)
+    wait_until(lambda: "axes 4, 5 and 6 do not meet" in layer(page)._text.content)
     assert layer(page)._plot.content == ""
     alive(page, commander)
 

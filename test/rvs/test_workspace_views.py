@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import reach_map, workspace_boundary
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.rvs.model.reach_points import (
     DENSITIES,
     MEASURES,
@@ -16,8 +16,13 @@ from robomech_ros.rvs.model.reach_points import (
     computed_map,
     reach_points,
 )
-from robomech_ros.rvs.model.section_drawing import draw_section, section_legend
-from robomech_ros.rvs.model.workspace_views import is_in_opening, open_intervals, section_view
+from robomech_ros.rvs.model.section_drawing import draw_section, section_legend, section_points
+from robomech_ros.rvs.model.workspace_views import (
+    is_in_opening,
+    open_intervals,
+    section_view,
+    why_no_section,
+)
 
 WITH_BOUNDARY = ["irb120", "m1013", "planar3r", "puma560", "rv4fr", "scara", "stanford", "vx300"]
 
@@ -77,6 +82,12 @@ def test_the_section_is_that_of_the_boundary(robot):
     for curve in space.curves:
         for axis, values in zip(view.axes, curve.points.T, strict=True):
             assert axis.low <= values.min() + 1e-9 and values.max() <= axis.high
+    # A metre is as long across as upwards.
+    corners = np.array([[axis.low, axis.high] for axis in view.axes]).T
+    (left, bottom), (right, top) = section_points(view, corners)
+    width, height = np.diff(corners, axis=0)[0]
+    assert (right - left) / width == pytest.approx((bottom - top) / height, rel=0.01)
+    assert 0.25 < width / height <= 1.0
     picture = draw_section(view)
     for count in np.unique(view.counts[view.counts > 0]).tolist():
         assert f'data-count="{count}"' in picture
@@ -117,9 +128,24 @@ def test_what_is_left_is_what_is_not_in_the_open_sector(low, high):
     assert all(first < last for first, last in parts)
 
 
-def test_an_arm_without_a_positioning_part_is_refused_in_words():
-    with pytest.raises(BadValueError, match="spherical wrist"):
-        section_view(load_robot("ur5e"))
+@pytest.mark.parametrize(
+    ("robot", "why"),
+    [("ur5e", "axes 4, 5 and 6 do not meet in one point."), ("panda", "this arm has 7 joints.")],
+)
+def test_an_arm_without_a_positioning_part_is_refused_in_words(robot, why):
+    chain = load_robot(robot)
+    with pytest.raises(BadValueError, match="spherical wrist") as caught:
+        section_view(chain)
+    sentence = why_no_section(chain, caught.value)
+    assert sentence.startswith(f"No boundary: {why} It is drawn") and "expected" not in sentence
+
+
+def test_limits_that_are_missing_are_named_as_the_reason():
+    sliding = {"types": ["revolute", "prismatic", "prismatic"]}
+    chain = chain_from_dh([0.1, 0.2, 0.3], [0.1] * 3, [0.0, 1.5, 0.3], **sliding)
+    with pytest.raises(MissingLimitsError) as caught:
+        section_view(chain)
+    assert why_no_section(chain, caught.value) == f"No boundary: {caught.value}."
 
 
 @pytest.mark.parametrize("orientations", ORIENTATIONS)

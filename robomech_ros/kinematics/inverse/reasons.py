@@ -105,7 +105,8 @@ def describe_gap(
     deadline: float = math.inf,
 ) -> tuple[Status, str]:
     """Put a gap of reach into a status and words; where limits count, the amount respects them."""
-    position = ", ".join(f"{value:.6g}" for value in T[:3, 3])
+    # What is less than a nanometre is rounding; adding 0 makes -0 a plain 0.
+    position = ", ".join(f"{value:.6g}" for value in T[:3, 3].round(9) + 0.0)
     part = "" if all(task) else f"; only {_components(task)} of the target count"
     if gap.distance > 0.0:
         amount = f"{gap.distance:.6g} m"

@@ -17,6 +17,8 @@ __all__ = ["CameraLayer"]
 
 # Between the joints and what is shown.
 ORDER = 5.5
+# Of a plan so many postures are to be in the picture.
+SWEEP = 6
 
 
 class CameraLayer:
@@ -36,7 +38,7 @@ class CameraLayer:
 
     def controls(self, client: Any) -> Controls:
         """Give the button."""
-        hint = "The robot and its ghosts fill the picture, seen from where you look now"
+        hint = "Robot, ghosts and plan fill the picture, seen from where you look now"
         button = client.gui.add_button("Fit view", hint=hint, order=ORDER)
 
         @button.on_click
@@ -53,6 +55,9 @@ class CameraLayer:
         postures = [arm.q, *(posture.q for posture in arm.study.postures)]
         if arm.study.nearest is not None:
             postures.append(arm.study.nearest)
+        motion = self._place.plan.motion
+        if motion is not None:
+            postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
         points = seen_points(seen, arm.chain.joint_names, postures)
         # The arrows of the gizmo, both ways.
         T = seen.tree.link_poses()[arm.chain.base] @ arm.target

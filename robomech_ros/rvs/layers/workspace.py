@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import ReachMap
+from robomech_ros.rvs.model.eye import seen_points
 from robomech_ros.rvs.model.reach_points import (
     DENSITIES,
     MEASURES,
@@ -20,11 +22,11 @@ from robomech_ros.rvs.model.reach_points import (
     reach_points,
 )
 from robomech_ros.rvs.model.section_drawing import draw_section, here_rule
-from robomech_ros.rvs.model.workspace_views import SectionView, section_view
+from robomech_ros.rvs.model.workspace_views import SectionView, section_view, why_no_section
 from robomech_ros.rvs.page.audience import Controls
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.surroundings import fit_eye
 from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.rvs.page.workspace_legends import map_legend, section_text
@@ -37,6 +39,10 @@ __all__ = ["POINT", "WorkspaceLayer"]
 Array = NDArray[np.float64]
 
 ORDER = 20
+# What can be shown, and its label.
+LABELS = {"boundary": "boundary", "reach_map": "reach map", "cut": "cut open"}
+# So many joints take any orientation somewhere.
+ALL_ORIENTATIONS = 6
 # Label of the text field with a point of the section; clicks on the section write into it.
 POINT = "Point of section"
 _HINT = "Two numbers in m, as 0.5, 0.2; a click on the section writes them. The tip goes there"
@@ -68,7 +74,9 @@ class WorkspaceLayer:
 
     def __init__(self, place: Place) -> None:
         self._place = place
-        self._switches: Switches = place.kept.setdefault("workspace", Switches())
+        usual = ORIENTATIONS[place.chain.n < ALL_ORIENTATIONS]
+        first = Switches(orientations=usual)
+        self._switches: Switches = place.kept.setdefault("workspace", first)
         # A map may take minutes, in which the boundary is not to wait.
         self._worker, self._mapper = Worker(), Worker()
         scene, reach = place.server.scene, place.seen.reach
@@ -83,6 +91,9 @@ class WorkspaceLayer:
         self._drawn: dict[str, Any] = {}
         self._folder: Folder | None = None
         self._browser: int | None = None
+        for name, label in LABELS.items():
+            is_on = partial(getattr, self._switches, name)
+            place.offered[label] = Switch(is_on, partial(self._turn, name))
 
     # What a page calls.
 
@@ -148,13 +159,21 @@ class WorkspaceLayer:
                     as_choice(name, value, choices[name])
                 else:
                     as_flag(name.replace("_", " "), value)
-                setattr(self._switches, name, value)
-                if not self._switches.reach_map:
-                    self._leave_off()
+                self._set(name, value)
 
             self._place.ask((self, name), switched)
 
         return asked
+
+    def _turn(self, name: str, on: bool) -> None:
+        self._set(name, on)
+        if self._folder is not None:
+            self._folder.mark(LABELS[name], on)
+
+    def _set(self, name: str, value: Any) -> None:
+        setattr(self._switches, name, value)
+        if not self._switches.reach_map:
+            self._leave_off()
 
     def _typed(self, text: Any) -> None:
         def go() -> None:
@@ -204,7 +223,8 @@ class WorkspaceLayer:
             if len(extent):
                 place = self._place
                 T = place.seen.tree.link_poses()[place.chain.base]
-                fit_eye(client, extent @ T[:3, :3].T + T[:3, 3])
+                robot = seen_points(place.seen, place.chain.joint_names, [place.arm.q])
+                fit_eye(client, np.vstack([extent @ T[:3, :3].T + T[:3, 3], robot]))
 
         self._place.ask((self, "see"), see)
 
@@ -220,7 +240,7 @@ class WorkspaceLayer:
         try:
             view = section_view(self._place.chain)
         except RobomechError as error:
-            refused = str(error)
+            refused = why_no_section(self._place.chain, error)
 
         def known() -> None:
             self._view, self._refused = view, refused

@@ -14,10 +14,12 @@ from robomech_ros.rvs.model.curve_problems import Axis
 
 __all__ = [
     "COLOURS",
+    "SIDE",
     "Mark",
     "curve_line",
     "draw_curves",
     "draw_plane",
+    "part_of_width",
     "place_script",
     "placed_points",
 ]
@@ -27,9 +29,10 @@ Array = NDArray[np.float64]
 # Of the first and the second curve, and of the steps; told apart on light and dark ground.
 COLOURS = ("#2f7fd1", "#e07b1a")
 STEPS, ROOT = "#d6336c", "rgb(47,158,68)"
-# The picture, and the rectangle in it that shows the plane: its left and lower edges and its sides.
-WIDTH, HEIGHT = 360.0, 352.0
-LEFT, BOTTOM, SIDE, TOP = 46.0, 312.0, 306.0, 304.0
+# The picture, and the rectangle in it that shows the plane: its left and lower edges, its width and
+# height, and what is left on its right.
+HEIGHT = 352.0
+LEFT, BOTTOM, SIDE, TOP, RIGHT = 46.0, 312.0, 306.0, 304.0, 8.0
 # Points of a curve that are nearer to each other than this are drawn as one.
 FINE = 0.6
 TICK = 4.0
@@ -90,7 +93,12 @@ def draw_curves(
 
 
 def draw_plane(
-    name: str, axes: tuple[Axis, Axis], inside: str, above: str = "", on_press: str = ""
+    name: str,
+    axes: tuple[Axis, Axis],
+    inside: str,
+    above: str = "",
+    on_press: str = "",
+    side: float = SIDE,
 ) -> str:
     """Draw axes as SVG that is as wide as there is room.
 
@@ -103,49 +111,56 @@ def draw_plane(
         SVG in the plane, cut off at its edges, and above it; see :func:`placed_points`.
     on_press : str, optional
         JavaScript that runs when the drawing is pressed.
+    side : float, optional
+        Width of the plane in the picture, here and in all other functions that have it.
 
     Returns
     -------
     str
     """
-    frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{SIDE}" height="{TOP}"'
+    frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{side:.2f}" height="{TOP}"'
     return (
-        f'<svg data-{name} viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+        f'<svg data-{name} viewBox="0 0 {LEFT + side + RIGHT:.2f} {HEIGHT:g}" '
         f'onpointerdown="{html.escape(on_press)}" '
         'style="display:block;width:100%;max-height:80vh;cursor:crosshair;font-size:10.5px" '
         'fill="currentColor" role="img">'
         f'<clipPath id="{name}-plane"><rect {frame}/></clipPath>'
         f'<rect data-plane {frame} fill="currentColor" fill-opacity="0.04" stroke="currentColor" '
-        f'stroke-opacity="0.5"/>{_across(axes[0])}{_up(axes[1])}'
+        f'stroke-opacity="0.5"/>{_across(axes[0], side)}{_up(axes[1])}'
         f'<g clip-path="url(#{name}-plane)">{inside}</g>{above}</svg>'
     )
 
 
-def place_script(axes: tuple[Axis, Axis]) -> str:
+def part_of_width(side: float) -> float:
+    """Give how wide a drawing is, as part of one whose plane is as wide as it can be."""
+    return (LEFT + side + RIGHT) / (LEFT + SIDE + RIGHT)
+
+
+def place_script(axes: tuple[Axis, Axis], side: float = SIDE) -> str:
     """Give JavaScript that makes ``text`` of where the drawing is clicked; empty outside."""
     (_, _, x, right), (_, _, y, top) = axes
     return (
         "var p=new DOMPoint(event.clientX,event.clientY)"
         ".matrixTransform(this.getScreenCTM().inverse()),"
-        f"u=(p.x-{LEFT})/{SIDE},v=({BOTTOM}-p.y)/{TOP},"
+        f"u=(p.x-{LEFT})/{side!r},v=({BOTTOM}-p.y)/{TOP},"
         "text=u<0||u>1||v<0||v>1?'':"
         f"({x!r}+u*({right - x!r})).toPrecision(9)+', '+({y!r}+v*({top - y!r})).toPrecision(9);"
     )
 
 
-def placed_points(axes: tuple[Axis, Axis], points: Array) -> Array:
+def placed_points(axes: tuple[Axis, Axis], points: Array, side: float = SIDE) -> Array:
     """Give points (k, 2) of the plane in the picture."""
     low = np.array([axis.low for axis in axes])
     width = np.array([axis.high - axis.low for axis in axes])
     parts = (np.asarray(points, float) - low) / width
-    return np.stack([LEFT + SIDE * parts[..., 0], BOTTOM - TOP * parts[..., 1]], axis=-1)
+    return np.stack([LEFT + side * parts[..., 0], BOTTOM - TOP * parts[..., 1]], axis=-1)
 
 
-def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array]) -> str:
+def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array], side: float = SIDE) -> str:
     """Give the way of a curve's pieces (k, 2) in the picture, as the ``d`` of a path."""
     text = []
     for piece in pieces:
-        points = _thinned(placed_points(axes, piece))
+        points = _thinned(placed_points(axes, piece, side))
         text.append("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()))
     return "".join(text)
 
@@ -195,13 +210,13 @@ def _mark(axes: tuple[Axis, Axis], mark: Mark) -> str:
     )
 
 
-def _across(axis: Axis) -> str:
+def _across(axis: Axis, side: float) -> str:
     text = []
-    for value, label in _ticks(axis):
-        x = LEFT + SIDE * (value - axis.low) / (axis.high - axis.low)
+    for value, label in _ticks(axis, MOST_TICKS * side / SIDE):
+        x = LEFT + side * (value - axis.low) / (axis.high - axis.low)
         text.append(_tick_line(f"M{x:.1f} {BOTTOM}v{TICK}"))
         text.append(_words(label, f'x="{x:.1f}" y="{BOTTOM + 15:g}"'))
-    place = f'x="{LEFT + 0.5 * SIDE:g}" y="{HEIGHT - 6:g}"'
+    place = f'x="{LEFT + 0.5 * side:g}" y="{HEIGHT - 6:g}"'
     return "".join([*text, _words(_title(axis), place)])
 
 
@@ -227,7 +242,7 @@ def _title(axis: Axis) -> str:
     return f"{axis.name} ({axis.unit})" if axis.unit else axis.name
 
 
-def _ticks(axis: Axis) -> list[tuple[float, str]]:
+def _ticks(axis: Axis, most: float = MOST_TICKS) -> list[tuple[float, str]]:
     """Give where an axis has ticks, and what is written there."""
     width = axis.high - axis.low
     if axis.unit == "rad" and math.isclose(width, 2.0 * math.pi):
@@ -235,7 +250,7 @@ def _ticks(axis: Axis) -> list[tuple[float, str]]:
         first = math.ceil(axis.low / (0.5 * math.pi) - 1e-9)
         last = math.floor(axis.high / (0.5 * math.pi) + 1e-9)
         return [(0.5 * math.pi * k, _of_pi(k)) for k in range(first, last + 1)]
-    least = width / MOST_TICKS
+    least = width / most
     power = 10.0 ** math.floor(math.log10(least))
     step = next(power * k for k in (1.0, 2.0, 5.0, 10.0) if power * k >= least)
     first, last = math.ceil(axis.low / step - 1e-9), math.floor(axis.high / step + 1e-9)

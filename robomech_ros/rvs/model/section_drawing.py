@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.curve_drawing import (
+    SIDE,
     curve_line,
     draw_plane,
+    part_of_width,
     place_script,
     placed_points,
 )
 from robomech_ros.rvs.model.workspace_views import SectionView
 
-__all__ = ["colour_of_count", "draw_section", "here_rule", "section_legend"]
+__all__ = ["colour_of_count", "draw_section", "here_rule", "section_legend", "section_points"]
 
 Array = NDArray[np.float64]
 
@@ -25,9 +27,10 @@ _HERE = (
 )
 _WIDTHS = {"outer": 1.8, "inner": 1.8, "interior": 0.8}
 _SWATCH = (
-    '<span style="white-space:nowrap;margin-right:0.9em"><span style="display:inline-block;'
-    'width:0.9em;height:0.9em;background:{colour};vertical-align:-0.1em;margin-right:0.35em">'
-    "</span>{text}</span>"
+    '<div style="white-space:nowrap"><span style="display:inline-block;'
+    "width:0.9em;height:0.9em;box-sizing:border-box;vertical-align:-0.1em;margin-right:0.35em;"
+    '{style}">'
+    "</span>{text}</div>"
 )
 
 
@@ -37,7 +40,9 @@ def colour_of_count(count: int) -> str:
 
 
 def draw_section(view: SectionView, on_press: str = "") -> str:
-    """Draw a section as SVG; a ring is in it, which :func:`here_rule` places.
+    """Draw a section to scale, as SVG, with its legend beside it, or below where it is wide.
+
+    A ring is in it, which :func:`here_rule` places.
 
     Parameters
     ----------
@@ -45,24 +50,41 @@ def draw_section(view: SectionView, on_press: str = "") -> str:
     on_press : str, optional
         JavaScript that runs when the drawing is pressed, with ``text`` of the place.
     """
+    side = _side(view)
     regions = "".join(
         f'<path data-count="{count}" d="{_squares(view, count)}" '
         f'fill="{colour_of_count(count)}" shape-rendering="crispEdges"/>'
         for count in range(1, int(view.counts.max()) + 1)
     )
     curves = "".join(
-        f'<path data-role="{curve.role}" d="{curve_line(view.axes, [curve.points])}" fill="none" '
-        f'stroke="currentColor" stroke-width="{_WIDTHS[curve.role]}" stroke-linejoin="round"/>'
+        f'<path data-role="{curve.role}" d="{curve_line(view.axes, [curve.points], side)}" '
+        f'fill="none" stroke="currentColor" stroke-width="{_WIDTHS[curve.role]}" '
+        'stroke-linejoin="round"/>'
         for curve in view.space.curves
     )
-    script = place_script(view.axes) + on_press
-    return draw_plane("section", view.axes, regions + curves, _HERE, script)
+    script = place_script(view.axes, side) + on_press
+    picture = draw_plane("section", view.axes, regions + curves, _HERE, script, side)
+    return (
+        '<div style="display:flex;flex-wrap:wrap;align-items:center;gap:0.2em 0.8em">'
+        f'<div style="flex:0 0 {100.0 * part_of_width(side):.1f}%">{picture}</div>'
+        f'<div style="font-size:0.8em;line-height:1.6">{section_legend(view)}</div></div>'
+    )
 
 
 def here_rule(view: SectionView, coordinates: Array) -> str:
     """Place the ring at coordinates (2,) (m), as HTML beside the picture."""
-    x, y = placed_points(view.axes, coordinates).tolist()
+    x, y = section_points(view, coordinates).tolist()
     return f"<style>[data-workspace-here]{{transform:translate({x:.2f}px,{y:.2f}px)}}</style>"
+
+
+def section_points(view: SectionView, coordinates: Array) -> Array:
+    """Give where coordinates (..., 2) (m) are in the picture."""
+    return placed_points(view.axes, coordinates, _side(view))
+
+
+def _side(view: SectionView) -> float:
+    x, y = view.axes
+    return SIDE * (x.high - x.low) / (y.high - y.low)
 
 
 def section_legend(view: SectionView) -> str:
@@ -70,8 +92,9 @@ def section_legend(view: SectionView) -> str:
     entries = []
     for count in np.unique(view.counts[view.counts > 0]).tolist():
         text = f"{count} posture{'s' if count > 1 else ''}"
-        entries.append(_SWATCH.format(colour=colour_of_count(count), text=text))
-    return "".join(entries)
+        entries.append(_SWATCH.format(style=f"background:{colour_of_count(count)}", text=text))
+    ring = "border:2px solid #d6336c;border-radius:50%"
+    return "".join([*entries, _SWATCH.format(style=ring, text="where it is now")])
 
 
 def _squares(view: SectionView, count: int) -> str:
@@ -82,6 +105,6 @@ def _squares(view: SectionView, count: int) -> str:
         changes = np.flatnonzero(same[1:] != same[:-1])
         for first, last in changes.reshape(-1, 2).tolist():
             corners = np.array([[x[column], y[first]], [x[column + 1], y[last]]])
-            (left, low), (right, high) = placed_points(view.axes, corners).tolist()
+            (left, low), (right, high) = section_points(view, corners).tolist()
             text.append(f"M{left:.1f} {low:.1f}V{high:.1f}H{right:.1f}V{low:.1f}z")
     return "".join(text)

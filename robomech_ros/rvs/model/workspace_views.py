@@ -8,19 +8,29 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import Workspace, workspace_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.curve_problems import Axis
 from robomech_ros.rvs.model.solids import Solid
 
-__all__ = ["OPENING", "SectionView", "is_in_opening", "open_intervals", "section_view"]
+__all__ = [
+    "OPENING",
+    "SectionView",
+    "is_in_opening",
+    "open_intervals",
+    "section_view",
+    "why_no_section",
+]
 
 Array = NDArray[np.float64]
 
 # Squares along the longer side of the section, in each of which postures are counted once.
 SQUARES = 170
 MARGIN = 0.06
+# The section is drawn at least so wide, in parts of its height.
+NARROWEST = 0.3
 # The surface: points along a curve are so far apart at least, in parts of the section's longer
 # side, and strips so wide (rad, or parts of the way of a slide).
 FINE, STRIP = 0.012, math.pi / 40.0
@@ -42,7 +52,7 @@ class SectionView:
     in_tip : ndarray, shape (3,)
         The point that is placed, in the frame of the tip (m).
     axes : tuple of two Axis
-        What is drawn (m), as wide as it is high.
+        What is drawn (m), at most as wide as it is high.
     edges : tuple of two ndarray
         Of the squares, along both axes (m).
     counts : ndarray of int, shape (columns, rows)
@@ -190,6 +200,30 @@ def section_view(chain: SerialChain) -> SectionView:
     return SectionView(chain, space, in_tip, axes, (edges[0], edges[1]), counts)
 
 
+def why_no_section(chain: SerialChain, error: RobomechError) -> str:
+    """Say why an arm has no section, for which :func:`section_view` raised an error."""
+    try:
+        positioning_part(chain)
+    except BadValueError:
+        why = f"this arm has {chain.n} joint{'s' * (chain.n > 1)}"
+        slides = [
+            name for name, kind in zip(chain.joint_names[3:], chain.types[3:], strict=True) if kind
+        ]
+        if slides:
+            why = f"joint '{slides[0]}' slides"
+        elif chain.n == 2:
+            why = "the two joints move no point in a plane"
+        elif chain.n == 4:
+            why = "axis 4 does not go through the tip"
+        elif chain.n in (5, 6):
+            why = f"axes 4{', 5' * (chain.n == 6)} and {chain.n} do not meet in one point"
+        return (
+            f"No boundary: {why}. It is drawn where the first three joints alone place a point, "
+            "such as the centre of a wrist, in which the axes of all later joints meet."
+        )
+    return f"No boundary: {error}."
+
+
 def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
     """Give what is left of azimuths from ``low`` to ``high`` (rad) without the open sector."""
     middle, half = OPENING
@@ -215,16 +249,18 @@ def is_in_opening(azimuths: Array) -> NDArray[np.bool_]:
 
 
 def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:
-    """Give axes that hold all curves, both as long, with some room around."""
-    side = float((high - low).max()) * (1.0 + 2.0 * MARGIN)
-    beyond = high[0] > side / (1.0 + MARGIN)
-    low = 0.5 * (low + high - side)
+    """Give axes that hold all curves with some room around, the first as long or shorter."""
+    margin = MARGIN * float((high - low).max())
+    low, high = low - margin, high + margin
+    height = float((high - low).max())
     if not space.section.slides[0]:
         # On the left there is the axis, where there is room for it, and nothing beyond it.
-        low[0] = max(low[0], 0.0) if beyond else 0.0
+        low[0] = max(low[0], 0.0) if high[0] > height else 0.0
+    widths = np.array([max(high[0] - low[0], NARROWEST * height), height])
+    low[1] = 0.5 * (low[1] + high[1] - height)
     x, z = (
-        Axis(name, "m", float(first), float(first) + side)
-        for name, first in zip(space.coordinates, low, strict=True)
+        Axis(name, "m", first, first + width)
+        for name, first, width in zip(space.coordinates, low.tolist(), widths.tolist(), strict=True)
     )
     return x, z
 

@@ -231,9 +231,9 @@ class CurveView:
         lengths = np.linalg.norm(np.diff(found.path, axis=0), axis=1).tolist()
         steps = ", ".join(f"{length:.0e}" for length in lengths)
         sentences = [f"{values}, after {len(lengths)} steps: {steps}{unit}."]
-        left = f"the other {problem.others} equations leave {found.left_over:.1e} of their size."
+        left = f"the other {problem.others} equations leave {found.left_over:.2g} of their size."
         if problem.others == 1:
-            left = f"the other equation leaves {found.left_over:.1e} of its size."
+            left = f"the other equation leaves {found.left_over:.2g} of its size."
         if not found.is_root:
             return [*sentences, f"Spurious: {left}"]
         root = self._owner.root.capitalize()

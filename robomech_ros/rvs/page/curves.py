@@ -114,7 +114,7 @@ def _range(quantity: Quantity) -> tuple[float, float, str]:
     low, high = min([low, *near.tolist()]), max([high, *near.tolist()])
     margin = MARGIN * max(high - low, span)
     drawn = "; limits dashed" if len(near) else ""
-    left_out = "; limits beyond" if not len(near) else ", others beyond"
+    left_out = "; limits outside" if not len(near) else ", some outside"
     return low - margin, high + margin, drawn + (left_out if len(near) < len(limits) else "")
 
 

@@ -6,7 +6,6 @@ import html
 
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.rvs.model.reach_points import ReachPoints, scale_colours
-from robomech_ros.rvs.model.section_drawing import section_legend
 from robomech_ros.rvs.model.workspace_views import SectionView
 from robomech_ros.rvs.page.fact_table import SMALL
 from robomech_ros.rvs.page.tables import small_text
@@ -20,9 +19,7 @@ STEPS = 9
 def section_text(view: SectionView | None, refused: str) -> str:
     """Write what the section shows, or why there is none, as HTML."""
     if refused:
-        return small_text(
-            [f"No boundary: {refused}.", "The reach map shows what this arm reaches."]
-        )
+        return small_text([refused, "The reach map shows what this arm reaches."])
     if view is None:
         return small_text(["Looking for the boundary ..."])
     space, wrist = view.space, bool((abs(view.in_tip) > 1e-9).any())
@@ -33,9 +30,8 @@ def section_text(view: SectionView | None, refused: str) -> str:
     if space.tip is not None:
         joints += "; each stands for a continuum"
     lines = [
-        section_legend(view),
         f"Postures of {joints}, at each place of {what} "
-        f"{'in its plane' if space.section.flat else 'in the half-plane that it is in (ring)'}.",
+        f"{'in its plane' if space.section.flat else 'in the half-plane that it is in'}.",
         f"Reach of it: {space.least_reach:.3f} to {space.greatest_reach:.3f} m from joint 1.",
         "A click brings it there, with the present orientation. The postures listed are those of "
         "the whole arm, inside all its limits.",

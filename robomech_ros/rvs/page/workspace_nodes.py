@@ -21,6 +21,8 @@ SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.28
 ROLE_COLOURS = {"outer": (25, 95, 190), "inner": (205, 45, 45), "interior": (130, 130, 140)}
 # Thickness of curves, in reaches, and sides of the cubes at points, in distances between these.
 THICKNESS, CUBE = 0.004, 0.3
+# What lights leave of a colour is more than the colour; cubes are to look as their legend does.
+DIMMED = 0.6
 
 
 class WorkspaceNodes:
@@ -106,7 +108,7 @@ class WorkspaceNodes:
             solid.faces,
             batched_wxyzs=np.tile((1.0, 0.0, 0.0, 0.0), (count, 1)).astype(np.float32),
             batched_positions=shown.points.astype(np.float32),
-            batched_colors=shown.colours,
+            batched_colors=(DIMMED * shown.colours).astype(np.uint8),
             flat_shading=True,
             lod="off",
             cast_shadow=False,
