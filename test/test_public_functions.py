@@ -246,6 +246,7 @@ def of_calibration():
     found |= with_options(calibration.hand_eye, robot_poses=A, sensor_poses=B)
     found |= with_options(calibration.robot_world, A=A, B=A)
     found |= with_options(calibration.relative_hand_eye, A=A, B=A)
+    found |= with_options(calibration.motion_agreement, motions=np.stack((A, A)))
     functions = [one for one in calibration.__all__ if one[0].islower()]
     assert {name.split(".")[0] for name in found} == set(functions)
     return found
