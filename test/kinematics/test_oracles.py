@@ -9,6 +9,7 @@ from general_arms import general_arm, random_postures
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.kinematics.equations import PROCEDURES
 from robomech_ros.kinematics.oracles import solve_bivariate, solve_univariate
 from robomech_ros.robots import load_robot
 
@@ -26,7 +27,6 @@ def test_eigenvalues_give_the_same_solutions(apart, name):
             assert apart(chain, ours.q, q).min() < 1e-7
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ("diestro", "random-0"))
 def test_contours_give_the_same_solutions(apart, name):
     chain = general_arm(name)
@@ -39,12 +39,20 @@ def test_contours_give_the_same_solutions(apart, name):
             assert crossing.condition >= 1.0 and 0.0 <= crossing.crossing <= np.pi / 2
 
 
+def test_the_other_procedure_has_a_name():
+    chain = general_arm("random-0")
+    T = forward_kinematics(chain, random_postures(1, 4)[0])
+    one, other = (solve_univariate(chain, T, procedure=name) for name in PROCEDURES)
+    np.testing.assert_allclose(one.q, other.q, atol=1e-9)
+    with pytest.raises(BadValueError, match="raghavan-roth, li-woernle-hiller"):
+        solve_univariate(chain, T, procedure="li")
+
+
 def test_only_six_revolute_joints():
     with pytest.raises(BadValueError, match="six revolute"):
         solve_univariate(load_robot("panda"), np.eye(4))
 
 
-@pytest.mark.slow
 def test_issue_12_contours_that_touch_give_one_posture(apart):
     """They gave 31 for the 8 postures of this pose, of which two are singular."""
     golden = Path(__file__).parents[1] / "data" / "golden" / "ik6r_diestro_recalled_pose.json"
@@ -63,14 +71,15 @@ def test_issue_12_contours_that_touch_give_one_posture(apart):
 def test_issue_12_eigenvalues_say_whether_postures_are_missing(name):
     chain = load_robot(name) if name not in ARMS else general_arm(name)
     said = 0
-    for T in forward_kinematics(chain, random_postures(12, 3)):
+    for T in forward_kinematics(chain, random_postures(8, 3)):
         ours = inverse_kinematics(chain, T, respect_limits=False)
         theirs = solve_univariate(chain, T)
         assert bool(theirs.reason) != theirs.complete
         assert not theirs.complete or len(theirs) == len(ours)
         assert np.asarray(theirs).shape == (len(theirs), 6)
         said += theirs.complete
-    assert said >= 6 if name in ARMS else said == 0
+    # Before another joint was hidden where joint 3 cannot be, on none of the built arms.
+    assert said >= 6
 
 
 @pytest.mark.parametrize("solve", (solve_univariate, solve_bivariate))

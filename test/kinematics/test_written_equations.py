@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle
+from robomech_ros.kinematics.equations.closure import circle, closure_equations
 from robomech_ros.robots import chain_from_dh
 
 
@@ -106,7 +106,7 @@ def test_a_general_arm_has_six_equations_that_its_postures_obey():
     arm = chain_from_dh(*rng.uniform(0.1, 1.0, (2, 6)), rng.uniform(0.3, 1.4, 6))
     q = rng.uniform(-3.0, 3.0, 6)
     T = forward_kinematics(arm, q)
-    equations = ClosureEquations.of(arm, T)
+    equations = closure_equations(arm, T)
     for posture in inverse_kinematics(arm, T, respect_limits=False).q:
         value = np.einsum("eijk,i,j,k", equations.free, *(circle(x) for x in posture[2:5]))
         np.testing.assert_allclose(value, 0.0, atol=1e-8)

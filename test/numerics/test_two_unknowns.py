@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import root
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics.oracles.closure import ClosureEquations
+from robomech_ros.kinematics.equations import closure_equations
 from robomech_ros.numerics import bivariate, refine_root
 from robomech_ros.robots import chain_from_dh
 
@@ -88,7 +88,7 @@ def test_the_minors_of_a_general_arm(name, postures):
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = case["R"], case["p"]
     arm = chain_from_dh(case["a"], case["b"], case["alpha"])
-    free = ClosureEquations.of(arm, pose).free
+    free = closure_equations(arm, pose).free
     rows = np.array(list(itertools.combinations(range(6), 3)))
 
     def minors(x, y):

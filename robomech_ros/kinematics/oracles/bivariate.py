@@ -17,9 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.forward_uncompiled import tip_poses
-from robomech_ros.kinematics.inverse.target import as_targets
-from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
+from robomech_ros.kinematics.equations.closure import ClosureEquations, circle, closure_equations
+from robomech_ros.kinematics.equations.postures import (
+    BETWEEN,
+    ONE_POSTURE,
+    posture_of,
+    same_posture,
+)
 from robomech_ros.numerics import newton_gauss
 from robomech_ros.numerics.grid_crossings import shared_cells
 from robomech_ros.robots.chain import SerialChain
@@ -30,12 +34,14 @@ __all__ = ["PAIR", "Intersection", "measured", "minors", "solve_bivariate"]
 Array = NDArray[np.float64]
 
 _ACCEPTED = 1e-9
-_APART = 1e-6
-# Two ends of the refinement this near (rad) are one singular posture, where it converges slowly, if
-# the posture between them, too, gives the pose to this part.
-_ONE_POSTURE = 1e-3
-_BETWEEN = 1e-9
 _FEWEST_STEPS = 8
+# First steps from all cells at once, and then of those that come near a posture, where it may be
+# singular; how long they may be (rad), what is left of the equations near a posture, and the digits
+# in which equal ends agree.
+_FIRST_STEPS = (10, 20)
+_LONGEST_STEP = 0.3
+_NEAR = 1e-4
+_DIGITS = 7
 # Rows of the two minors whose contours are followed.
 PAIR = ((0, 1, 2), (3, 4, 5))
 
@@ -74,7 +80,7 @@ def minors(equations: ClosureEquations, q4: ArrayLike, q5: ArrayLike, rows: Arra
     -------
     ndarray, shape (m, ...)
     """
-    G = np.einsum("eijk,j...,k...->...ei", equations.free, circle(q4), circle(q5))
+    G = equations.three_columns(q4, q5)
     return np.moveaxis(np.linalg.det(G[..., np.asarray(rows), :]), -1, 0)
 
 
@@ -105,57 +111,92 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
     count = real_number("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
     if not (count >= _FEWEST_STEPS and float(count).is_integer()):
         raise BadValueError("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
-    equations = ClosureEquations.of(chain, as_targets(T)[0])
+    equations = closure_equations(chain, T)
     steps = int(count)
     angles = -np.pi + 2.0 * np.pi * np.arange(steps) / steps
     values = minors(equations, angles[:, None], angles[None, :], PAIR)
-    half = np.pi / steps
+    cell = 2.0 * np.pi / steps
+    starts = angles[np.argwhere(shared_cells(*values, wrap=True))] + 0.5 * cell
     found: list[Intersection] = []
-    for i, j in zip(*np.nonzero(shared_cells(*values, wrap=True)), strict=True):
-        start = _start(equations, float(angles[i]) + half, float(angles[j]) + half)
+    for start in _first_steps(equations, starts):
+        if any(_is_one(equations, start, other.q[2:5]) for other in found):
+            continue
         end = _refined(equations, start)
         if end is None:
             continue
         q = posture_of(equations, *(float(x) for x in end))
-        if q is None or any(_is_same(equations, q, other.q) for other in found):
+        if q is None or any(same_posture(equations, q, other.q) for other in found):
             continue
         found.append(measured(equations, q))
     return sorted(found, key=lambda crossing: float(crossing.q[2]))
 
 
-def _start(equations: ClosureEquations, q4: float, q5: float) -> Array:
-    G = np.einsum("eijk,j,k->ei", equations.free, circle(q4), circle(q5))
-    c, s = np.linalg.lstsq(G[:, :2], -G[:, 2], rcond=None)[0]
-    return np.array([np.arctan2(s, c), q4, q5])
+def _first_steps(equations: ClosureEquations, starts: Array) -> Array:
+    """Take the first steps of Newton-Gauss from all starts (n, 2) at once.
+
+    Returns
+    -------
+    ndarray, shape (m, 3)
+        Joints 3, 4 and 5 (rad) of those that have come near a posture, equal ones once.
+    """
+    G = equations.three_columns(*starts.T)
+    third = np.squeeze(np.linalg.pinv(G[:, :, :2]) @ -G[:, :, 2:], axis=2)
+    x = np.column_stack((np.arctan2(third[:, 1], third[:, 0]), starts))
+    for steps in _FIRST_STEPS:
+        for _ in range(steps):
+            step = np.linalg.pinv(_slope(equations, x)) @ -_value(equations, x)[:, :, None]
+            x = x + np.clip(step[:, :, 0], -_LONGEST_STEP, _LONGEST_STEP)
+        x = x[np.abs(_value(equations, x)).max(axis=1, initial=0.0) < _NEAR]
+    turned = (x + np.pi) % (2.0 * np.pi) - np.pi
+    ends: Array = turned[np.unique(turned.round(_DIGITS), axis=0, return_index=True)[1]]
+    return ends
+
+
+def _is_one(equations: ClosureEquations, x: Array, known: Array) -> bool:
+    """Tell whether three angles are those of a singular posture that is known."""
+    away = (x - known + np.pi) % (2.0 * np.pi) - np.pi
+    if np.abs(away).max() > ONE_POSTURE:
+        return False
+    return bool(np.abs(_value(equations, known + 0.5 * away)).max() < BETWEEN)
+
+
+def _value(equations: ClosureEquations, x: Array) -> Array:
+    """Give the six equations (..., 6) at joints 3, 4 and 5 (..., 3)."""
+    rows = [circle(x[..., k]) for k in range(3)]
+    value: Array = np.einsum("eijk,i...,j...,k...->...e", equations.free, *rows)
+    return value
+
+
+def _slope(equations: ClosureEquations, x: Array) -> Array:
+    """Give their derivative (..., 6, 3)."""
+    columns = []
+    for k in range(3):
+        rows = [circle(x[..., m]) for m in range(3)]
+        rows[k] = np.stack([-rows[k][1], rows[k][0], 0.0 * rows[k][2]])
+        columns.append(np.einsum("eijk,i...,j...,k...->...e", equations.free, *rows))
+    return np.stack(columns, axis=-1)
 
 
 def _refined(equations: ClosureEquations, start: Array) -> Array | None:
-    def value(x: Array) -> Array:
-        result: Array = np.einsum("eijk,i,j,k->e", equations.free, *(circle(a) for a in x))
-        return result
-
-    def slope(x: Array) -> Array:
-        b = [circle(a) for a in x]
-        d = [np.array([-np.sin(a), np.cos(a), 0.0]) for a in x]
-        columns = [
-            np.einsum(
-                "eijk,i,j,k->e", equations.free, *(d[m] if m == k else b[m] for m in range(3))
-            )
-            for k in range(3)
-        ]
-        return np.array(columns).T
-
     try:
-        end = newton_gauss(value, slope, start, tolerance=1e-13, iterations=30)
+        end = newton_gauss(
+            lambda x: _value(equations, x),
+            lambda x: _slope(equations, x),
+            start,
+            tolerance=1e-13,
+            iterations=30,
+        )
     except BadValueError:
-        return None
-    return end.x if np.abs(end.residual).max() < _ACCEPTED else None
+        # At a singular posture itself no step can be computed.
+        end = None
+    x, left = (start, _value(equations, start)) if end is None else (end.x, end.residual)
+    return x if np.abs(left).max() < _ACCEPTED else None
 
 
 def measured(equations: ClosureEquations, q: Array, pair: ArrayLike = PAIR) -> Intersection:
     """Measure how well a posture (6,) is conditioned, and how the contours of two minors cross."""
     q4, q5 = float(q[3]), float(q[4])
-    G = np.einsum("eijk,j,k->ei", equations.free, circle(q4), circle(q5))
+    G = equations.three_columns(q4, q5)
     step = 1e-6
     around = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)]
     four, five = (np.array([q4, q5])[:, None] + np.array(around).T).tolist()
@@ -163,16 +204,3 @@ def measured(equations: ClosureEquations, q: Array, pair: ArrayLike = PAIR) -> I
     (a, b), (c, d) = values[:, [0, 2]] - values[:, [1, 3]]
     crossing = float(np.arctan2(abs(a * d - b * c), abs(a * c + b * d)))
     return Intersection(q, float(np.linalg.cond(G[:, :2])), crossing)
-
-
-def _is_same(equations: ClosureEquations, q: Array, p: Array) -> bool:
-    away = _distance(q, p)
-    if away < _APART or away > _ONE_POSTURE:
-        return away < _APART
-    middle = p + 0.5 * ((q - p + np.pi) % (2.0 * np.pi) - np.pi)
-    error = tip_poses(equations.chain, middle[None])[0] - equations.target
-    return bool(np.abs(error).max() < _BETWEEN)
-
-
-def _distance(q: Array, p: Array) -> float:
-    return float(np.abs((q - p + np.pi) % (2.0 * np.pi) - np.pi).max())

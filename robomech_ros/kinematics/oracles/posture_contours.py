@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.equations.closure import closure_equations
+from robomech_ros.kinematics.equations.postures import posture_of
 from robomech_ros.kinematics.oracles.bivariate import PAIR, Intersection, measured, minors
-from robomech_ros.kinematics.oracles.closure import ClosureEquations, circle, posture_of
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.robots.chain import SerialChain
 
@@ -84,7 +84,7 @@ class PostureContours:
         self, chain: SerialChain, T: ArrayLike, *, pair: Sequence[Sequence[int]] = PAIR
     ) -> None:
         drawn = _pair(pair)
-        self._equations = ClosureEquations.of(chain, as_targets(T)[0])
+        self._equations = closure_equations(chain, T)
         self._drawn = drawn
         others = [rows for rows in MINORS if rows not in drawn]
         self._curves = CurvePair(
@@ -120,7 +120,7 @@ class PostureContours:
 
     def _judged(self, crossing: CurveCrossing) -> Crossing:
         angles = crossing.point
-        G = np.einsum("eijk,j,k->ei", self._equations.free, *circle(angles).T)
+        G = self._equations.three_columns(*angles)
         c, s = np.linalg.lstsq(G[:, :2], -G[:, 2], rcond=None)[0]
         off_circle = abs(c**2 + s**2 - 1.0) / (c**2 + s**2 + 1.0)
         left_over = float(max(crossing.left_over, off_circle))

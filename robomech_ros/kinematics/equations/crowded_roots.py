@@ -1,0 +1,90 @@
+"""Postures that share one angle: the two others by a second elimination, at that angle.
+
+References
+----------
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 9.6.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.kinematics.equations.closure import ClosureEquations, circle
+from robomech_ros.kinematics.equations.half_angles import (
+    HALF,
+    angles_of_tangents,
+    null_vectors,
+    sampled_determinants,
+)
+
+__all__ = ["angles_beside"]
+
+Complex = NDArray[np.complex128]
+
+# Least singular value, as part of the greatest, with which a direction may be a null vector: an
+# angle shared by m postures is known to the m-th root of the rounding.
+_MAYBE_NULL = 1e-3
+_SAMPLES = 7
+# Any three combinations of the six equations.
+_THREE = np.linalg.qr(np.random.default_rng(0).normal(size=(6, 3)))[0].T
+
+
+def angles_beside(equations: ClosureEquations, place: int, angle: complex) -> list[Complex]:
+    """Find all values of joints 3, 4 and 5 where one of them is known.
+
+    With it the equations are six in two unknowns, ``M(x) (y^2, y, 1)^T = 0``, M (6, 3) quadratic in
+    x.  Three combinations of them have a null vector at six values of x, and all six there, too,
+    where x belongs to a posture.
+
+    Parameters
+    ----------
+    equations : ClosureEquations
+    place : int
+        Which is known: 0 joint 3, 1 joint 4, 2 joint 5.
+    angle : complex
+        Its value (rad).
+
+    Returns
+    -------
+    list of ndarray, shape (3,)
+        Joints 3, 4 and 5 (rad), perhaps with some that are no posture.
+    """
+    two = np.einsum("eijk,i->ejk", np.moveaxis(equations.free, place + 1, 1), circle(angle))
+    six = np.einsum("yj,zk,ejk->yez", HALF, HALF, two)
+    three = np.einsum("re,yez->yrz", _THREE, six)
+    angles, determinants = sampled_determinants(three, _SAMPLES)
+    try:
+        xs, _ = null_vectors(three, float(angles[np.argmax(np.abs(determinants))]))
+    except np.linalg.LinAlgError:
+        return []
+    found = []
+    for x in xs[np.isfinite(xs)]:
+        s, c = np.sin(0.5 * x), np.cos(0.5 * x)
+        _, sizes, rows = np.linalg.svd(s * s * six[0] + s * c * six[1] + c * c * six[2])
+        if sizes[2] > _MAYBE_NULL * sizes[0]:
+            continue
+        vectors = [rows[2].conj()]
+        if sizes[1] <= _MAYBE_NULL * sizes[0]:
+            vectors += _on_the_conic(rows[1].conj(), rows[2].conj())
+        for vector in vectors:
+            y = _second_angle(vector)
+            if np.isfinite(y):
+                found.append(np.insert(np.array([x, y], complex), place, angle))
+    return found
+
+
+def _on_the_conic(n: Complex, m: Complex) -> list[Complex]:
+    """Find combinations of two vectors that are proportional to (y^2, y, 1)."""
+    quadratic = [
+        n[0] * n[2] - n[1] ** 2,
+        n[0] * m[2] + n[2] * m[0] - 2.0 * n[1] * m[1],
+        m[0] * m[2] - m[1] ** 2,
+    ]
+    return [t * n + m for t in np.roots(quadratic)]
+
+
+def _second_angle(vector: Complex) -> complex:
+    high, low = (vector[:2], vector[1:])
+    k = int(np.argmax(np.abs(high) + np.abs(low)))
+    return complex(angles_of_tangents(high[k], low[k]))

@@ -1,0 +1,142 @@
+r"""Matrices that are quadratic in the tangent of a half angle: determinants and null vectors.
+
+Written with sine and cosine of the half angle, ``A s^2 + B s c + C c^2``, no angle is at infinity.
+The determinant is a polynomial of some order m in cosine and sine of the angle itself, and
+
+.. math:: \det = (1 + x^2)^{-m} \sum_{k=0}^{2m} p_k x^k, \qquad x = \tan(\theta / 2)
+
+References
+----------
+Manocha and Canny, IEEE Trans. Robotics and Automation 10(5), 1994, pp. 648-657.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "HALF",
+    "angle_of",
+    "angles_of_tangents",
+    "half_angle_polynomial",
+    "null_vectors",
+    "sampled_determinants",
+    "waves_of_samples",
+]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# From (cos, sin, 1) to the coefficients of x^2, x, 1.
+HALF = np.array([[-1.0, 0.0, 1.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
+
+
+def sampled_determinants(matrix: Array, count: int) -> tuple[Array, Array]:
+    """Evaluate the determinant at evenly spaced angles.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (3, n, n)
+        A, B and C: coefficients of x^2, x and 1.
+    count : int
+
+    Returns
+    -------
+    angles, determinants : ndarray, shape (count,)
+        rad; with A s^2 + B s c + C c^2 for s and c of the half angle.
+    """
+    angles = 2.0 * np.pi * np.arange(count) / count
+    s, c = np.sin(0.5 * angles), np.cos(0.5 * angles)
+    values = np.einsum("xij,nx->nij", matrix, np.stack([s * s, s * c, c * c], axis=-1))
+    return angles, np.linalg.det(values)
+
+
+def waves_of_samples(samples: Array) -> Complex:
+    """Give d_k, k = -m .. m, with ``f = sum d_k exp(i k theta)``, from 2 m + 1 even samples."""
+    waves: Complex = np.fft.fftshift(np.fft.fft(samples)) / len(samples)
+    return waves
+
+
+def half_angle_polynomial(waves: Complex) -> Array:
+    """Give the coefficients of x^2m .. 1 of (1 + x^2)^m f, for x = tan(theta / 2).
+
+    Parameters
+    ----------
+    waves : ndarray, shape (2 m + 1,)
+        As from `waves_of_samples`.
+
+    Returns
+    -------
+    ndarray, shape (2 m + 1,)
+        Highest first; the first is f at a half turn.
+    """
+    m = len(waves) // 2
+    total = np.zeros(2 * m + 1, complex)
+    for k, wave in zip(range(-m, m + 1), waves, strict=True):
+        # exp(i theta) = (1 + i x) / (1 - i x)
+        total += wave * np.poly([1j] * (m + k) + [-1j] * (m - k)) * 1j ** (m + k) * (-1j) ** (m - k)
+    return total.real
+
+
+def null_vectors(matrix: Array, front: float) -> tuple[Complex, Complex]:
+    """Find all angles at which a matrix has a null vector, from 2 n eigenvalues.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (3, n, n)
+        Coefficients of x^2, x and 1.
+    front : float
+        An angle (rad) at which it is regular.  Angles are measured from opposite to it, so that no
+        tangent of a half angle is infinite.
+
+    Returns
+    -------
+    angles : ndarray, shape (2 n,)
+        rad, complex; of an infinite imaginary part where x is plus or minus i.
+    vectors : ndarray, shape (2 n, n)
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        It is singular there.
+    """
+    A, B, C = matrix
+    shift = front - np.pi
+    c, s = np.cos(0.5 * shift), np.sin(0.5 * shift)
+    leading = c * c * A - c * s * B + s * s * C
+    middle = 2.0 * c * s * (A - C) + (c * c - s * s) * B
+    last = s * s * A + c * s * B + c * c * C
+    n = len(A)
+    companion = np.zeros((2 * n, 2 * n), dtype=matrix.dtype)
+    companion[:n, n:] = np.eye(n)
+    companion[n:] = -np.linalg.solve(leading, np.hstack((last, middle)))
+    values, vectors = np.linalg.eig(companion)
+    upper, lower = vectors[:n].T, vectors[n:].T
+    longer = np.linalg.norm(upper, axis=1) >= np.linalg.norm(lower, axis=1)
+    angles = angles_of_tangents(values.astype(complex), np.ones(2 * n, complex)) + shift
+    return angles, np.where(longer[:, None], upper, lower).astype(complex)
+
+
+def angles_of_tangents(above: Complex, below: Complex) -> Complex:
+    """Give the angles whose half has the tangent above / below.
+
+    Parameters
+    ----------
+    above, below : ndarray, shape (...)
+        Either may be zero: a half turn has below = 0.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        rad; infinite where the tangent is plus or minus i.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        angle: Complex = -1j * np.log((below + 1j * above) / (below - 1j * above))
+    return angle
+
+
+def angle_of(c: complex, s: complex) -> complex:
+    """Give the angle (rad) with this cosine and sine, known up to rounding or a positive factor."""
+    length = np.sqrt(complex(c * c + s * s))
+    return complex(-1j * np.log((c + 1j * s) / length)) if length != 0 else 0j
