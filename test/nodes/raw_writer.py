@@ -53,7 +53,7 @@ def _library(name: str) -> ctypes.CDLL:
     return ctypes.CDLL(found[0])
 
 
-def _type_support(kind: Any) -> int | None:
+def type_support(kind: Any) -> int | None:
     """Give the address of what rmw knows of a type of messages."""
     meta = type(kind)
     meta.__import_type_support__()
@@ -83,7 +83,7 @@ class RawWriter:
         self._rmw.rmw_publisher_count_matched_subscriptions.argtypes = [
             c_void_p, POINTER(c_size_t),
         ]  # fmt: skip
-        types = _type_support(kind.Request)
+        types = type_support(kind.Request)
         qos = _QoS(KEEP_LAST, 100, RELIABLE, VOLATILE, liveliness=AUTOMATIC)
         qos.avoid_ros_namespace_conventions = True
         self._node = rcl.rcl_node_get_rmw_handle(node.handle.pointer)
