@@ -28,10 +28,13 @@ from robomech_interfaces.msg import ServoStatus
 from robomech_interfaces.srv import (
     AnalyzeSingularity,
     Execute,
+    PlanCartesian,
     PlanJoint,
     QueryWorkspace,
     SetSpeed,
 )
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.deep_queues import ask
 from robomech_ros.robots import SerialChain
 
@@ -44,8 +47,9 @@ _SENSIBLE = {"request": 0.85, "message": 0.12, "goal": 0.03}
 # How far a planned motion goes from home (rad or m).
 _FAR = 0.15
 _PROFILES = 6
-# A plan of so long has almost as many points as one may have.
-_LONGEST = Duration(sec=99)
+# A plan of so long (s), and a path of this length (m) that takes as long, have almost as many
+# points as they may have.
+_LONGEST, _STEP = 99, 0.02
 _STREAM, _PERIOD = 25, 0.02
 _TOPICS = (
     (JointState, "joint_states"),
@@ -117,12 +121,18 @@ class Load:
         )  # fmt: skip
         via = JointTrajectoryPoint(positions=(self._chain.home() + _FAR).tolist())
         away = JointState(position=via.positions)
+        T = forward_kinematics(self._chain, self._chain.home()).copy()
+        T[2, 3] -= _STEP
+        end = stamped_pose(T, "")
         for profile in range(_PROFILES):
             request = PlanJoint.Request(start=posture, goal=posture, via=[via], profile=profile)
             self._call("trajectory_planner/plan_joint", PlanJoint, request)
             request = PlanJoint.Request(start=posture, goal=away, profile=profile)
-            request.duration = _LONGEST
+            request.duration = Duration(sec=_LONGEST)
             self._call("trajectory_planner/plan_joint", PlanJoint, request)
+            path = PlanCartesian.Request(start=posture, waypoints=[end], profile=profile)
+            path.max_linear_speed = _STEP / _LONGEST
+            self._call("trajectory_planner/plan_cartesian", PlanCartesian, path)
         self._undo()
 
     def round(self) -> None:
