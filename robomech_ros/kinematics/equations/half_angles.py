@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 __all__ = [
     "HALF",
     "angle_of",
+    "angles_of_line",
+    "angles_of_roots",
     "angles_of_tangents",
     "half_angle_polynomial",
     "null_vectors",
@@ -140,3 +142,46 @@ def angle_of(c: complex, s: complex) -> complex:
     """Give the angle (rad) with this cosine and sine, known up to rounding or a positive factor."""
     length = np.sqrt(complex(c * c + s * s))
     return complex(-1j * np.log((c + 1j * s) / length)) if length != 0 else 0j
+
+
+def angles_of_roots(waves: Complex) -> Complex:
+    """Find all angles at which a polynomial in cosine and sine vanishes.
+
+    Parameters
+    ----------
+    waves : ndarray, shape (2 m + 1,)
+        As from `waves_of_samples`; not all zero.
+
+    Returns
+    -------
+    ndarray, shape (2 m,)
+        rad, real parts within a turn, real or complex; infinite where the half angle's tangent is
+        plus or minus i.
+    """
+    m = len(waves) // 2
+    k = np.arange(-m, m + 1)
+    # Measured from where the polynomial is greatest, no root is a half turn.
+    fronts = np.pi * np.arange(2 * m + 1) / (m + 0.5)
+    values = np.exp(1j * np.outer(fronts, k)) @ waves
+    shift = float(fronts[np.argmax(np.abs(values))]) - np.pi
+    tangents = np.roots(half_angle_polynomial(waves * np.exp(1j * k * shift))).astype(complex)
+    angles = angles_of_tangents(tangents, np.ones(2 * m, complex)) + shift
+    turned: Complex = (angles.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * angles.imag
+    return turned
+
+
+def angles_of_line(C: complex, D: complex, E: complex) -> Complex:
+    """Find both angles with C cos + D sin + E = 0.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        rad, real or complex; infinite where C and D vanish against E.
+    """
+    # (C - i D) z^2 + 2 E z + (C + i D) = 0 for z = exp(i angle)
+    roots = np.zeros(2, complex)
+    found = np.roots([C - 1j * D, 2.0 * E, C + 1j * D])
+    roots[: len(found)] = found
+    with np.errstate(divide="ignore"):
+        angles: Complex = -1j * np.log(roots)
+    return angles
