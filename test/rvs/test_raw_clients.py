@@ -127,6 +127,22 @@ def test_a_flood_is_slowed_down_and_harmless(page, client, commander):
     assert inside_limits(page)
 
 
+def test_what_cannot_be_used_fills_no_log(page, commander, caplog):
+    """A slider reads what it is sent as a number; what is none is an error of its own."""
+    speed = next(
+        handle
+        for handle in page._server.viser.get_clients()[
+            page._audience.commander
+        ].gui._gui_input_handle_from_uuid.values()
+        if handle.label == "Speed"
+    )
+    for _ in range(20):
+        send_value(commander, speed._impl.uuid, "x" * 4000)
+    test_a_slider_moves_and_refuses(page, commander)
+    dropped = [text for text in caplog.messages if "a message was dropped" in text]
+    assert len(dropped) < 10 and all(len(text) < 300 for text in dropped) and dropped
+
+
 def test_a_message_too_large_ends_its_connection_and_no_other(page, client, commander):
     with client.connect() as other:
         other.send(b"\x00" * 1_000_000)

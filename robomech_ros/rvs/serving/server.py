@@ -7,6 +7,7 @@ import contextlib
 import errno
 import io
 import logging
+import math
 import os
 import socket
 import threading
@@ -30,6 +31,8 @@ __all__ = ["AddressError", "GuardedServer", "PortTakenError", "guarded_server"]
 # Messages a second that one page may send; the next ones wait on their way here.  A page sends some
 # 20 while something is dragged.
 FASTEST, BURST = 200.0, 100.0
+# How often it is logged at most (s) that a message was dropped, and how much of the reason.
+LOG_PERIOD, LONGEST_REASON = 10.0, 200
 
 _LOG = logging.getLogger(__name__)
 # Of messages to a browser that has just gone.
@@ -149,7 +152,7 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
             websockets.asyncio.server.serve = serve
     guard_wake_ups(server)
     loop = server.get_event_loop()
-    loop.call_soon_threadsafe(loop.set_exception_handler, _log_fault)
+    loop.call_soon_threadsafe(loop.set_exception_handler, _FaultLog())
     return GuardedServer(server, gate)
 
 
@@ -167,8 +170,19 @@ def _listener(host: str, port: int) -> socket.socket:
         raise AddressError(host, port, error) from None
 
 
-def _log_fault(_: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    _LOG.warning("a message was dropped: %s", context.get("exception") or context.get("message"))
+class _FaultLog:
+    """Logs that a message was dropped, not all of it and not every time: a page may send many."""
+
+    def __init__(self) -> None:
+        self._next = -math.inf
+
+    def __call__(self, _: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + LOG_PERIOD
+        why = str(context.get("exception") or context.get("message"))
+        _LOG.warning("a message was dropped: %s", why[:LONGEST_REASON])
 
 
 @contextlib.contextmanager
