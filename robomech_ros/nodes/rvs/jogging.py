@@ -41,8 +41,10 @@ class Jogger:
     model : RobotModel
         The robot.
     settings : RvsSettings
+    servo_is_silent : callable
+        Says whether the servo, which was heard of before, says nothing any more.
     complain : callable
-        Told when nobody listens to the commands, and when a jog fails.
+        Told why a jog ends that is held, or does not begin; an empty text when one begins.
     """
 
     def __init__(
@@ -50,10 +52,11 @@ class Jogger:
         node: Node,
         model: RobotModel,
         settings: RvsSettings,
+        servo_is_silent: Callable[[], bool],
         complain: Callable[[str], None],
     ) -> None:
         self._clock, self._model, self._settings = node.get_clock(), model, settings
-        self._complain = complain
+        self._servo_is_silent, self._complain = servo_is_silent, complain
         self._logger = node.get_logger()
         self._switch = JogSwitch[_Jog](settings.jog_silence, time.monotonic)
         servo = settings.servo
@@ -94,7 +97,10 @@ class Jogger:
         """Command what is held, and then to stand."""
         last: _Jog | None = None
         while (jog := self._switch.held()) is not None:
-            if not self._heard(jog.direction):
+            missing = self._missing(jog.direction)
+            if missing or last is None:
+                self._complain(missing)
+            if missing:
                 self._switch.release()
                 break
             self._send(jog)
@@ -103,12 +109,14 @@ class Jogger:
         if last is not None:
             self._send(last._replace(speed=0.0))
 
-    def _heard(self, direction: JogDirection) -> bool:
+    def _missing(self, direction: JogDirection) -> str:
+        """Say what is missing of the servo; empty for nothing."""
         publisher = self._joints if direction.kind == "joint" else self._twists
-        if publisher.get_subscription_count():
-            return True
-        self._complain(f"No servo listens on '{publisher.topic_name}'.")
-        return False
+        if not publisher.get_subscription_count():
+            return f"No servo listens on '{publisher.topic_name}'."
+        if self._servo_is_silent():
+            return f"'{self._settings.servo}' has said nothing for some time: no jog."
+        return ""
 
     def _send(self, jog: _Jog) -> None:
         given, stamp, direction = self._settings, self._clock.now().to_msg(), jog.direction

@@ -53,10 +53,8 @@ class RunningRobot:
         node, model, settings = self._node, self._model, self._settings
         self._view = view
         self._motions = Motions(node, model.chain, settings, view)
-        self._jogger = Jogger(
-            node, model, settings, lambda text: view.show_result(text, failed=True)
-        )
-        self._feed = StateFeed(node, model, settings, view)
+        self._feed = feed = StateFeed(node, model, settings, view)
+        self._jogger = Jogger(node, model, settings, lambda: feed.servo_is_silent, view.show_jog)
         topic = f"{settings.planner}/planned_trajectory"
         node.create_subscription(JointTrajectory, topic, self._take_plan, _PLANS)
 

@@ -62,6 +62,15 @@ class StateFeed:
         """What is wrong with the joint states; empty for nothing, or if nobody looks."""
         return self._condition
 
+    @property
+    def servo_is_silent(self) -> bool:
+        """Whether the servo was heard of, and is no more, while somebody looks."""
+        return math.isfinite(self._servo_at) and self._since_servo > _SERVO_GONE
+
+    @property
+    def _since_servo(self) -> float:
+        return time.monotonic() - self._servo_at
+
     def close(self) -> None:
         """End the thread."""
         self._closing.set()
@@ -115,5 +124,4 @@ class StateFeed:
     def _hear_servo(self, now: float) -> None:
         for status in self._inbox.take():
             self._servo, self._servo_at = servo_news(status), now
-        gone = now - self._servo_at > _SERVO_GONE
-        self._view.show_servo(None if gone else self._servo)
+        self._view.show_servo(None if self._since_servo > _SERVO_GONE else self._servo)

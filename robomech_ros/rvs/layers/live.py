@@ -43,7 +43,7 @@ class LiveLayer:
         self._names = place.chain.joint_names
         self._seen, self._clients = threading.Event(), set[int]()
         self._speaking = threading.Lock()
-        self._lines = {"state": "", "servo": "", "result": "", "dropped": ""}
+        self._lines = dict.fromkeys(("state", "servo", "jog", "result", "dropped"), "")
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
         self._controls: LiveControls | None = None
@@ -179,6 +179,10 @@ class LiveLayer:
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
         self._say("result", text, failed)
+
+    def show_jog(self, text: str) -> None:
+        """Say why a jog has ended, or does not begin; empty for nothing."""
+        self._say("jog", text)
 
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""

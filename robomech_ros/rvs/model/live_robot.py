@@ -82,6 +82,9 @@ class LiveView(Protocol):
     def show_result(self, text: str, *, failed: bool = False) -> None:
         """Say what came of a request."""
 
+    def show_jog(self, text: str) -> None:
+        """Say why a jog has ended, or does not begin; empty for nothing."""
+
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""
 

@@ -90,3 +90,19 @@ def drive_process(graph, process):
     started = []
     driver = Driver(graph, lambda *args, **given: started.append(process(*args, **given)))
     return driver, started[0]
+
+
+@pytest.fixture
+def browse():
+    """Open pages of nodes; all are closed at the end."""
+    from browsers import Browser
+
+    opened = []
+
+    def start(node):
+        opened.append(Browser(node))
+        return opened[-1]
+
+    yield start
+    for one in opened:
+        one.close()

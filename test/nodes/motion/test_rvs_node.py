@@ -1,9 +1,7 @@
 """The node rvs over real DDS, with pages that are no browsers."""
 
-import html
 import sys
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -12,111 +10,35 @@ import pytest
 pytest.importorskip("viser")
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 
-import msgspec.msgpack
+from browsers import Browser, drawn, until_still
 from diagnostic_msgs.msg import DiagnosticArray
 from drivers import Driver
 from geometry_msgs.msg import Point, Vector3
-from raw_client import Client, camera, wait_until
+from raw_client import wait_until
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters
-from servo_operator import START
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.srv import AnalyzeSingularity, Execute
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.rvs.messages import seen_marker
 from robomech_ros.nodes.rvs.node import RvsNode
-from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_description
 from robomech_ros.rvs.serving.server import PortTakenError
 
-PACK = msgspec.msgpack.encode
 ROBOT = "puma560"
-
-
-class Browser:
-    """A connection to the page of a node, and what the node shows there."""
-
-    def __init__(self, node):
-        self.node, self.page = node, node._page
-        self.layer = self.page._layers[0]
-        self.client = Client(node)
-        self._socket = self.client.connect()
-        self._presses, self._pressed_at = 0, 0.0
-        self.send(camera())
-        wait_until(lambda: self.layer._controls is not None)
-
-    def send(self, message):
-        self._socket.send(PACK(message))
-
-    def set(self, handle, value):
-        """Set a control as a page does."""
-        message = {"type": "GuiUpdateMessage", "uuid": handle._impl.uuid}
-        self.send(message | {"updates": {"value": value}})
-
-    def click(self, what):
-        """Click one of the buttons about the goal."""
-        self.set(self.layer._controls._handles[0], what)
-
-    def stop(self):
-        """Click Stop."""
-        handles = self.page._server.viser.gui._gui_input_handle_from_uuid.values()
-        self.set(next(one for one in handles if getattr(one, "label", "") == "Stop"), True)
-
-    def press(self):
-        self._presses, self._pressed_at = self._presses + 1, time.monotonic()
-
-    @property
-    def press_has_ended(self):
-        """Whether the node takes the present press for over."""
-        switch = self.node._robot._jogger._switch
-        return switch.held() is None and switch._ended == self._presses
-
-    def hold(self, direction):
-        """Say that a button is held."""
-        age = round(1000 * (time.monotonic() - self._pressed_at))
-        text = f"{direction} {self._presses} {age}"
-        self.set(self.layer._controls._field, text)
-
-    def said(self, line="result"):
-        """What the page says."""
-        return html.unescape(self.layer._lines[line])
-
-    def close(self):
-        self._socket.close()
-
-
-@pytest.fixture
-def browse():
-    """Open pages of nodes; all are closed at the end."""
-    opened = []
-
-    def start(node):
-        opened.append(Browser(node))
-        return opened[-1]
-
-    yield start
-    for one in opened:
-        one.close()
 
 
 @pytest.fixture
 def shown(graph, arm, browse):
     """A simulated PUMA, and a page of it."""
     return browse(graph.start(RvsNode, robot_description=ROBOT, port=0))
-
-
-def drawn(browser):
-    """Where the robot is drawn (rad), shape (n,)."""
-    latest = browser.layer._goal._robot
-    return np.full(6, np.nan) if latest is None else latest
 
 
 def test_the_robot_is_drawn_where_its_joints_are_and_the_goal_follows(shown, arm):
@@ -251,7 +173,7 @@ def test_who_is_not_there_is_named(shown, arm):
     assert "Nobody serves" in shown.said()
     shown.press()
     shown.hold("linear 2 +")
-    wait_until(lambda: "No servo listens" in shown.said())
+    wait_until(lambda: "No servo listens" in shown.said("jog"))
 
 
 def serve(graph, kind, name, take):
@@ -445,139 +367,6 @@ def test_points_of_all_markers_together_are_bounded(graph, shown):
     delete = Marker(id=0, action=Marker.DELETE)
     publisher.publish(MarkerArray(markers=[delete, lines(9, 50_000)]))
     wait_until(lambda: set(robot._markers["markers_0"]) == {"/1", "/9"})
-
-
-@pytest.fixture
-def jogged(graph, drive, browse):
-    """A PUMA away from singularities, its servo, and a page."""
-    robot = drive(initial_positions=START)
-    parameters = {"characteristic_length": 0.283, "publish_rate": 50.0}
-    graph.start(ServoNode, robot_description=ROBOT, **parameters)
-    browser = browse(graph.start(RvsNode, robot_description=ROBOT, port=0, jog_silence=1.0))
-    jogger = browser.node._robot._jogger
-    wait_until(lambda: np.allclose(drawn(browser), robot.position, atol=1e-6))
-    for publisher in (jogger._twists, jogger._joints):
-        wait_until(publisher.get_subscription_count)
-    return browser, robot
-
-
-def hold_until(browser, direction, condition):
-    """Hold a button until something is so.
-
-    A press ends where the machine is too busy for its beats; then the button is pressed again.
-    """
-    browser.press()
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline, browser.said()
-        if browser.press_has_ended:
-            browser.press()
-        browser.hold(direction)
-        time.sleep(0.05)
-
-
-def until_still(robot):
-    """Wait until the robot has stood for some states."""
-    seen = len(robot.states)
-    robot.until(lambda: len(robot.states) > seen + 30)
-    robot.until(
-        lambda: np.ptp([s.position for s in robot.states[-30:]], axis=0).max() == 0.0,
-    )
-
-
-def test_a_button_moves_the_tip_while_it_is_held(jogged):
-    browser, robot = jogged
-
-    def tip():
-        return forward_kinematics(robot.chain, robot.position)[:3, 3]
-
-    start = tip()
-    hold_until(browser, "linear 2 +", lambda: tip()[2] > start[2] + 0.03)
-    browser.set(browser.layer._controls._field, "")
-    until_still(robot)
-    assert not browser.node._robot.jogs
-    moved = tip() - start
-    assert np.abs(moved[:2]).max() < 0.1 * moved[2]
-    # The goal comes along.
-    wait_until(lambda: np.allclose(browser.page._arm.q, robot.position, atol=1e-6))
-
-
-def test_a_joint_is_jogged_to_its_limit_and_no_further(jogged):
-    browser, robot = jogged
-    browser.set(browser.layer._controls._speed, 1.0)
-    upper = robot.chain.upper[4]
-    hold_until(browser, "joint 4 +", lambda: robot.position[4] > upper - 0.05)
-    hold_until(browser, "joint 4 +", lambda: robot.names[4] in browser.said("servo"))
-    browser.set(browser.layer._controls._field, "")
-    until_still(robot)
-    for state in robot.states:
-        assert state.position[4] <= upper + 1e-9
-
-
-@pytest.mark.parametrize("how", ["close", "silence", "take over"])
-def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
-    browser, robot = jogged
-    start = robot.position[1]
-    hold_until(browser, "joint 1 +", lambda: robot.position[1] > start + 0.03)
-    if how == "close":
-        browser.close()
-    elif how == "take over":
-        lost = browser.layer._controls
-        other = Browser(browser.node)
-        wait_until(lambda: browser.page._audience._watching)
-        ((number, (_, button)),) = browser.page._audience._watching.items()
-        other.set(button, True)
-        wait_until(lambda: browser.page._audience.commander == number)
-        # What it said last may come after.
-        lost._hold("joint 1 + 99 0")
-        assert not browser.node._robot.jogs
-        other.close()
-    until_still(robot)
-    assert not browser.node._robot.jogs
-
-
-WILD = [
-    "linear 0 + 1",
-    "joint 99 + 1 1",
-    "linear 0 + 1 1; drop",
-    "nan",
-    "joint 0 +" * 300,
-    7,
-    ["joint 0 + 1 1"],
-]
-
-
-@pytest.mark.parametrize("text", WILD)
-def test_wild_jogs_are_refused(jogged, text):
-    browser, robot = jogged
-    start = robot.position
-    browser.set(browser.layer._controls._field, text)
-    wait_until(lambda: "Refused" in browser.said())
-    controls = browser.layer._controls
-    # A slider takes what can be read as a number.
-    for field, value, right, word in (
-        (controls._speed, 1e300, 0.5, "speed is 1e+300"),
-        (controls._speed, "nan", 0.5, "speed is nan"),
-        (controls._frame, "sideways", "base", "axes is 'sideways'"),
-    ):
-        browser.set(field, value)
-        browser.press()
-        browser.hold("linear 0 +")
-        wait_until(lambda w=word: w in browser.said())
-        browser.set(field, right)
-    assert not browser.node._robot.jogs
-    np.testing.assert_array_equal(robot.position, start)
-
-
-def test_a_jog_that_fails_is_told_and_the_next_one_moves(jogged):
-    browser, robot = jogged
-    browser.node.destroy_publisher(browser.node._robot._jogger._joints)
-    browser.press()
-    browser.hold("joint 1 +")
-    wait_until(lambda: "The jog failed" in browser.said())
-    assert not browser.node._robot.jogs
-    start = robot.position
-    hold_until(browser, "linear 2 +", lambda: np.abs(robot.position - start).max() > 0.01)
 
 
 def test_what_cannot_be_drawn_ends_no_watch_on_the_states(shown, arm):
