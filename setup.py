@@ -13,6 +13,7 @@ EXECUTABLES = (
     "trajectory_publisher_node",
     "joint_state_simulator_node",
     "servo_node",
+    "calibration_node",
     "rvs_node",
 )
 HERE = Path(__file__).resolve().parent

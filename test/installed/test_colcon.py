@@ -16,6 +16,7 @@ import pytest
 pytestmark = pytest.mark.xdist_group("colcon")
 
 NODES = {
+    "calibration_node",
     "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",

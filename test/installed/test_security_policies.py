@@ -10,8 +10,9 @@ from robomech_ros.nodes.process.launch_options import LaunchOptions
 
 PATIENCE = 120.0
 ENCLAVE = "/cell_1/left"
-OPTIONS = ("--robot", "puma560", "--namespace", "left", "--view", "--view-port", "0")
-NODES = LaunchOptions(view=True).nodes
+OPTIONS = ("--robot", "puma560", "--namespace", "left", "--calibration", "--view")
+OPTIONS += ("--view-port", "0")
+NODES = LaunchOptions(calibration=True, view=True).nodes
 # Of policy.xsd in github.com/ros2/sros2: what holds what, how often, and its attributes.
 HELD = {"policy": "enclaves", "enclaves": "enclave", "enclave": "profiles", "profiles": "profile"}
 ATTRIBUTES = {"policy": {"version"}, "enclave": {"path"}, "profile": {"ns", "node"}}

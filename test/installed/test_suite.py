@@ -377,9 +377,11 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
 @pytest.mark.parametrize(
     "node",
     [
+        "calibration_node",
         "dynamics_node",
         "joint_state_simulator_node",
         "kinematics_node",
+        "rvs_node",
         "servo_node",
         "trajectory_planner_node",
         "trajectory_publisher_node",
@@ -391,6 +393,7 @@ def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
     # As launch_ros's Node makes it of name, namespace, parameters and remappings.
     file = tmp_path / "launch_params_0"
     parameters = {"robot_description": "puma560", "frame_prefix": "left/"}
+    parameters |= {"port": 0} if node == "rvs_node" else {}
     file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}))
     given = ["-r", "__node:=named", "-r", "__ns:=/left", "--params-file", str(file)]
     process = subprocess.Popen(
@@ -416,7 +419,7 @@ def test_every_node_takes_what_launch_appends_and_ends_with_0_on_a_signal(
 
 
 def test_every_node_explains_its_parameters(suite):
-    names = "kinematics_node", "joint_state_simulator_node", "trajectory_planner_node", "servo_node"
+    names = "kinematics_node", "joint_state_simulator_node", "calibration_node", "servo_node"
     for node in names:
         done = suite.run(node, "--help")
         assert done.returncode == 0

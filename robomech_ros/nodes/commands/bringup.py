@@ -80,6 +80,12 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--params-file", action="append", default=[], help="YAML with parameters")
     parser.add_argument("--no-servo", action="store_true", help="all nodes but the servo")
     parser.add_argument(
+        "--calibration",
+        action="store_true",
+        help="the node that finds where a camera is, too; its frames are parameters, see "
+        "`calibration_node --help`",
+    )
+    parser.add_argument(
         "--view", action="store_true", help="show the robot in a browser, too; prints the address"
     )
     parser.add_argument("--view-port", type=int, help="of the page; 0 takes a free one (8080)")
@@ -122,6 +128,7 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
         dynamic=args.dynamic,
         params_files=tuple(args.params_file),
         servo=not args.no_servo,
+        calibration=args.calibration,
         view=args.view,
         view_port=args.view_port,
         view_host=args.view_host,

@@ -43,6 +43,8 @@ class LaunchOptions:
         Paths of YAML files with parameters.
     servo : bool, optional
         Whether the servo is one of the nodes.
+    calibration : bool, optional
+        Whether the node that calibrates sensors is one of the nodes.
     view : bool, optional
         Whether the browser view is one of the nodes.
     view_port : int, optional
@@ -65,6 +67,7 @@ class LaunchOptions:
     dynamic: bool = False
     params_files: tuple[str, ...] = ()
     servo: bool = True
+    calibration: bool = False
     view: bool = False
     view_port: int | None = None
     view_host: str | None = None
@@ -73,7 +76,7 @@ class LaunchOptions:
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes, in the order in which they are started."""
-        wanted = {"servo": self.servo, "rvs": self.view}
+        wanted = {"servo": self.servo, "calibration": self.calibration, "rvs": self.view}
         return tuple(node for node in NODE_MODULES if wanted.get(node, True))
 
     def commands(self) -> dict[str, list[str]]:

@@ -18,6 +18,7 @@ from robomech_ros.stop_signals import leave_on_signals
 __all__ = [
     "EXIT_CANNOT_START",
     "NODE_MODULES",
+    "calibration_node",
     "dynamics_node",
     "joint_state_simulator_node",
     "kinematics_node",
@@ -36,6 +37,7 @@ NODE_MODULES = {
     "trajectory_planner": "robomech_ros.nodes.trajectory_planner.node",
     "trajectory_publisher": "robomech_ros.nodes.trajectory_publisher.node",
     "servo": "robomech_ros.nodes.servo.node",
+    "calibration": "robomech_ros.nodes.calibration.node",
     "rvs": "robomech_ros.nodes.rvs.node",
 }
 
@@ -76,6 +78,11 @@ def joint_state_simulator_node() -> NoReturn:
 def servo_node() -> NoReturn:
     """Run the node servo, and end the process."""
     _run("servo", sys.argv)
+
+
+def calibration_node() -> NoReturn:
+    """Run the node calibration, and end the process."""
+    _run("calibration", sys.argv)
 
 
 def rvs_node() -> NoReturn:

@@ -35,14 +35,21 @@ def test_every_node_gets_the_robot_and_its_own_file():
 
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
-    assert every - without == {"servo"} and every == set(NODE_MODULES) - {"rvs"}
+    assert every - without == {"servo"} and every == set(NODE_MODULES) - {"calibration", "rvs"}
     assert set(LaunchOptions("scara", servo=False).commands()) == without
+
+
+def test_calibration_is_one_of_the_nodes_where_it_is_wanted():
+    every = commands("--calibration", "--ros-args", "-p", "tracking_base_frame:=camera")
+    assert set(every) == set(NODE_MODULES) - {"rvs"}
+    for command in every.values():
+        assert command[-2:] == ["-p", "calibration:tracking_base_frame:=camera"]
 
 
 def test_the_view_is_one_of_the_nodes_where_it_is_wanted():
     given = ("--view", "--view-port", "0", "--view-host", "0.0.0.0")
     every = commands("--robot", "scara", *given)
-    assert list(every)[-1] == "rvs" and set(every) == set(NODE_MODULES)
+    assert list(every)[-1] == "rvs" and set(every) == set(NODE_MODULES) - {"calibration"}
     for option in ("rvs:port:=0", 'rvs:host:="0.0.0.0"'):
         assert option in every["rvs"]
     assert not [word for word in commands("--view")["rvs"] if word.startswith("rvs:")]

@@ -1,0 +1,179 @@
+"""Files of a calibration: ours with all of it, and two as easy_handeye2 has them."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.calibration.samples import Solution
+from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE, is_plain_name
+from robomech_ros.spatial.plain_poses import plain_pose
+from robomech_ros.spatial.poses import rigid_inverse
+
+__all__ = ["POSITION_FIRST", "save"]
+
+Array = NDArray[np.float64]
+
+FORMAT = "robomech_ros hand-eye calibration 1"
+# As the core's covariance has rotations first, and messages have positions first.
+POSITION_FIRST = (3, 4, 5, 0, 1, 2)
+
+
+def save(solution: Solution, folder: str, name: str) -> list[Path]:
+    """Write the three files of a calibration; gives their paths.
+
+    Parameters
+    ----------
+    solution : Solution
+    folder : str
+        Is made where it is missing; files of the name are replaced.
+    name : str
+        Without folder and ending.
+
+    Raises
+    ------
+    BadValueError
+        No plain name, no folder, or one that cannot be written.
+    """
+    if not is_plain_name(name):
+        expected = "a plain name: letters, digits, '_', '-' and '.', no folder in front"
+        raise BadValueError("name", name, expected)
+    if not folder:
+        raise BadValueError("the parameter folder", folder, "the folder to save in")
+    texts = {
+        "yaml": _full(solution, name),
+        "calib": _of_easy_handeye2(solution, name),
+        "samples": _samples_of_easy_handeye2(solution, name),
+    }
+    try:
+        place = Path(folder).expanduser().resolve()
+        place.mkdir(parents=True, exist_ok=True)
+        paths = [place / f"{name}.{ending}" for ending in texts]
+        for path in paths:
+            _check_replaceable(path)
+        for path, content in zip(paths, texts.values(), strict=True):
+            _write(path, yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
+    except (OSError, RuntimeError, ValueError) as error:
+        if isinstance(error, BadValueError):
+            raise
+        why = getattr(error, "strerror", None) or error
+        expected = f"one that files can be written in ({why})"
+        raise BadValueError("the parameter folder", folder, expected) from None
+    return paths
+
+
+def _check_replaceable(path: Path) -> None:
+    """Refuse to replace what is no regular file, such as a link to one elsewhere."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISREG(mode):
+        raise BadValueError("file", str(path), "a regular file or none, to be replaced")
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file that is complete, or as it was before."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _full(solution: Solution, name: str) -> dict[str, Any]:
+    """Give all that is known, in m and rad; quaternions are x y z w."""
+    found, frames = solution.result, solution.frames
+    samples = [
+        {
+            "robot": _plain(robot),
+            "tracking": _plain(tracking),
+            "inlier": bool(inlier),
+            "position_residual": float(residual[1]),
+            "rotation_residual": float(residual[0]),
+        }
+        for robot, tracking, inlier, residual in zip(
+            solution.robot, solution.tracking, found.inlier, found.residuals, strict=True
+        )
+    ]
+    return {
+        "format": FORMAT,
+        "name": name,
+        "calibration_type": _type(solution),
+        "sensor": {"parent": solution.sensor_parent, "frame": frames.sensor} | _plain(found.sensor),
+        "target": {"parent": solution.target_parent, "frame": frames.target} | _plain(found.target),
+        "covariance_x_y_z_rx_ry_rz": _rows(
+            found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)]
+        ),
+        "weak_directions": _rows(found.weak_directions),
+        "position_noise": found.noise.position,
+        "rotation_noise": found.noise.rotation,
+        "robot_share": found.noise.robot_share,
+        "robot_base_frame": frames.base,
+        "robot_effector_frame": frames.hand,
+        "samples": samples,
+    }
+
+
+def _of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
+    """Give the message HandeyeCalibration as easy_handeye2 writes it."""
+    transform = _transform(solution.result.sensor)
+    return {"parameters": _parameters(solution, name), "transform": transform}
+
+
+def _samples_of_easy_handeye2(solution: Solution, name: str) -> dict[str, Any]:
+    """Give the message SampleList; its robot is the base in the hand where the sensor stands."""
+    robot = solution.robot if solution.in_hand else [rigid_inverse(T) for T in solution.robot]
+    samples = [
+        {"robot": _transform(one), "tracking": _transform(other)}
+        for one, other in zip(robot, solution.tracking, strict=True)
+    ]
+    return {"parameters": _parameters(solution, name), "samples": samples}
+
+
+def _parameters(solution: Solution, name: str) -> dict[str, Any]:
+    frames = solution.frames
+    return {
+        "name": name,
+        "calibration_type": _type(solution),
+        "robot_base_frame": frames.base,
+        "robot_effector_frame": frames.hand,
+        "tracking_base_frame": frames.sensor,
+        "tracking_marker_frame": frames.target,
+        "freehand_robot_movement": True,
+        "move_group_namespace": "/",
+        "move_group": "manipulator",
+    }
+
+
+def _type(solution: Solution) -> str:
+    types = {mount: type_ for type_, mount in MOUNT_OF_TYPE.items()}
+    return types[solution.result.mount]
+
+
+def _transform(T: Array) -> dict[str, dict[str, float]]:
+    place, turn = plain_pose(T)
+    translation = dict(zip("xyz", place, strict=True))
+    return {"translation": translation, "rotation": dict(zip("xyzw", turn, strict=True))}
+
+
+def _plain(T: Array) -> dict[str, list[float]]:
+    place, turn = plain_pose(T)
+    return {"position": [*place], "quaternion": [*turn]}
+
+
+def _rows(table: Array) -> list[list[float]]:
+    rows: Sequence[list[float]] = table.tolist()
+    return [*rows]

@@ -1,0 +1,155 @@
+"""Samples and results of calibrations in messages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
+from numpy.typing import NDArray
+
+from robomech_ros.calibration import NextPose
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.nodes.calibration.files import POSITION_FIRST
+from robomech_ros.nodes.calibration.samples import Samples, Solution
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.pose_messages import (
+    matrix_from_pose,
+    pose_from_matrix,
+    stamped_pose,
+)
+from robomech_ros.spatial import rotation_vector_from_matrix
+from robomech_ros.spatial.plain_poses import plain_pose
+
+__all__ = [
+    "encode_next",
+    "encode_solution",
+    "fill_list",
+    "poses_from_array",
+    "stamped_transform",
+]
+
+Array = NDArray[np.float64]
+
+_MOST_NAMED = 20
+
+
+def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Array:
+    """Read poses, shape (n, 4, 4).
+
+    Parameters
+    ----------
+    message : PoseArray
+    frame : str
+        That they have to be in; empty = any.
+    what : str
+        Name of the field.
+    most : int
+        Largest number of poses.
+
+    Raises
+    ------
+    FrameUnavailableError, WrongSizeError, NonFiniteError, BadQuaternionError
+        A pose at fault is named by its number.
+    """
+    given = message.header.frame_id.removeprefix("/")
+    if given and frame and given != frame:
+        raise FrameUnavailableError(given, [frame], f"{what} is taken in {frame!r} alone, or ''")
+    if len(message.poses) > most:
+        raise WrongSizeError(f"{what}.poses", len(message.poses), f"at most {most}")
+    rows = [matrix_from_pose(pose, f"{what}.poses[{k}]") for k, pose in enumerate(message.poses)]
+    return np.array(rows).reshape(-1, 4, 4)
+
+
+def stamped_transform(T: Array, parent: str, child: str) -> TransformStamped:
+    """Convert a pose (4, 4) of a frame in its parent to a message; the stamp stays 0."""
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = parent
+    place, turn = message.transform.translation, message.transform.rotation
+    (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w) = plain_pose(T)
+    return message
+
+
+def fill_list(samples: Samples, base: str, sensor: str, response: Any) -> None:
+    """Write the samples, in these frames, to a ListSamples response."""
+    for field, frame, poses in (
+        (response.robot, base, samples.robot),
+        (response.tracking, sensor, samples.tracking),
+    ):
+        field.header.frame_id = frame
+        field.poses = [pose_from_matrix(T) for T in poses]
+    solution = samples.solved
+    if solution is not None:
+        found = solution.result
+        response.rotation_residuals = floats(found.residuals[:, 0].copy())
+        response.position_residuals = floats(found.residuals[:, 1].copy())
+        response.inlier = found.inlier.tolist()
+    response.summary = "\n".join(_lines(samples)) or "no samples"
+
+
+def _lines(samples: Samples) -> list[str]:
+    """Describe the samples, one a line."""
+    solution = samples.solved
+    lines = []
+    for k, (robot, tracking) in enumerate(zip(samples.robot, samples.tracking, strict=True)):
+        text = f"{k}: hand at {_listed(robot[:3, 3])} m, target at {_listed(tracking[:3, 3])} m"
+        if solution is not None:
+            angle, distance = solution.result.residuals[k]
+            text += f", off by {distance:.3g} m and {angle:.3g} rad"
+            text += "" if solution.result.inlier[k] else ", left out"
+        lines.append(text)
+    return lines
+
+
+def encode_solution(solution: Solution, response: Any) -> None:
+    """Write a result to a SolveCalibration response, all but the next pose."""
+    found, frames = solution.result, solution.frames
+    response.sensor = stamped_transform(found.sensor, solution.sensor_parent, frames.sensor)
+    response.target = stamped_transform(found.target, solution.target_parent, frames.target)
+    response.covariance = found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)].ravel()
+    response.position_deviation = found.position_deviation
+    response.rotation_deviation = found.rotation_deviation
+    response.rotation_residuals = floats(found.residuals[:, 0].copy())
+    response.position_residuals = floats(found.residuals[:, 1].copy())
+    response.inlier = found.inlier.tolist()
+    response.outliers = list(found.outliers)
+    response.weak_directions = [Vector3(x=x, y=y, z=z) for x, y, z in found.weak_directions]
+    response.position_noise, response.rotation_noise = found.noise.position, found.noise.rotation
+    response.robot_share = found.noise.robot_share
+    response.summary = _in_words(solution)
+
+
+def encode_next(proposed: NextPose, candidates: Array | None, base: str, response: Any) -> None:
+    """Write the pose for the next sample to a SolveCalibration response."""
+    response.next_pose = stamped_pose(proposed.pose, base)
+    response.next_gain = proposed.gain
+    if candidates is not None:
+        away = np.abs(candidates - proposed.pose).sum(axis=(1, 2))
+        response.next_index = int(np.argmin(away))
+
+
+def _in_words(solution: Solution) -> str:
+    """Say where the sensor is and how well that is known."""
+    found, frames = solution.result, solution.frames
+    turn = rotation_vector_from_matrix(found.sensor[:3, :3])
+    lines = [
+        f"{frames.sensor or 'the sensor'} in {solution.sensor_parent}: at "
+        f"{_listed(found.sensor[:3, 3])} m, rotation vector {_listed(turn)} rad; {found.mount}, "
+        f"{int(found.inlier.sum())} of {len(found.inlier)} samples",
+        f"known to {found.position_deviation:.3g} m and {found.rotation_deviation:.3g} rad (one "
+        f"deviation, worst direction); noise of the samples {found.noise.position:.3g} m and "
+        f"{found.noise.rotation:.3g} rad",
+    ]
+    if found.outliers:
+        named = ", ".join(map(str, found.outliers[:_MOST_NAMED]))
+        more = len(found.outliers) - _MOST_NAMED
+        named += f" and {more} more" if more > 0 else ""
+        lines.append(f"left out, since they contradict the others: samples {named}")
+    for axis in found.weak_directions:
+        lines.append(f"badly known along {_listed(axis)} of {solution.sensor_parent}")
+    return "\n".join(lines)
+
+
+def _listed(vector: Array) -> str:
+    return " ".join(f"{x:.4f}" for x in vector + 0.0)

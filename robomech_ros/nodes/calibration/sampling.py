@@ -1,0 +1,158 @@
+"""One sample: where the hand is and where the sensor sees its target, while the robot stands."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.calibration.settings import CalibrationSettings
+from robomech_ros.nodes.calibration.tracks import PoseTrack
+from robomech_ros.nodes.common.error_codes import FrameUnavailableError, NoStateError
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.pauses import pause
+from robomech_ros.nodes.frames.tree import NoTransformError
+from robomech_ros.spatial import pose_error
+
+__all__ = ["HandMovesError", "NoPoseError", "Sampler"]
+
+Array = NDArray[np.float64]
+
+# So many places of the hand are compared over the time in which it has to stand.
+_PLACES = 11
+
+
+class NoPoseError(FrameUnavailableError):
+    """There is no pose of the hand or of the target, or only an old one."""
+
+    def __init__(self, what: str, why: str) -> None:
+        self.what, self.why = what, why
+        RobomechError.__init__(self, f"{what}: {why}")
+
+
+class HandMovesError(NoStateError):
+    """The hand moves while a sample is to be taken.
+
+    Parameters
+    ----------
+    distance, angle : float
+        How far it moved (m) and turned (rad).
+    settings : CalibrationSettings
+        What counts as rest.
+    """
+
+    def __init__(self, distance: float, angle: float, settings: CalibrationSettings) -> None:
+        self.distance, self.angle = distance, angle
+        RobomechError.__init__(
+            self,
+            f"the robot moves: its hand moved {distance:.3g} m and turned {angle:.3g} rad within "
+            f"{settings.still_time:g} s, at rest is up to {settings.still_distance:g} m and "
+            f"{settings.still_angle:g} rad (still_distance, still_angle); ask again when it stands",
+        )
+
+
+class Sampler:
+    """Takes samples from two tracks.
+
+    Parameters
+    ----------
+    node : Node
+        Its clock, and others that are served meanwhile.
+    robot, tracking : PoseTrack
+        The hand in the robot's base, and the target in the sensor's frame.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        robot: PoseTrack,
+        tracking: PoseTrack,
+        settings: Callable[[], CalibrationSettings],
+    ) -> None:
+        self._node, self._robot, self._tracking = node, robot, tracking
+        self._settings = settings
+
+    async def take(self, patience: float) -> tuple[Array, Array]:
+        """Wait for a sample of an instant after this call, up to `patience` (s).
+
+        Returns
+        -------
+        robot, tracking : ndarray, shape (4, 4)
+            ``T_base_hand`` and ``T_sensor_target`` (m) at that instant.
+
+        Raises
+        ------
+        NoPoseError
+            A pose is missing, or older than the call.
+        HandMovesError
+            The robot moved all that time.
+        """
+        asked, deadline = self._now(), time.monotonic() + patience
+        instant: int | None = None
+        while True:
+            self._robot.look()
+            self._tracking.look()
+            try:
+                # One instant is waited for until the robot's pose of it is known, too: a fast
+                # sensor would always be ahead.
+                instant = self._seen_after(asked) if instant is None else instant
+                if self._known_until(self._robot) >= instant:
+                    return self._sample(instant)
+                refusal: RobomechError = self._too_old(self._robot, instant)
+            except (HandMovesError, NoPoseError) as error:
+                instant, refusal = None, error
+            if time.monotonic() >= deadline:
+                raise refusal
+            await pause(self._node)
+
+    def _now(self) -> int:
+        return int(self._node.get_clock().now().nanoseconds)
+
+    def _known_until(self, track: PoseTrack) -> int:
+        """Give the latest instant with a pose: now for what does not change."""
+        try:
+            last = track.last()
+        except NoTransformError as error:
+            raise NoPoseError(track.what, f"{error}{track.context()}") from None
+        return self._now() if last is None else last
+
+    def _seen_after(self, asked: int) -> int:
+        """Give the latest instant at which the sensor saw the target, after it was asked for."""
+        instant = self._known_until(self._tracking)
+        if instant < asked:
+            raise self._too_old(self._tracking, asked)
+        return instant
+
+    def _too_old(self, track: PoseTrack, wanted: int) -> NoPoseError:
+        age = (wanted - self._known_until(track)) / NANO
+        of = "of the target's" if track is self._robot else "of the request"
+        hint = (
+            "do two clocks differ?" if track is self._robot else "does the sensor see the target?"
+        )
+        return NoPoseError(track.what, f"the last is from {age:.3g} s before the time {of}; {hint}")
+
+    def _sample(self, instant: int) -> tuple[Array, Array]:
+        """Give both poses at an instant, unless the hand moved just before."""
+        settings = self._settings()
+        before = np.linspace(settings.still_time, 0.0, _PLACES) * NANO
+        try:
+            places = np.array([self._robot.at(instant - round(back)) for back in before.tolist()])
+        except NoTransformError as error:
+            why = f"{error}: it has to stand for {settings.still_time:g} s"
+            raise NoPoseError(self._robot.what, why) from None
+        moved = pose_error(places[-1], places)
+        angle, distance = (
+            float(np.linalg.norm(part, axis=1).max()) for part in (moved[:, :3], moved[:, 3:])
+        )
+        if distance > settings.still_distance or angle > settings.still_angle:
+            raise HandMovesError(distance, angle, settings)
+        try:
+            return places[-1], self._tracking.at(instant)
+        except NoTransformError as error:
+            raise NoPoseError(self._tracking.what, str(error)) from None

@@ -1,0 +1,94 @@
+"""Parameters of the node calibration."""
+
+import re
+from dataclasses import dataclass
+
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotSettings
+
+__all__ = ["MOUNT_OF_TYPE", "CalibrationSettings", "check_settings", "is_plain_name"]
+
+# Types of calibrations as easy_handeye2 calls them, and the library's names for them.
+MOUNT_OF_TYPE = {"eye_in_hand": "eye-in-hand", "eye_on_base": "eye-to-hand"}
+_PLAIN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
+
+
+@dataclass(frozen=True)
+class CalibrationSettings(RobotSettings):
+    """Parameters of the node; type, frames and name are those of easy_handeye2."""
+
+    calibration_type: str = parameter(
+        "eye_in_hand",
+        "Where the sensor is: eye_in_hand, it moves with the hand and the target stands still; or "
+        "eye_on_base, it stands still and the target moves with the hand",
+        choices=tuple(MOUNT_OF_TYPE),
+        read_only=False,
+    )
+    robot_base_frame: str = parameter(
+        "", "Frame in which the robot's hand is measured. Empty = the base of the chain"
+    )
+    robot_effector_frame: str = parameter(
+        "", "Frame of the robot's hand. Empty = the tip of the chain"
+    )
+    tracking_base_frame: str = parameter(
+        "",
+        "Frame of the sensor, which is calibrated. Empty = that of the poses on tracking_topic; "
+        "without such a topic nothing can be sampled",
+    )
+    tracking_marker_frame: str = parameter(
+        "", "Frame of the target, as tf has it from the sensor; not needed with tracking_topic"
+    )
+    robot_topic: str = parameter(
+        "",
+        "Topic of geometry_msgs/PoseStamped with the hand in robot_base_frame. Empty = from tf",
+    )
+    tracking_topic: str = parameter(
+        "",
+        "Topic of geometry_msgs/PoseStamped with the target in tracking_base_frame. Empty = from "
+        "tf",
+    )
+    sample_timeout: float = parameter(
+        3.0,
+        "How long take_sample waits until the robot stands and the sensor has seen the target "
+        "after the request, while others are served",
+        0.0,
+        60.0,
+        "s",
+        read_only=False,
+    )
+    still_time: float = parameter(
+        0.3, "How long the robot has to stand before a sample", 0.0, 5.0, "s", read_only=False
+    )
+    still_distance: float = parameter(
+        5e-4, "How far the hand may move in that time", 0.0, 1.0, "m", read_only=False
+    )
+    still_angle: float = parameter(
+        2e-3, "How far the hand may turn in that time", 0.0, 3.2, "rad", read_only=False
+    )
+    largest_count: int = parameter(
+        500, "Largest number of samples", 3, 2000, "samples", read_only=False
+    )
+    name: str = parameter(
+        "calibration", "Name of the files that save writes, for requests without one"
+    )
+    folder: str = parameter(
+        "~/.ros/robomech_ros/calibrations",
+        "Folder that save writes into, made where it is missing; no request can name another. "
+        "easy_handeye2 reads ~/.ros2/easy_handeye2/calibrations. Empty = nothing is saved",
+    )
+
+
+def check_settings(settings: CalibrationSettings) -> None:
+    """Refuse a name that is not the plain name of a file.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not is_plain_name(settings.name):
+        raise ParameterError("name", settings.name, "letters, digits, '_', '-' and '.'")
+
+
+def is_plain_name(name: str) -> bool:
+    """Whether this is the name of a file that is in no other folder and not hidden."""
+    return _PLAIN.fullmatch(name) is not None

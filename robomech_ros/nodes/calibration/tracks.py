@@ -1,0 +1,162 @@
+"""Where a frame was in another one over the last seconds, by tf or by a topic of poses."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from numpy.typing import NDArray
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.frames.history import Sample
+from robomech_ros.nodes.frames.listener import FrameListener
+from robomech_ros.nodes.frames.tree import FrameTree, NoTransformError
+from robomech_ros.nodes.middleware.polled_subscription import Inbox
+
+__all__ = ["PoseTrack", "TfTrack", "TopicTrack"]
+
+Array = NDArray[np.float64]
+
+# Some seconds of a fast sender, between two looks.
+_DEPTH = 500
+_MOST_LISTED = 30
+
+
+class PoseTrack(Protocol):
+    """The poses of one frame in another."""
+
+    @property
+    def what(self) -> str:
+        """Whose poses they are, and where they come from."""
+
+    def look(self) -> None:
+        """Take in what has come."""
+
+    def last(self) -> int | None:
+        """Give the latest instant (ns of ROS time) for which there is a pose; None = for every one.
+
+        Raises
+        ------
+        NoTransformError
+            There is none.
+        """
+
+    def at(self, stamp: int) -> Array:
+        """Give the pose (4, 4) at an instant.
+
+        Raises
+        ------
+        NoTransformError
+            It is not kept, or not yet known.
+        """
+
+    def context(self) -> str:
+        """Say what else was heard, where there is no pose."""
+
+
+class TfTrack:
+    """The poses of a frame in another one, of those that tf has.
+
+    Parameters
+    ----------
+    listener : FrameListener
+    parent, child : str
+    """
+
+    def __init__(self, listener: FrameListener, parent: str, child: str) -> None:
+        self._listener, self.parent, self._child = listener, parent, child
+
+    @property
+    def what(self) -> str:
+        """The two frames."""
+        return f"frame {self._child!r} in {self.parent!r}"
+
+    def look(self) -> None:
+        """Take in what has come."""
+        self._listener.look()
+
+    def last(self) -> int | None:
+        """Give the latest instant for which tf has every frame on the way."""
+        if self._listener.missing:
+            raise NoTransformError(self._listener.missing, may_come=False)
+        return self._listener.tree.between(self.parent, self._child).stamp
+
+    def at(self, stamp: int) -> Array:
+        """Give the pose (4, 4) at an instant (ns)."""
+        return self._listener.tree.between(self.parent, self._child, stamp).pose
+
+    def context(self) -> str:
+        """List the frames that there are."""
+        listener = self._listener
+        if listener.missing:
+            return ""
+        frames = listener.tree.frames
+        more = f" and {len(frames) - _MOST_LISTED} more" if len(frames) > _MOST_LISTED else ""
+        fault = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
+        topics = " and ".join(f"'{topic}'" for topic in listener.topics)
+        known = ", ".join(frames[:_MOST_LISTED]) or "none"
+        return f", on {topics}{fault}; known frames: {known}{more}"
+
+
+class TopicTrack:
+    """The poses that a topic of geometry_msgs/PoseStamped gives.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the subscription.
+    topic : str
+    parent : str
+        Frame that the poses have to be in; empty = that of the first.
+
+    Attributes
+    ----------
+    parent : str
+        The same, empty while no pose has come.
+    """
+
+    def __init__(self, node: Node, topic: str, parent: str) -> None:
+        self._clock = node.get_clock()
+        self._inbox = Inbox(node, PoseStamped, topic, _DEPTH, lambda: None)
+        self._inbox.attend(False)
+        self._tree, self.parent, self._fault = FrameTree(), parent, ""
+
+    @property
+    def what(self) -> str:
+        """The topic."""
+        return f"pose on '{self._inbox.topic}'"
+
+    def look(self) -> None:
+        """Take in what has come."""
+        for message in self._inbox.take():
+            self._fault = self._take(message)
+
+    def _take(self, message: PoseStamped) -> str:
+        """Keep a pose; says why one cannot be used."""
+        frame, stamp = message.header.frame_id.removeprefix("/"), message.header.stamp
+        nano = stamp.sec * NANO + stamp.nanosec
+        if not nano:
+            return "its stamp is 0, expected the time at which it was there"
+        self.parent = self.parent or frame
+        if frame != self.parent:
+            return f"its frame is {frame[:200]!r}, expected {self.parent!r}"
+        p, o = message.pose.position, message.pose.orientation
+        sample = Sample(nano, self.parent, (p.x, p.y, p.z), (o.x, o.y, o.z, o.w))
+        now = int(self._clock.now().nanoseconds)
+        return self._tree.insert(self._inbox.topic, sample, now, static=False)
+
+    def last(self) -> int | None:
+        """Give the stamp of the latest pose."""
+        if not self._tree.frames:
+            raise NoTransformError("nothing received")
+        return self._tree.between(self.parent, self._inbox.topic).stamp
+
+    def at(self, stamp: int) -> Array:
+        """Give the pose (4, 4) at an instant (ns)."""
+        return self._tree.between(self.parent, self._inbox.topic, stamp).pose
+
+    def context(self) -> str:
+        """Say what was wrong with poses that came."""
+        return f"; heard, but of no use: {self._fault}" if self._fault else ""
