@@ -29,6 +29,7 @@ COMMANDS = {
     "robots": (_HERE, "list the robots that are known by name"),
     "warmup": (_HERE, "compile the numeric kernels, once"),
     "doctor": (_HERE, "say what is missing on this machine, and how to fix it"),
+    "calibrate-demo": (_WITH_ROS, "find a simulated camera with a simulated robot, with a plot"),
     "demo": (_WITH_ROS, "solve, plan, execute and check a pick and place, with a plot"),
 }
 

@@ -64,6 +64,16 @@ class DemoClient:
         self._rows.append((stamp, np.array(message.position)[order], velocity[order]))
 
     @property
+    def node(self) -> Node:
+        """The node, for more publishers and timers; it spins."""
+        return self._node
+
+    @property
+    def latest(self) -> tuple[float, Array] | None:
+        """The last joint state: ROS time (s) and positions, shape (n,); None before the first."""
+        return self._rows[-1][:2] if self._rows else None
+
+    @property
     def present(self) -> Array:
         """The joint positions heard last, shape (n,) (rad or m)."""
         return self._rows[-1][1]

@@ -1,0 +1,74 @@
+"""``robomech calibrate-demo``: find a simulated camera with a simulated robot."""
+
+import argparse
+import math
+import signal
+import sys
+from pathlib import Path
+
+from robomech_ros.cli.warmup import warm
+from robomech_ros.errors import BadValueError, RobomechError
+
+__all__ = ["add_arguments", "run"]
+
+EXIT_FAILED = 1
+_TYPES = ("eye_in_hand", "eye_on_base")
+# A wrong sample is told by the others from eight on, where one of them is wrong.
+_LEAST_SAMPLES, _MOST_SAMPLES = 8, 40
+_MOST_NOISE = 0.05
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--robot", default="ur5e", help="name or path of a robot (ur5e)")
+    parser.add_argument(
+        "--type",
+        default=_TYPES[0],
+        choices=_TYPES,
+        help="whether the camera is on the hand, or stands and sees a target on it (eye_in_hand)",
+    )
+    parser.add_argument(
+        "--samples", type=int, default=12, help="how many are taken, one of them wrong (12)"
+    )
+    parser.add_argument(
+        "--rotation-noise",
+        type=float,
+        default=2e-3,
+        help="deviation of each coordinate of the camera's rotations, in rad (0.002)",
+    )
+    parser.add_argument(
+        "--position-noise",
+        type=float,
+        default=5e-4,
+        help="deviation of each coordinate of the camera's positions, in m (0.0005)",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("demo_output"),
+        help="folder for the plot and the files of the calibration (demo_output)",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the demonstration; returns 0 if every step of it succeeded, else 1."""
+    if not _LEAST_SAMPLES <= args.samples <= _MOST_SAMPLES:
+        raise BadValueError("--samples", args.samples, f"{_LEAST_SAMPLES} to {_MOST_SAMPLES}")
+    noise = args.rotation_noise, args.position_noise
+    for option, value in zip(("--rotation-noise", "--position-noise"), noise, strict=True):
+        if not (math.isfinite(value) and 0.0 <= value <= _MOST_NOISE):
+            raise BadValueError(option, value, f"0 to {_MOST_NOISE:g}")
+    # Contexts are left in order on SIGTERM, too: no node outlives the demonstration.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    warm(silent_if_quick=True)
+    from robomech_ros.nodes.demonstration.calibration_session import (
+        Wanted,
+        demonstrate_calibration,
+    )
+
+    try:
+        demonstrate_calibration(Wanted(args.robot, args.type, args.samples, noise), args.output)
+    except RobomechError as error:
+        print(f"robomech calibrate-demo failed: {error}", file=sys.stderr)
+        return EXIT_FAILED
+    return 0

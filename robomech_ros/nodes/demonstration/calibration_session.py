@@ -1,0 +1,167 @@
+"""One run of `robomech calibrate-demo`, from the start of the nodes to the picture."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from robomech_interfaces.srv import SaveCalibration
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE
+from robomech_ros.nodes.demonstration.calibration_task import SERVICES, CalibrationTask
+from robomech_ros.nodes.demonstration.camera import (
+    CAMERA,
+    HAND_TOPIC,
+    MARKER,
+    MARKER_TOPIC,
+    SimulatedCamera,
+    scene_of,
+)
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.limits import Which, robot_with_limits
+from robomech_ros.nodes.demonstration.postures import pick_and_place
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.suite import running_suite
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.plotting.calibrations import plot_calibration
+from robomech_ros.robots import SerialChain
+
+__all__ = ["Wanted", "demonstrate_calibration"]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is demonstrated.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path.
+    calibration_type : str
+        ``"eye_in_hand"`` or ``"eye_on_base"``.
+    samples : int
+    noise : tuple of float
+        Deviation of each coordinate of the camera's rotations (rad) and positions (m).
+    """
+
+    robot: str
+    calibration_type: str
+    samples: int
+    noise: tuple[float, float]
+
+
+def demonstrate_calibration(wanted: Wanted, output: Path) -> None:
+    """Find a simulated camera with a simulated robot, and tell how near the truth that is.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    output : Path
+        Folder for the picture and the files of the calibration.
+
+    Raises
+    ------
+    RobomechError
+        A step failed; the text says which and why.
+    """
+    reporter = Reporter()
+    with robot_with_limits(Which(wanted.robot)) as (used, chain, notice):
+        if notice:
+            reporter.say(notice)
+        _session(used, chain, wanted, output.resolve(), reporter)
+
+
+def _session(
+    which: Which, chain: SerialChain, wanted: Wanted, output: Path, reporter: Reporter
+) -> None:
+    mount = MOUNT_OF_TYPE[wanted.calibration_type]
+    reporter.heading(f"{chain.name}: where is the camera? ({mount})")
+    on_tf = _tf_is_there()
+    began = time.perf_counter()
+    with running_suite(_commands(which, wanted, output, on_tf)) as suite:
+        client = DemoClient(suite, chain)
+        try:
+            client.wait_until_up(SERVICES)
+            up = time.perf_counter()
+            reporter.say(
+                f"up after {up - began:.1f} s, each a process of its own in ROS domain "
+                f"{suite.domain}: {', '.join(suite.names)}"
+            )
+            reporter.say(
+                f"the camera's noise: {wanted.noise[1] * 1e3:g} mm and {wanted.noise[0] * 1e3:g} "
+                f"mrad in each coordinate; it speaks {'on /tf' if on_tf else 'on topics'}, and "
+                "once takes the target for one that is turned by 90 degrees"
+            )
+            start, _ = pick_and_place(chain)
+            scene = scene_of(chain, start, mount == "eye-in-hand")
+            camera = SimulatedCamera(client, chain, scene, wanted.noise, on_tf)
+            task = CalibrationTask(client, chain, camera, scene, reporter)
+            task.run(start, wanted.samples)
+            _tell(client, task, chain, reporter, output)
+            reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
+        except RobomechError:
+            print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
+            raise
+        finally:
+            client.close()
+
+
+def _tf_is_there() -> bool:
+    try:
+        import tf2_msgs.msg  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def _commands(which: Which, wanted: Wanted, output: Path, on_tf: bool) -> dict[str, list[str]]:
+    options = LaunchOptions(which.robot, servo=False, calibration=True)
+    commands = options.commands()
+    parameters = {
+        "calibration_type": wanted.calibration_type,
+        "tracking_base_frame": CAMERA,
+        "tracking_marker_frame": MARKER,
+        "name": "calibration",
+        "folder": str(output),
+    }
+    if not on_tf:
+        parameters |= {"robot_topic": HAND_TOPIC, "tracking_topic": MARKER_TOPIC}
+    for name, value in parameters.items():
+        commands["calibration"] += ["-p", f"{name}:={json.dumps(value)}"]
+    return commands
+
+
+def _tell(
+    client: DemoClient, task: CalibrationTask, chain: SerialChain, reporter: Reporter, output: Path
+) -> None:
+    """Tell what was found, save and draw it."""
+    last = task.progress[-1]
+    reporter.heading("summary")
+    reporter.say(task.summary)
+    reporter.say("covariance of x y z (mm), then of rotations about x y z (mrad):")
+    scaled = task.covariance * 1e6
+    for row in scaled:
+        reporter.say(" ".join(f"{value:9.4f}" for value in row))
+    distance = float(np.sqrt(last.squared_distance))
+    reporter.say(
+        f"the truth is {distance:.2f} deviations from the result; 95 of 100 calibrations are "
+        "within 3.55"
+    )
+    saved = client.call("calibration/save", SaveCalibration.Request(name=chain.name))
+    for path in saved.files:
+        reporter.say(f"saved: {path}")
+    picture = plot_calibration(
+        output / f"{chain.name}_calibration.png",
+        [step.count for step in task.progress],
+        np.array([step.error for step in task.progress]),
+        np.array([step.covariance for step in task.progress]),
+        residuals=task.residuals,
+        inlier=task.inlier,
+        title=f"{chain.name}: a camera found with noise, and with one wrong sample",
+    )
+    reporter.say(f"plot: {picture}")

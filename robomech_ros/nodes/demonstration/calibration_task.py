@@ -1,0 +1,231 @@
+"""The task of `robomech calibrate-demo`: samples where they tell most until a camera is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseArray
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+
+from robomech_interfaces.srv import (
+    PlanJoint,
+    SaveCalibration,
+    SolveCalibration,
+    SolveIKBatch,
+    TakeSample,
+)
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.calibration.files import POSITION_FIRST
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.demonstration.camera import Scene, SimulatedCamera
+from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.failure import DemoFailedError
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial import (
+    matrix_from_rotation_vector,
+    pose_error,
+    pose_from_position_quaternion,
+)
+from robomech_ros.spatial.plain_poses import plain_pose
+
+__all__ = ["SERVICES", "CalibrationTask", "Progress"]
+
+Array = NDArray[np.float64]
+
+SERVICES: dict[str, Any] = {
+    "kinematics/solve_ik_batch": SolveIKBatch,
+    "trajectory_planner/plan_joint": PlanJoint,
+    "calibration/take_sample": TakeSample,
+    "calibration/solve": SolveCalibration,
+    "calibration/save": SaveCalibration,
+}
+# Samples before the first solution, and before a mistake that the others can tell.
+_FIRST, _MISTAKEN = 4, 6
+_CANDIDATES = 80
+# How far the hand is turned about the target, rad, and how far a joint may go from the start.
+_LEAST_TURN, _MOST_TURN, _MOST_WAY = 0.25, 0.7, 2.0
+_ARRIVED, _GRACE_SECONDS = 1e-6, 10.0
+# Squared distance of six normal numbers that none exceeds, even where the noise is estimated from a
+# few samples.
+_IMPOSSIBLE = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """What is known with so many samples.
+
+    Attributes
+    ----------
+    count : int
+    error : ndarray, shape (6,)
+        Of the camera's pose against the truth, as pose_error has it (rad, m).
+    covariance : ndarray, shape (6, 6)
+        As stated, rotation first.
+    """
+
+    count: int
+    error: Array
+    covariance: Array
+
+    @property
+    def expected(self) -> tuple[float, float]:
+        """How large the error should be, as the root of its mean square: rad and m."""
+        variances = np.diag(self.covariance)
+        return float(np.sqrt(variances[:3].sum())), float(np.sqrt(variances[3:].sum()))
+
+    @property
+    def squared_distance(self) -> float:
+        """Of the truth from the result, in deviations."""
+        return float(self.error @ np.linalg.solve(self.covariance, self.error))
+
+
+class CalibrationTask:
+    """Moves the arm to where samples tell most, and has the camera found.
+
+    Parameters
+    ----------
+    client : DemoClient
+        Connected to the running suite.
+    chain : SerialChain
+    camera : SimulatedCamera
+    scene : Scene
+        The truth, to compare with.
+    reporter : Reporter
+
+    Attributes
+    ----------
+    progress : list of Progress
+    residuals : ndarray, shape (n, 2)
+        Of the samples at the end: rad and m.
+    inlier : ndarray of bool, shape (n,)
+    summary : str
+        The result in words, as the node gives it.
+    covariance : ndarray, shape (6, 6)
+        As the node gives it: positions first.
+    """
+
+    def __init__(
+        self,
+        client: DemoClient,
+        chain: SerialChain,
+        camera: SimulatedCamera,
+        scene: Scene,
+        reporter: Reporter,
+    ) -> None:
+        self._client, self._chain, self._camera = client, chain, camera
+        self._scene, self._reporter = scene, reporter
+        self.progress: list[Progress] = []
+        self.residuals, self.inlier = np.zeros((0, 2)), np.zeros(0, bool)
+        self.summary, self.covariance = "", np.zeros((6, 6))
+
+    def run(self, start: Array, count: int) -> None:
+        """Take samples about a posture, shape (n,), and solve.
+
+        Raises
+        ------
+        DemoFailedError
+            A step went wrong, or the result is not what it says it is.
+        """
+        places, postures = self._reachable(start)
+        left = list(range(len(places)))
+        self._sample(start)
+        answer: Any = None
+        for taken in range(1, count):
+            # The first are anywhere, the others where they tell most.
+            choice = 0 if answer is None else int(answer.next_index)
+            self._camera.mistaken = taken == _MISTAKEN
+            self._sample(postures[left.pop(choice)])
+            if taken + 1 >= _FIRST:
+                answer = self._solve(places[left])
+        self._judge(answer, count)
+
+    def _reachable(self, start: Array) -> tuple[Array, Array]:
+        """Find poses of the hand from which the target is seen, and postures for them."""
+        hand = forward_kinematics(self._chain, start)
+        rng = np.random.default_rng(2)
+        axes = rng.normal(size=(_CANDIDATES, 3))
+        axes /= np.linalg.norm(axes, axis=1)[:, None]
+        angles = rng.uniform(_LEAST_TURN, _MOST_TURN, _CANDIDATES)
+        turns = matrix_from_rotation_vector(axes * angles[:, None])
+        poses = np.tile(np.eye(4), (_CANDIDATES, 1, 1))
+        poses[:, :3, :3] = turns @ hand[:3, :3]
+        centre = self._scene.centre
+        poses[:, :3, 3] = centre + turns @ (hand[:3, 3] - centre)
+        numbers = [number for T in poses for part in plain_pose(T) for number in part]
+        request = SolveIKBatch.Request(
+            poses=numbers, seed=start.tolist(), mode=SolveIKBatch.Request.NEAREST
+        )
+        response = self._client.call("kinematics/solve_ik_batch", request)
+        rows = np.reshape(response.solutions, (-1, self._chain.n))
+        solved = np.flatnonzero(np.array(response.counts) > 0)
+        near = np.abs(rows - start).max(axis=1, initial=0.0) <= _MOST_WAY
+        self._reporter.say(
+            f"{int(near.sum())} of {_CANDIDATES} views of the target can be reached nearby"
+        )
+        return poses[solved[near]], rows[near]
+
+    def _sample(self, goal: Array) -> None:
+        """Go to a posture, shape (n,), and take a sample there."""
+        client, names = self._client, self._chain.joint_names
+        if np.abs(goal - client.present).max() > _ARRIVED:
+            request = PlanJoint.Request(
+                start=joint_state(names, client.present),
+                goal=JointState(name=list(names), position=goal.tolist()),
+                profile=PlanJoint.Request.RUCKIG,
+            )
+            planned = client.call("trajectory_planner/plan_joint", request)
+            seconds = seconds_from_duration(planned.duration, "duration")
+            client.wait_until_at(goal, _ARRIVED, seconds + _GRACE_SECONDS, lambda: None)
+        client.call("calibration/take_sample", TakeSample.Request())
+
+    def _solve(self, candidates: Array) -> Any:
+        """Have the camera found, and tell how well."""
+        request = SolveCalibration.Request(
+            candidates=PoseArray(poses=[pose_from_matrix(T) for T in candidates])
+        )
+        answer = self._client.call("calibration/solve", request)
+        message = answer.sensor.transform
+        p, o = message.translation, message.rotation
+        found = pose_from_position_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
+        position_first = np.reshape(answer.covariance, (6, 6))
+        covariance = np.empty((6, 6))
+        covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)] = position_first
+        now = Progress(
+            count=len(answer.inlier),
+            error=pose_error(found, self._scene.camera),
+            covariance=covariance,
+        )
+        self.progress.append(now)
+        angle, distance = (float(np.linalg.norm(part)) for part in (now.error[:3], now.error[3:]))
+        wrong = ", ".join(map(str, answer.outliers))
+        self._reporter.say(
+            f"{now.count:3d} samples: off the truth by {distance * 1e3:7.3f} mm and "
+            f"{angle * 1e3:7.3f} mrad; by its covariance {now.expected[1] * 1e3:7.3f} mm and "
+            f"{now.expected[0] * 1e3:7.3f} mrad" + (f"; left out: {wrong}" if wrong else "")
+        )
+        return answer
+
+    def _judge(self, answer: Any, count: int) -> None:
+        """Compare the last result with the truth.
+
+        Raises
+        ------
+        DemoFailedError
+        """
+        self.residuals = np.column_stack((answer.rotation_residuals, answer.position_residuals))
+        self.inlier = np.array(answer.inlier)
+        self.summary, self.covariance = answer.summary, np.reshape(answer.covariance, (6, 6))
+        wrong = [_MISTAKEN] if count > _MISTAKEN else []
+        if list(answer.outliers) != wrong:
+            raise DemoFailedError(f"samples {list(answer.outliers)} were left out, not {wrong}")
+        distance = self.progress[-1].squared_distance
+        if distance > _IMPOSSIBLE:
+            raise DemoFailedError(
+                f"the truth is {np.sqrt(distance):.3g} deviations from the result, which is wrong"
+            )
