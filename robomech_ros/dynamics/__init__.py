@@ -44,6 +44,10 @@ if TYPE_CHECKING:
         inverse_dynamics_by_lagrange,
         mass_matrix_gradient,
     )
+    from robomech_ros.dynamics.formulations.newton_euler import (
+        NewtonEuler,
+        newton_euler,
+    )
     from robomech_ros.dynamics.formulations.orthogonal_complement import (
         OrthogonalComplement,
         natural_orthogonal_complement,
@@ -110,6 +114,7 @@ __all__ = [
     "ForwardDerivatives",
     "Identification",
     "InverseDerivatives",
+    "NewtonEuler",
     "Operations",
     "OrthogonalComplement",
     "PartialVelocities",
@@ -149,6 +154,7 @@ __all__ = [
     "momentum",
     "natural_orthogonal_complement",
     "nearest_consistent",
+    "newton_euler",
     "operation_counts",
     "partial_velocities",
     "planar_orthogonal_complement",
@@ -169,6 +175,7 @@ _MODULES = {
     "ForwardDerivatives": "derivatives",
     "Identification": "identification.fit",
     "InverseDerivatives": "derivatives",
+    "NewtonEuler": "formulations.newton_euler",
     "Operations": "formulations.complexity",
     "OrthogonalComplement": "formulations.orthogonal_complement",
     "PartialVelocities": "formulations.kane",
@@ -210,6 +217,7 @@ _MODULES = {
     "momentum": "energy",
     "natural_orthogonal_complement": "formulations.orthogonal_complement",
     "nearest_consistent": "pseudo_inertias",
+    "newton_euler": "formulations.newton_euler",
     "operation_counts": "formulations.complexity",
     "partial_velocities": "formulations.kane",
     "planar_orthogonal_complement": "formulations.planar",
