@@ -1,21 +1,13 @@
 """The eye in a real browser: what is seen at first, and by the button."""
 
 import numpy as np
-import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from controls import button, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 TIP = "__viserMutable.nodeRefFromName['/base/target']"
 
 
@@ -40,8 +32,7 @@ def fills(tab, points):
 def test_the_robot_fills_the_picture_at_first_and_by_the_button():
     with view("puma560", port=0) as page:
         camera = next(one for one in page._layers if type(one).__name__ == "CameraLayer")
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
+        with browser(page.url) as tab:
             tab.wait_for(TIP)
             wait_until(lambda: fills(tab, camera._points()))
             q = page._arm.q + [1.5, -0.8, 0.6, 0.0, 0.5, 0.0]
@@ -52,6 +43,3 @@ def test_the_robot_fills_the_picture_at_first_and_by_the_button():
             wait_until(lambda: not fills(tab, camera._points()))
             press(tab, button("Fit view"))
             wait_until(lambda: fills(tab, camera._points()))
-            assert tab.errors == []
-        finally:
-            tab.close()

@@ -2,10 +2,7 @@
 
 import numpy as np
 import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from controls import button, field, heading, press, write
 from raw_client import wait_until
 
@@ -13,11 +10,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.rvs import view, view_equations
 from robomech_ros.rvs.model.curve_drawing import BOTTOM, LEFT, SIDE, TOP
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 PLOT = "document.querySelector('[data-plot]')"
 # A general posture, so that no two curves touch.
 Q = [0.3, -1.2, 1.5, -0.8, 0.9, 0.2]
@@ -26,22 +19,17 @@ Q = [0.3, -1.2, 1.5, -0.8, 0.9, 0.2]
 @pytest.fixture(scope="module")
 def shown():
     """A page of a UR5e in that posture, and a browser with the contours of its pose."""
-    with view("ur5e", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for("document.querySelector('[data-postures]')")
-            page._ask("posture", lambda: page._arm.move_to(Q))
-            wait_until(lambda: np.array_equal(page._arm.q, Q))
-            press(tab, heading("Contours"))
-            tab.wait_for(field("contours"))
-            # Nothing is computed before it is asked for.
-            assert layer(page)._target is None
-            press(tab, field("contours"))
-            tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
-            yield page, tab
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("ur5e", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelector('[data-postures]')")
+        page._ask("posture", lambda: page._arm.move_to(Q))
+        wait_until(lambda: np.array_equal(page._arm.q, Q))
+        press(tab, heading("Contours"))
+        tab.wait_for(field("contours"))
+        # Nothing is computed before it is asked for.
+        assert layer(page)._target is None
+        press(tab, field("contours"))
+        tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
+        yield page, tab
 
 
 def layer(page):
@@ -161,14 +149,9 @@ def test_other_curves_are_chosen_and_none_are_drawn_when_off(contours):
 
 
 def test_an_arm_with_other_joints_is_told_what_is_missing():
-    with view("panda", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            press(tab, heading("Contours"))
-            sentence(tab, "arms of six revolute joints; this one has 7 joints")
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("panda", port=0) as page, browser(page.url) as tab:
+        press(tab, heading("Contours"))
+        sentence(tab, "arms of six revolute joints; this one has 7 joints")
 
 
 def test_any_two_equations():
@@ -178,19 +161,14 @@ def test_any_two_equations():
 
     big, small = np.sqrt(2.0 + np.sqrt(3.0)), np.sqrt(2.0 - np.sqrt(3.0))
     bounds = [[-np.pi, np.pi], [-np.pi, np.pi]]
-    with view_equations(circle_hyperbola_line, bounds, port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
-            click_beside(tab, (big, small))
-            sentence(tab, "A root: the other equation leaves")
-            found = page._view._found[-1]
-            np.testing.assert_allclose(found.point, [big, small], atol=1e-12)
-            click_beside(tab, (small, big))
-            sentence(tab, "Spurious: the other equation leaves")
-            write(tab, "Estimate", "-0.6, -2.0")
-            sentence(tab, f"x = {-small:.6f}, y = {-big:.6f}")
-            tab.wait_for(f"{PLOT}.querySelectorAll('[data-mark=root]').length === 2")
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view_equations(circle_hyperbola_line, bounds, port=0) as page, browser(page.url) as tab:
+        tab.wait_for(f"{PLOT}.querySelector('[data-curve]')")
+        click_beside(tab, (big, small))
+        sentence(tab, "A root: the other equation leaves")
+        found = page._view._found[-1]
+        np.testing.assert_allclose(found.point, [big, small], atol=1e-12)
+        click_beside(tab, (small, big))
+        sentence(tab, "Spurious: the other equation leaves")
+        write(tab, "Estimate", "-0.6, -2.0")
+        sentence(tab, f"x = {-small:.6f}, y = {-big:.6f}")
+        tab.wait_for(f"{PLOT}.querySelectorAll('[data-mark=root]').length === 2")

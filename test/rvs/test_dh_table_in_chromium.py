@@ -1,19 +1,11 @@
 """The DH table in a real browser: a number is typed, and another robot is there."""
 
-import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 FOLDER = (
     "[...document.querySelectorAll('div')].find(d => d.children.length <= 2 && "
     "d.textContent === 'DH table')"
@@ -45,35 +37,30 @@ def type_into(tab, name, text):
 
 
 def test_a_number_typed_into_the_table_is_another_robot_and_wrong_ones_are_refused():
-    with view("puma560", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for("document.querySelector('[data-postures]')")
-            tab.wait_for(FOLDER)
-            tab.value(f"{FOLDER}.click()")
-            first = page._arm.chain
-            type_into(tab, "2 a", "0.65")
-            wait_until(lambda: page._arm.chain.dh.a[1] == 0.65)
-            wait_until(lambda: page._arm.study.postures)
-            # The folder is open again, with the new number, and the ghosts are there.
-            tab.wait_for(f"{CELL.format(name='2 a')}.value === '0.65'")
-            tab.wait_for(
-                "document.querySelectorAll('[data-posture]').length === "
-                f"{len(page._arm.study.postures)}"
-            )
-            tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")
-            second = page._arm.chain
-            type_into(tab, "3 b", "1e9")
-            tab.wait_for("document.querySelector('[data-notice]').innerText.includes('1e+09')")
-            tab.wait_for(f"{CELL.format(name='3 b')}.value === '0.15005'")
-            assert page._arm.chain is second
-            mark(tab)
-            tab.value(f"{BUTTON.format(label='Reset robot')}.click()")
-            wait_until(lambda: page._arm.chain is first)
-            wait_for_next_table(tab)
-            tab.wait_for(f"{CELL.format(name='2 a')}.value === '0.4318'")
-            saved = tab.value("decodeURIComponent(document.querySelector('a[download]').href)")
-            assert "name: puma560" in saved and "wrist_swivel" in saved
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("puma560", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelector('[data-postures]')")
+        tab.wait_for(FOLDER)
+        tab.value(f"{FOLDER}.click()")
+        first = page._arm.chain
+        type_into(tab, "2 a", "0.65")
+        wait_until(lambda: page._arm.chain.dh.a[1] == 0.65)
+        wait_until(lambda: page._arm.study.postures)
+        # The folder is open again, with the new number, and the ghosts are there.
+        tab.wait_for(f"{CELL.format(name='2 a')}.value === '0.65'")
+        tab.wait_for(
+            "document.querySelectorAll('[data-posture]').length === "
+            f"{len(page._arm.study.postures)}"
+        )
+        tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")
+        second = page._arm.chain
+        type_into(tab, "3 b", "1e9")
+        tab.wait_for("document.querySelector('[data-notice]').innerText.includes('1e+09')")
+        tab.wait_for(f"{CELL.format(name='3 b')}.value === '0.15005'")
+        assert page._arm.chain is second
+        mark(tab)
+        tab.value(f"{BUTTON.format(label='Reset robot')}.click()")
+        wait_until(lambda: page._arm.chain is first)
+        wait_for_next_table(tab)
+        tab.wait_for(f"{CELL.format(name='2 a')}.value === '0.4318'")
+        saved = tab.value("decodeURIComponent(document.querySelector('a[download]').href)")
+        assert "name: puma560" in saved and "wrist_swivel" in saved

@@ -2,20 +2,13 @@
 
 import numpy as np
 import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from raw_client import wait_until
 
 from robomech_ros.robots import load_description
 from robomech_ros.rvs import Choice, Motion, NamedPosture, view, write_motion
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 GIZMO = "/base/target"
 NODE = f"__viserMutable.nodeRefFromName['{GIZMO}']"
 FIELD = (
@@ -27,16 +20,11 @@ FIELD = (
 @pytest.fixture(scope="module")
 def shown():
     """A page of a UR5e, and a browser that shows it."""
-    with view("ur5e", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for("document.querySelector('[data-postures]')")
-            tab.wait_for(NODE)
-            tab.frames(5)
-            yield page, tab
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("ur5e", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelector('[data-postures]')")
+        tab.wait_for(NODE)
+        tab.frames(5)
+        yield page, tab
 
 
 @pytest.fixture
@@ -220,8 +208,7 @@ def seen(tab, place):
 
 def test_a_second_browser_watches_and_takes_over(shown):
     page, tab = shown
-    other = Tab(f"{page.url}&fixedDpr=1", 1000, 600)
-    try:
+    with browser(page.url, 1000, 600) as other:
         other.wait_for("document.querySelector('[data-watching]')")
         assert not other.value(f"Boolean({NODE})")
         button = (
@@ -230,9 +217,6 @@ def test_a_second_browser_watches_and_takes_over(shown):
         other.value(f"{button}.click()")
         other.wait_for(NODE)
         tab.wait_for("document.querySelector('[data-watching]')")
-        assert other.errors == []
-    finally:
-        other.close()
     wait_until(lambda: page._audience.commander is None)
     tab.value(f"{button}.click()")
     tab.wait_for(NODE)
@@ -246,8 +230,7 @@ def test_a_motion_plays_from_a_file(tmp_path):
     other = NamedPosture("elbow-up", arm.home() + 0.5)
     choices = (Choice(0.0, "pick", "elbow-down", (other,)),)
     path = write_motion(tmp_path / "motion.html", robot, Motion(arm, times, q, choices))
-    tab = Tab(f"{path.as_uri()}?fixedDpr=1", 800, 500)
-    try:
+    with browser(path.as_uri(), 800, 500) as tab:
         nodes = "Object.entries(__viserMutable.nodeRefFromName)"
         waist = f"{nodes}.find(([name]) => /\\/\\d+_waist_frame$|\\/1_[^/]*$/.test(name))[1]"
         tab.wait_for(waist)
@@ -255,6 +238,3 @@ def test_a_motion_plays_from_a_file(tmp_path):
         turned = f"Math.round(1e4 * {waist}.quaternion.w)"
         first = tab.value(turned)
         tab.wait_for(f"{turned} !== {first}")
-        assert tab.errors == []
-    finally:
-        tab.close()

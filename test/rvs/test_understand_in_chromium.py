@@ -2,20 +2,13 @@
 
 import numpy as np
 import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from raw_client import wait_until
 
 from robomech_ros.kinetostatics import characteristic_length, condition_number
 from robomech_ros.rvs import view
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 BUTTON = "[...document.querySelectorAll('button')].find(b => b.innerText.trim() === '{label}')"
 BOX = (
     "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
@@ -31,18 +24,13 @@ TABLE = "document.querySelector('[data-understand]')"
 @pytest.fixture(scope="module")
 def shown():
     """A page of a UR5e with the folder open, and a browser that shows it."""
-    with view("ur5e", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for("document.querySelector('[data-postures]')")
-            tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")
-            tab.wait_for(FOLDER.format(label="Understand"))
-            tab.value(f"{FOLDER.format(label='Understand')}.click()")
-            tab.wait_for(TABLE)
-            yield page, tab
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("ur5e", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelector('[data-postures]')")
+        tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")
+        tab.wait_for(FOLDER.format(label="Understand"))
+        tab.value(f"{FOLDER.format(label='Understand')}.click()")
+        tab.wait_for(TABLE)
+        yield page, tab
 
 
 def tick(tab, label, checked=True):

@@ -2,21 +2,14 @@
 
 import numpy as np
 import pytest
-
-pytest.importorskip("viser")
-
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM, browser
 from controls import button, field, heading, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
 from robomech_ros.rvs.model.section_drawing import section_points
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 SECTION = "document.querySelector('[data-section]')"
 ROWS = "document.querySelectorAll('tr[data-posture]')"
 
@@ -24,20 +17,15 @@ ROWS = "document.querySelectorAll('tr[data-posture]')"
 @pytest.fixture(scope="module")
 def shown():
     """A page of a PUMA 560 with its section, and a browser that shows it."""
-    with view("puma560", port=0) as page:
-        tab = Tab(f"{page.url}&fixedDpr=1")
-        try:
-            tab.wait_for("document.querySelector('[data-postures]')")
-            press(tab, heading("Workspace"))
-            tab.wait_for(field("boundary"))
-            # Nothing is computed before it is asked for.
-            assert not layer(page)._asked
-            press(tab, field("boundary"))
-            tab.wait_for(f"{SECTION}.querySelector('[data-count]')")
-            yield page, tab
-            assert tab.errors == []
-        finally:
-            tab.close()
+    with view("puma560", port=0) as page, browser(page.url) as tab:
+        tab.wait_for("document.querySelector('[data-postures]')")
+        press(tab, heading("Workspace"))
+        tab.wait_for(field("boundary"))
+        # Nothing is computed before it is asked for.
+        assert not layer(page)._asked
+        press(tab, field("boundary"))
+        tab.wait_for(f"{SECTION}.querySelector('[data-count]')")
+        yield page, tab
 
 
 def layer(page):

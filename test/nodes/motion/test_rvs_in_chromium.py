@@ -1,15 +1,16 @@
 """The page of a running robot in a real browser, over real DDS."""
 
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-pytest.importorskip("viser")
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "rvs"))
 
-from chromium import Tab, chromium
+from browsing import IN_CHROMIUM
+from chromium import Tab
 from raw_client import wait_until
 from servo_operator import START
 
@@ -18,11 +19,7 @@ from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
-pytestmark = [
-    pytest.mark.skipif(chromium() is None, reason="no Chromium: sudo apt-get install chromium"),
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(900),
-]
+pytestmark = IN_CHROMIUM
 ROBOT = "puma560"
 BUTTON = "[...document.querySelectorAll('button')].find(b => b.innerText === '{text}')"
 PAD = "document.querySelector('[data-jog=\"joint 1 +\"]')"
@@ -45,13 +42,11 @@ def seen(graph, drive):
     motions, jogger = node._robot._motions, node._robot._jogger
     wait_until(lambda: motions._planner.service_is_ready() and motions._executor.service_is_ready())
     wait_until(jogger._joints.get_subscription_count)
-    tab = Tab(f"{node.url}&fixedDpr=1", 1000, 600)
-    try:
+    # Of a page that loses its node, a browser complains.
+    with closing(Tab(f"{node.url}&fixedDpr=1", 1000, 600)) as tab:
         tab.wait_for(PAD)
         wait_until(lambda: np.allclose(node._page._arm.q, robot.position, atol=1e-6))
         yield node, robot, tab
-    finally:
-        tab.close()
 
 
 def test_plans_and_executes_from_the_page(seen):
