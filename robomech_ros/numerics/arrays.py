@@ -1,11 +1,13 @@
 """Check numbers that come from a caller."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError
 
-__all__ = ["real_array", "real_number"]
+__all__ = ["finite_number", "real_array", "real_number"]
 
 Array = NDArray[np.float64]
 
@@ -64,3 +66,12 @@ def real_number(what: str, value: object, expected: str) -> float:
     if number.ndim or number.dtype.kind not in "fiu":
         raise BadValueError(what, value, expected)
     return float(number)
+
+
+def finite_number(what: str, value: object, unit: str) -> float:
+    """Give one finite number, as :func:`real_number` does; ``unit`` is for messages."""
+    expected = f"a finite number, {unit}"
+    number = real_number(what, value, expected)
+    if not math.isfinite(number):
+        raise BadValueError(what, value, expected)
+    return number

@@ -118,9 +118,11 @@ def bivariate(
     """
     if not 0.0 < real_number("tolerance", tolerance, "a positive number") < np.inf:
         raise BadValueError("tolerance", tolerance, "a positive number")
-    problem = GridProblem.of(equations, bounds, pair, period, steps)
+    return _solved(GridProblem.of(equations, bounds, pair, period, steps), tolerance)
+
+
+def _solved(problem: GridProblem, tolerance: float) -> Bivariate:
     pair = problem.pair
-    curves = problem.curves()
     starts = problem.starts()
     ends, reached = problem.refined(starts, list(pair), problem.limit())
     crossings = problem.distinct(ends[reached < tolerance], list(pair), tolerance)
@@ -128,7 +130,7 @@ def bivariate(
     roots, left = problem.refined(crossings, everything, problem.cell)
     is_root = left < tolerance
     angles = problem.angles(crossings, pair)
-    return Bivariate(curves, crossings, is_root, roots[is_root], left[is_root], angles)
+    return Bivariate(problem.curves(), crossings, is_root, roots[is_root], left[is_root], angles)
 
 
 def refine_root(

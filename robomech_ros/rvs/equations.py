@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
@@ -15,6 +14,7 @@ from robomech_ros.rvs.opening import require_viser
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
+    from robomech_ros.rvs.model.curve_problems import Axis
     from robomech_ros.rvs.page.equations_page import EquationsPage
 
 __all__ = ["view_equations"]
@@ -38,10 +38,8 @@ def view_equations(
 
     Parameters
     ----------
-    equations : callable
-        From arrays x and y of one shape (...) to the equations, shape (m, ...), m >= 2; smooth.
-    bounds : array_like, shape (2, 2), optional
-        Least and greatest value of x, and of y; a turn of both by default.
+    equations, bounds : callable, and array_like, shape (2, 2)
+        As for :func:`~robomech_ros.numerics.bivariate`.
     names : sequence of two str, optional
         Of the unknowns.
     unit : str, optional
@@ -65,10 +63,6 @@ def view_equations(
     WrongSizeError, NonFiniteError, BadValueError
         As for :func:`~robomech_ros.numerics.bivariate`; no two names.
 
-    See Also
-    --------
-    robomech_ros.numerics.bivariate : all roots, without a picture.
-
     Examples
     --------
     >>> import numpy as np
@@ -81,15 +75,18 @@ def view_equations(
     >>> page.close()
     """
     require_viser()
-    from robomech_ros.rvs.model.curve_problems import Axis
     from robomech_ros.rvs.page.equations_page import EquationsPage
 
     grid = GridProblem.of(equations, bounds, pair, period, _CELLS)
+    problem = (equations, _axes(grid, names, unit), len(grid.scale), period)
+    return EquationsPage(*problem, pair=grid.pair, port=port, host=host)
+
+
+def _axes(grid: GridProblem, names: Sequence[str], unit: str) -> tuple[Axis, Axis]:
+    from robomech_ros.rvs.model.curve_problems import Axis
+
     if len(names) != 2 or not all(isinstance(name, str) for name in names):
         raise BadValueError("names", names, "two names")
-    ends = np.stack([grid.low, grid.low + grid.width], axis=1).tolist()
-    first, second = (
-        Axis(name, unit, low, high) for name, (low, high) in zip(names, ends, strict=True)
-    )
-    problem = (equations, (first, second), len(grid.scale), period)
-    return EquationsPage(*problem, pair=grid.pair, port=port, host=host)
+    low, high = grid.low.tolist(), (grid.low + grid.width).tolist()
+    x, y = names
+    return Axis(x, unit, low[0], high[0]), Axis(y, unit, low[1], high[1])

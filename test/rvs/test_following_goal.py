@@ -51,3 +51,24 @@ def test_it_can_be_called_back(goal):
     goal.put(THERE)
     goal.follow()
     np.testing.assert_array_equal(goal.followed(), HERE)
+
+
+def test_it_is_behind_while_the_robot_moves_on_without_it(goal):
+    assert not goal.is_behind
+    goal.robot_is_at(HERE + 1e-3, 10.0)
+    assert not goal.is_behind
+    goal.robot_is_at(THERE, 11.0)
+    assert goal.is_behind
+    assert goal.robot_is_at(THERE, 20.0)
+    assert not goal.is_behind
+
+
+def test_it_is_not_behind_where_it_was_put_or_called_to(goal):
+    goal.put(-THERE)
+    goal.robot_is_at(THERE, 10.0)
+    assert not goal.is_behind
+    goal.follow()
+    goal.followed()
+    assert not goal.is_behind
+    goal.robot_is_at(HERE, 11.0)
+    assert goal.is_behind

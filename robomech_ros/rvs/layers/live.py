@@ -40,6 +40,8 @@ class LiveLayer:
         self._goal_nodes.show(False)
         self._markers = MarkerNodes(place.server.scene, self._nodes.path)
         self._goal = FollowingGoal(place.arm.q)
+        # Whether ghosts and gizmo are to be hidden: the robot has left where they are.
+        self._behind = False
         self._names = place.chain.joint_names
         self._seen, self._clients = threading.Event(), set[int]()
         self._speaking = threading.Lock()
@@ -164,10 +166,14 @@ class LiveLayer:
         q = np.array([positions[name] for name in self._names])
         if self._goal.robot_is_at(q, time.monotonic()):
             self._place.ask("goal", self._follow)
+        self._leave_behind(self._goal.is_behind)
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the joint states; empty for nothing."""
         self._say("state", text)
+        if text:
+            # Where the robot is, nobody knows: the goal is all that there is.
+            self._leave_behind(False)
 
     def show_servo(self, news: ServoNews | None) -> None:
         """Show what the servo says; None if nothing is heard of it."""
@@ -199,6 +205,12 @@ class LiveLayer:
         self._waiting = waiting
         if self._controls is not None:
             self._controls.show_waiting(waiting)
+
+    def _leave_behind(self, behind: bool) -> None:
+        """Hide ghosts and gizmo while the robot moves away from them."""
+        if self._behind != behind:
+            self._behind = behind
+            self._place.ask("behind", lambda: self._place.reveal(not self._behind))
 
     def _say(self, line: str, text: str, failed: bool = True) -> None:
         with self._speaking:

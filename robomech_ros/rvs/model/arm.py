@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
+from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
 from robomech_ros.spatial import as_pose
-from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["SeenArm", "Travel"]
 
@@ -115,7 +115,7 @@ class SeenArm:
         """
         values = self._q.copy()
         what = f"joint '{self.chain.joint_names[joint]}'"
-        values[joint] = _finite(what, value, self.chain.units[joint])
+        values[joint] = finite_number(what, value, self.chain.units[joint])
         self._q = self.checked(values)
         self._look_around()
 
@@ -186,7 +186,7 @@ class SeenArm:
         BadValueError
             It is no finite number, or the arm has no self-motion.
         """
-        wanted = _finite("self-motion", length, "rad or m")
+        wanted = finite_number("self-motion", length, "rad or m")
         curve = self.self_motion()
         if curve is None:
             raise BadValueError("self-motion", length, "an arm of more than six joints")
@@ -203,11 +203,3 @@ class SeenArm:
             return
         name, unit = self.chain.joint_names[joint], self.chain.units[joint]
         raise BadValueError(f"joint '{name}'", value, f"{low:.6g} to {high:.6g} {unit}")
-
-
-def _finite(what: str, value: object, unit: str) -> float:
-    expected = f"a finite number, {unit}"
-    number = real_number(what, value, expected)
-    if not math.isfinite(number):
-        raise BadValueError(what, value, expected)
-    return number

@@ -44,6 +44,13 @@ class FollowingGoal:
         with self._lock:
             return not self._follows and not _near(self._robot, self._goal, THERE)
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether the goal stays with the robot, which has left where the goal was brought."""
+        with self._lock:
+            known = self._robot is not None and self._brought is not None
+            return self._follows and known and not _near(self._robot, self._brought, THERE)
+
     def put(self, q: Array, *, followed: bool = False) -> None:
         """Put the goal somewhere; unless it followed the robot, it stays there."""
         with self._lock:
@@ -72,9 +79,12 @@ class FollowingGoal:
             self._follows = True
 
     def followed(self) -> Array | None:
-        """Give where the goal is to be brought (rad or m); None if it stays where it is."""
+        """Give where the goal is brought (rad or m); None if it stays where it is."""
         with self._lock:
-            return self._robot if self._follows else None
+            if not self._follows:
+                return None
+            self._brought = self._robot
+            return self._robot
 
 
 def _near(a: Array | None, b: Array | None, tolerance: float) -> bool:

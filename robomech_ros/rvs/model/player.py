@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import real_number
+from robomech_ros.numerics.arrays import finite_number
 
 __all__ = ["FASTEST", "SLOWEST", "Player"]
 
@@ -46,7 +46,7 @@ class Player:
         BadValueError
             It is no finite number.
         """
-        self.time = min(max(_finite("time", time, "s"), 0.0), self.duration)
+        self.time = min(max(finite_number("time", time, "s"), 0.0), self.duration)
 
     def set_speed(self, speed: float) -> None:
         """Play so many times as fast.
@@ -56,7 +56,7 @@ class Player:
         BadValueError
             It is no number from 0.1 to 10.
         """
-        value = _finite("speed", speed, "times that of the motion")
+        value = finite_number("speed", speed, "times that of the motion")
         if not SLOWEST <= value <= FASTEST:
             raise BadValueError("speed", speed, f"{SLOWEST:g} to {FASTEST:g}")
         self.speed = value
@@ -81,11 +81,3 @@ class Player:
         else:
             self.time = min(time, self.duration)
             self.playing = time < self.duration
-
-
-def _finite(what: str, value: object, unit: str) -> float:
-    expected = f"a finite number, {unit}"
-    number = real_number(what, value, expected)
-    if not math.isfinite(number):
-        raise BadValueError(what, value, expected)
-    return number

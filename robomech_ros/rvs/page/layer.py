@@ -78,6 +78,9 @@ class Place:
         Where layers put what of theirs can be shown, by its name on the page, as a Switch each.
     kept : dict
         What layers leave here, by their names, those of the next robot find.
+    reveal : callable
+        Shows ghosts and gizmo, where they are to be shown, or hides them for a while; in requests
+        alone.
     separate : callable
         Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
         then on; gives the nodes of the robot and of the goal.
@@ -96,6 +99,7 @@ class Place:
     switch: Callable[[str, bool], None]
     offered: dict[str, Switch]
     kept: dict[str, Any]
+    reveal: Callable[[bool], None]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
 
     @property

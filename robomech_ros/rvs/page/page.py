@@ -23,6 +23,9 @@ from robomech_ros.rvs.serving.worker import Worker
 
 __all__ = ["RobotPage"]
 
+# What is where the arm was brought last.
+WITH_THE_ARM = ("ghosts", "gizmo")
+
 
 class RobotPage:
     """A page of one robot, served until it is closed.
@@ -53,6 +56,7 @@ class RobotPage:
         self._makers, self._fixed = tuple(layers), fixed
         self._switches = dict(AT_FIRST)
         self._dark: set[int] = set()
+        self._revealed = True
         self._kept: dict[str, Any] = {}
         arm, seen = SeenArm(chain), seen_robot(description)
         self._layers: list[Layer] = []
@@ -112,6 +116,7 @@ class RobotPage:
             switch=self._switch,
             offered=self._offered,
             kept=self._kept,
+            reveal=self._reveal,
             separate=self._stage.separate,
         )
         self._layers = [make(place) for make in self._makers]
@@ -209,6 +214,7 @@ class RobotPage:
         panel = Panel(client, self._arm, self, BASE, self._reach, shown)
         controls = AllControls([panel, *(layer.controls(client) for layer in self._layers)])
         self._panel = panel
+        self._show_or_hide("gizmo")
         return controls
 
     def _shown_to(self, browser: int | None) -> dict[str, bool]:
@@ -230,9 +236,20 @@ class RobotPage:
                 change(self._audience.commander)
         else:
             self._switches[what] = shown
-            self._stage.switch(what, shown)
+            self._show_or_hide(what)
         if self._panel is not None:
             self._panel.switch(what, shown)
+
+    def _reveal(self, shown: bool) -> None:
+        self._revealed = shown
+        for what in WITH_THE_ARM:
+            self._show_or_hide(what)
+
+    def _show_or_hide(self, what: str) -> None:
+        seen = self._switches[what] and (self._revealed or what not in WITH_THE_ARM)
+        self._stage.switch(what, seen)
+        if what == "gizmo" and self._panel is not None:
+            self._panel.show_gizmo(seen)
 
     def _replace(self, description: RobotDescription, chain: SerialChain) -> None:
         """Take the stage down and set it up; what can be refused is made before."""

@@ -160,13 +160,16 @@ class Panel:
         self._commands.show(what, box.value)
 
     def switch(self, what: str, shown: bool) -> None:
-        """Show the gizmo or not, draw the page dark or light, and mark what is shown."""
+        """Draw the page dark or light, and mark what is shown."""
         if self._boxes[what].value != shown:
             self._boxes[what].value = shown
-        if what == "gizmo":
-            self._gizmo.visible = shown
-        elif what == "dark":
+        if what == "dark":
             set_theme(self._client.gui, shown)
+
+    def show_gizmo(self, shown: bool) -> None:
+        """Show the gizmo, or not."""
+        if self._gizmo.visible != shown:
+            self._gizmo.visible = shown
 
     def _listen_to_gizmo(self) -> None:
         gizmo = self._gizmo
