@@ -46,6 +46,7 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
     def tip():
         return forward_kinematics(robot.chain, robot.position)[:3, 3]
 
+    wait_until(lambda: browser.page._panel is not None)
     gizmo, ghosts, hidden = browser.page._panel._gizmo, browser.page._stage.ghosts, []
 
     def left_behind():
