@@ -1,13 +1,14 @@
 """Rotations, poses and points against scipy, Pinocchio, pytransform3d and jaxlie.
 
-Single calls are those of the public functions, which check what they are given.  A peer that is not
-installed is left out.
+Single calls are those of the public functions, which check what they are given.  Times are those of
+the processor.  A peer that is not installed is left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
+from time import process_time_ns
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ def rows() -> list[Row]:
         found += _single(what, function, list(given[:SINGLES]))
         calls = {"ours": lambda f=function, g=given: f(g)}
         found += _batch(what, calls | peers[what])
+    found += _single("adjoint", spatial.pose_adjoint, list(ours["pose logarithm"][1][:SINGLES]))
     return [*found, *_slerp(), _points(rng)]
 
 
@@ -56,6 +58,7 @@ def _single(what: str, function: Callable[[Any], Any], given: list[Any]) -> list
         "exponential": pinocchio.exp3,
         "logarithm": pinocchio.log3,
         "pose logarithm": lambda T: pinocchio.log6(pinocchio.SE3(T)).vector,
+        "adjoint": lambda T: pinocchio.SE3(T).toActionMatrix(),
     }[what]
 
     def run(call: Callable[[Any], Any]) -> Callable[[], None]:
@@ -65,7 +68,8 @@ def _single(what: str, function: Callable[[Any], Any], given: list[Any]) -> list
 
         return work
 
-    times = interleave({"ours": Work(run(function), SINGLES), "peer": Work(run(theirs), SINGLES)})
+    works = {"ours": Work(run(function), SINGLES), "peer": Work(run(theirs), SINGLES)}
+    times = interleave(works, clock=process_time_ns)
     return [
         Row(
             f"{what}, one checked call",
@@ -78,14 +82,18 @@ def _single(what: str, function: Callable[[Any], Any], given: list[Any]) -> list
     ]
 
 
-def _batch(what: str, calls: Calls) -> list[Row]:
-    """Time a batch against each peer; the row has the fastest."""
-    results = {name: np.asarray(call()) for name, call in calls.items()}
+def _batch(what: str, calls: Calls, read: Mapping[str, Callable[[Any], Any]] = {}) -> list[Row]:
+    """Time a batch against each peer; the row has the fastest.
+
+    What a peer writes in another order is read before it is compared, not while it is timed.
+    """
+    results = {name: np.asarray(read.get(name, np.asarray)(call())) for name, call in calls.items()}
     for name, result in results.items():
         difference = float(np.abs(result - results["ours"]).max())
         if difference > AGREEMENT:
             raise SystemExit(f"{what}: ours and {name} differ by {difference:.1e}")
-    times = interleave({name: Work(call, BATCH) for name, call in calls.items()}, rounds=41)
+    works = {name: Work(call, BATCH) for name, call in calls.items()}
+    times = interleave(works, rounds=41, clock=process_time_ns)
     peers = {name: timing.median for name, timing in times.items() if name != "ours"}
     best = min(peers, key=lambda name: peers[name])
     return [
@@ -159,7 +167,14 @@ def _slerp() -> list[Row]:
         "ours": lambda: spatial.slerp(start, goal, fractions),
         "scipy": lambda: path(fractions).as_quat(canonical=True),
     }
-    return _batch("slerp", calls)
+    read = {}
+    if find_spec("pytransform3d"):
+        from pytransform3d.batch_rotations import quaternion_slerp_batch
+
+        scalar_first = np.roll(start, 1), np.roll(goal, 1)
+        calls["pytransform3d"] = lambda: quaternion_slerp_batch(*scalar_first, fractions, True)
+        read["pytransform3d"] = lambda q: np.roll(np.where(q[:, :1] < 0.0, -q, q), -1, axis=1)
+    return _batch("slerp", calls, read)
 
 
 def _points(rng: np.random.Generator) -> Row:
@@ -172,7 +187,7 @@ def _points(rng: np.random.Generator) -> Row:
         for sample in samples:
             spatial.angular_velocity_from_points(*sample)
 
-    timing = interleave({"ours": Work(work, SINGLES)})["ours"]
+    timing = interleave({"ours": Work(work, SINGLES)}, clock=process_time_ns)["ours"]
     return Row(
         "angular velocity of four points, a sample",
         timing.median,

@@ -57,6 +57,19 @@ def test_round_trips_of_every_pair_lose_nothing_at_any_angle(source):
         assert round_trip(source, target, QUATERNIONS) < ROUNDING, target
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("sequence", spatial.SEQUENCES)
+def test_round_trips_of_every_pair_with_euler_angles_lose_nothing(sequence):
+    before = spatial.SEQUENCES[: spatial.SEQUENCES.index(sequence)]
+    for other in (one for one in spatial.REPRESENTATIONS if one not in before):
+        few = QUATERNIONS[QUATERNIONS[:, 3] > 1e-13] if other in NOT_AT_PI else QUATERNIONS
+        given = spatial.convert_rotation(few, "quaternion", sequence)
+        there = spatial.convert_rotation(given, sequence, other)
+        again = spatial.convert_rotation(there, other, sequence)
+        ends = (spatial.convert_rotation(one, sequence, "quaternion") for one in (given, again))
+        assert difference(*ends).max() < ROUNDING, other
+
+
 @pytest.mark.parametrize("sequence", spatial.SEQUENCES)
 def test_round_trips_by_euler_angles_lose_nothing(sequence):
     for other in (*NAMED, "ZYX", "zxz"):
@@ -117,6 +130,58 @@ def test_pinocchio_converts_the_same():
         np.testing.assert_allclose(pinocchio.rpy.rpyToMatrix(rpy), Q, atol=1e-14)
         again = spatial.matrix_from_euler_angles(rpy, "xyz")
         np.testing.assert_allclose(again, Q, atol=1e-14)
+
+
+def scipy_numbers(rotations):
+    """Every representation of rotations as scipy has it."""
+    vector = rotations.as_rotvec()
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    axis = vector / angle
+    quaternion = rotations.as_quat(canonical=True)
+    # Rodrigues vectors are r / r0; scipy's modified ones are e tan(phi / 4).
+    modified = rotations.as_mrp()
+    rodrigues = 2.0 * modified / (1.0 - np.sum(modified**2, axis=-1, keepdims=True))
+    numbers = {
+        "matrix": rotations.as_matrix(),
+        "quaternion": quaternion,
+        "axis-angle": np.concatenate((axis, angle), axis=-1),
+        "rotation-vector": vector,
+        "rodrigues-vector": rodrigues,
+        "linear-invariants": np.concatenate((axis * np.sin(angle), np.cos(angle)), axis=-1),
+    }
+    return numbers | {name: rotations.as_euler(name) for name in spatial.SEQUENCES}
+
+
+def pinocchio_numbers(Q):
+    """Representations of a rotation as Pinocchio has them."""
+    quaternion = pinocchio.Quaternion(Q).coeffs()
+    turn = pinocchio.AngleAxis(Q)
+    vector = pinocchio.log3(Q)
+    sine, cosine = np.sin(turn.angle), np.cos(turn.angle)
+    return {
+        "matrix": pinocchio.exp3(vector),
+        "quaternion": quaternion * np.where(quaternion[3] < 0.0, -1.0, 1.0),
+        "axis-angle": np.append(turn.axis, turn.angle),
+        "rotation-vector": vector,
+        "rodrigues-vector": turn.axis * np.tan(0.5 * turn.angle),
+        "linear-invariants": np.append(turn.axis * sine, cosine),
+        "xyz": pinocchio.rpy.matrixToRpy(Q),
+    }
+
+
+@pytest.mark.parametrize("source", spatial.REPRESENTATIONS)
+def test_every_conversion_is_that_of_scipy_and_of_pinocchio(source):
+    rotations = Rotation.random(60, rng=np.random.default_rng(9))
+    theirs = scipy_numbers(rotations)
+    for target, expected in theirs.items():
+        found = spatial.convert_rotation(theirs[source], source, target)
+        scale = 1.0 + np.abs(expected).max() ** 2
+        np.testing.assert_allclose(found, expected, atol=2e-13 * scale, err_msg=target)
+    for k, Q in enumerate(theirs["matrix"]):
+        for target, expected in pinocchio_numbers(Q).items():
+            found = spatial.convert_rotation(theirs[source][k], source, target)
+            scale = 1.0 + np.abs(expected).max() ** 2
+            np.testing.assert_allclose(found, expected, atol=1e-12 * scale, err_msg=target)
 
 
 def test_roll_pitch_yaw_are_the_sequence_xyz_of_fixed_axes():
