@@ -67,6 +67,11 @@ class ArrivalWatch:
         """Whether the robot was seen to stand since the trajectory should be over."""
         return self._progress.stands
 
+    @property
+    def _behind(self) -> bool:
+        """Whether joint states may have come that whoever was held up has not heard yet."""
+        return self._progress.silent > 0.0 and self._hushed <= HUSH
+
     def begin_anew(self) -> None:
         """Watch from now on what was sent instead, from where the robot is now."""
         positions = self._gateway.positions(self._delivery.names)
@@ -122,7 +127,7 @@ class ArrivalWatch:
             return Verdict(Code.PREEMPTED if left_out else Code.NONE, left_out)
         if self.off and self._progress.stuck > settings.standstill_timeout:
             return self._stopped()
-        if self.late > settings.arrival_timeout:
+        if self.late > settings.arrival_timeout and not self._behind:
             lost = self.lost(max(settings.arrival_timeout, CONFIRMATION))
             restless = Verdict(Code.GOAL_TOLERANCE, self.off or "the robot does not come to rest")
             return lost or restless
@@ -140,7 +145,7 @@ class ArrivalWatch:
             self._missing_since = self._now
         if self._missing_since is not None and self._now - self._missing_since > patience:
             return f"the controller is gone: {missing} disappeared"
-        if silent > patience:
+        if silent > patience and not self._behind:
             joints = ", ".join(delivery.names)
             return f"the controller is gone: no joint states of {joints} for {silent:.1f} s"
         return ""

@@ -129,7 +129,8 @@ def test_a_robot_that_falls_silent_at_the_end_is_gone(robot, dispatcher):
     dispatcher.offer(one, 0.0)
     follow(robot, dispatcher, one, 0.0, 0.92)
     robot.talks = False
-    dispatcher.step(1.95)
+    for time in (1.0, 1.5, 1.95):
+        dispatcher.step(time)
     assert one.report is None
     dispatcher.step(2.05)
     assert one.report.code == 221
@@ -202,6 +203,23 @@ def test_who_was_held_up_does_not_take_the_controller_for_dead(robot, dispatcher
     assert one.report is None
     robot.died, robot.talks = False, 1
     follow(robot, dispatcher, one, 0.95, 1.5)
+    assert one.report.code == 0
+
+
+@pytest.mark.parametrize("held_up", [2.5, 15.0])
+def test_who_was_held_up_hears_the_joint_states_before_missing_them(robot, dispatcher, held_up):
+    """After 5 s of SIGSTOP the controller was gone: what came meanwhile was heard too late."""
+    one = Delivery(None, NAMES, to_rest((0.5, 0.2, 0.1), 20.0), Transport.TOPIC)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.0, 3.0)
+    robot.talks = 0
+    dispatcher.step(3.0 + held_up)
+    assert one.report is None
+    robot.talks = 1
+    follow(robot, dispatcher, one, 3.05 + held_up, 20.0)
+    robot.at = one.goal
+    dispatcher.step(20.1)
+    dispatcher.step(20.2)
     assert one.report.code == 0
 
 
