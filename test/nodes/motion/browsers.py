@@ -20,7 +20,7 @@ class Browser:
         self._socket = self.client.connect()
         self._presses, self._pressed_at = 0, 0.0
         self.send(camera())
-        wait_until(lambda: self.layer._controls is not None)
+        wait_until(lambda: self.page._audience.commander is not None)
 
     def send(self, message):
         self._socket.send(PACK(message))
