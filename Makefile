@@ -134,7 +134,7 @@ lint: setup ## ruff, mypy and import-linter
 colcon: setup ## build both packages with colcon in a scratch workspace and start a node from there
 	$(PYTEST) -v test/installed/test_colcon.py
 
-bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclpy service, in .venv-bench
+bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclpy service, in .venv-bench; BENCH="--only view"
 	@$(call set_up,.venv-bench,--extra bench.txt)
 	@$(RUN) .venv-bench/bin/python test/benchmark --ros-python $(VENV)/bin/python $(BENCH)
 
