@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robomech_ros.nodes.calibration.messages import stamped_transform
+from robomech_ros.nodes.calibration.samples import Placed
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.spatial.poses import rigid_inverse
@@ -37,7 +38,8 @@ class ResultBroadcaster:
 
     def __init__(self, node: Node, listener: FrameListener) -> None:
         self._clock, self._listener = node.get_clock(), listener
-        self._own = ""
+        #: What tf was told last; None if nothing.
+        self.placed: Placed | None = None
         self._publisher: Any = None
         if not listener.missing:
             from tf2_msgs.msg import TFMessage
@@ -62,10 +64,16 @@ class ResultBroadcaster:
             top, pose = self._top(parent, sensor)
         except NoTransformError as error:
             return str(error)
-        message = stamped_transform(T @ rigid_inverse(pose), parent, top)
+        return self.place(Placed(parent, top, T @ rigid_inverse(pose)))
+
+    def place(self, placed: Placed) -> str:
+        """Publish this, whatever tf has; says why it was not, else ""."""
+        if self._publisher is None:
+            return self._listener.missing
+        message = stamped_transform(placed.pose, placed.parent, placed.child)
         message.header.stamp = self._clock.now().to_msg()
         self._publisher.publish(self._kind(transforms=[message]))
-        self._own = top
+        self.placed = placed
         return ""
 
     def _top(self, parent: str, sensor: str) -> tuple[str, Array]:
@@ -81,8 +89,9 @@ class ResultBroadcaster:
         if sensor not in tree:
             return sensor, np.eye(4)
         way = tree.way_up(sensor)
-        top = self._own if self._own in way else way[-1]
-        if top != self._own and parent in tree and tree.way_up(parent)[-1] == top:
+        own = self.placed.child if self.placed is not None else ""
+        top = own if own in way else way[-1]
+        if top != own and parent in tree and tree.way_up(parent)[-1] == top:
             raise NoTransformError(
                 f"tf has the sensor's frame {sensor!r} below {way[1] if len(way) > 1 else top!r} "
                 "already, by somebody else: stop that, or calibrate another frame"

@@ -13,26 +13,66 @@ import yaml
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.calibration.samples import Solution
+from robomech_ros.nodes.calibration.samples import Placed, Solution
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE, is_plain_name
+from robomech_ros.regular_files import read_regular
+from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.spatial.poses import rigid_inverse
 
-__all__ = ["POSITION_FIRST", "save"]
+__all__ = ["POSITION_FIRST", "load", "save"]
 
 Array = NDArray[np.float64]
 
 FORMAT = "robomech_ros hand-eye calibration 1"
+# Bytes of a file that is read; 2000 samples take a fifth of it.
+_LARGEST_FILE = 5_000_000
 # As the core's covariance has rotations first, and messages have positions first.
 POSITION_FIRST = (3, 4, 5, 0, 1, 2)
 
 
-def save(solution: Solution, folder: str, name: str) -> list[Path]:
+def load(folder: str, name: str) -> Placed:
+    """Read what tf was told when a calibration was saved.
+
+    Parameters
+    ----------
+    folder, name : str
+        As they were for `save`.
+
+    Raises
+    ------
+    BadValueError
+        There is no such calibration, or the file is damaged, or tf was told nothing.
+    """
+    expected = f"the name of a calibration that was saved in '{folder}'"
+    if not is_plain_name(name):
+        raise BadValueError("the parameter saved", name, expected)
+    try:
+        path = Path(folder).expanduser() / f"{name}.yaml"
+        content = yaml.safe_load(read_regular(path, _LARGEST_FILE))
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise ValueError(f"no file of the format '{FORMAT}'")
+        tf = content["tf"]
+        if tf is None:
+            raise ValueError("tf was not told of it")
+        parent, child = tf["parent"], tf["frame"]
+        if not all(isinstance(frame, str) and frame for frame in (parent, child)):
+            raise ValueError("frames without names")
+        pose = pose_from_position_quaternion(tf["position"], tf["quaternion"])
+    except (OSError, ValueError, TypeError, KeyError, RecursionError, yaml.YAMLError) as error:
+        why = getattr(error, "strerror", None) or " ".join(f"{error}".split())
+        raise BadValueError("the parameter saved", name, f"{expected} ({why})") from None
+    return Placed(parent, child, pose)
+
+
+def save(solution: Solution, placed: Placed | None, folder: str, name: str) -> list[Path]:
     """Write the three files of a calibration; gives their paths.
 
     Parameters
     ----------
     solution : Solution
+    placed : Placed or None
+        What tf was told of it.
     folder : str
         Is made where it is missing; files of the name are replaced.
     name : str
@@ -49,7 +89,7 @@ def save(solution: Solution, folder: str, name: str) -> list[Path]:
     if not folder:
         raise BadValueError("the parameter folder", folder, "the folder to save in")
     texts = {
-        "yaml": _full(solution, name),
+        "yaml": _full(solution, placed, name),
         "calib": _of_easy_handeye2(solution, name),
         "samples": _samples_of_easy_handeye2(solution, name),
     }
@@ -93,7 +133,7 @@ def _write(path: Path, text: str) -> None:
         part.unlink(missing_ok=True)
 
 
-def _full(solution: Solution, name: str) -> dict[str, Any]:
+def _full(solution: Solution, placed: Placed | None, name: str) -> dict[str, Any]:
     """Give all that is known, in m and rad; quaternions are x y z w."""
     found, frames = solution.result, solution.frames
     samples = [
@@ -114,6 +154,7 @@ def _full(solution: Solution, name: str) -> dict[str, Any]:
         "calibration_type": _type(solution),
         "sensor": {"parent": solution.sensor_parent, "frame": frames.sensor} | _plain(found.sensor),
         "target": {"parent": solution.target_parent, "frame": frames.target} | _plain(found.target),
+        "tf": placed and {"parent": placed.parent, "frame": placed.child} | _plain(placed.pose),
         "covariance_x_y_z_rx_ry_rz": _rows(
             found.covariance[np.ix_(POSITION_FIRST, POSITION_FIRST)]
         ),

@@ -17,14 +17,14 @@ from robomech_interfaces.srv import (
 from robomech_ros.calibration import hand_eye, next_best_pose
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.calibration.broadcast import ResultBroadcaster
-from robomech_ros.nodes.calibration.files import save
+from robomech_ros.nodes.calibration.files import load, save
 from robomech_ros.nodes.calibration.messages import (
     encode_next,
     encode_solution,
     fill_list,
     poses_from_array,
 )
-from robomech_ros.nodes.calibration.samples import Frames, Samples, Solution
+from robomech_ros.nodes.calibration.samples import Frames, Placed, Samples, Solution
 from robomech_ros.nodes.calibration.sampling import Sampler
 from robomech_ros.nodes.calibration.settings import (
     MOUNT_OF_TYPE,
@@ -59,6 +59,7 @@ class CalibrationNode(Node):
         self._table = NodeParameters(self, CalibrationSettings, check=check_settings)
         settings = self._table.settings
         check_settings(settings)
+        self._saved = load(settings.folder, settings.saved) if settings.saved else None
         base, hand = settings.robot_base_frame, settings.robot_effector_frame
         if base and hand and not settings.robot_description:
             # Of the robot these two frames are all that is needed.
@@ -78,6 +79,7 @@ class CalibrationNode(Node):
         settings = self._table.settings
         self._base, self._hand = base.removeprefix("/"), hand.removeprefix("/")
         self._samples = Samples()
+        self._placed: Placed | None = None
         self._listener = FrameListener(self)
         self._broadcaster = ResultBroadcaster(self, self._listener)
         self._robot: PoseTrack = TfTrack(self._listener, self._base, self._hand)
@@ -96,6 +98,10 @@ class CalibrationNode(Node):
         # While one of these waits, others are served.
         group = ReentrantCallbackGroup()
         serve(self, TakeSample, "~/take_sample", self._take_sample, callback_group=group)
+        if self._saved is not None:
+            why = self._broadcaster.place(self._saved)
+            text = f"{settings.saved}: {self._saved.child} in {self._saved.parent}"
+            self.get_logger().info(f"not on /tf_static: {why}" if why else f"/tf_static: {text}")
         self.get_logger().info(f"ready: samples are {self._robot.what}, {self._tracking.what}")
 
     def _tracking_track(self, settings: CalibrationSettings) -> TfTrack | TopicTrack:
@@ -195,6 +201,7 @@ class CalibrationNode(Node):
         ends = solution.sensor_parent, solution.frames.sensor
         why = self._broadcaster.publish(*ends, solution.result.sensor)
         response.published = not why
+        self._placed = None if why else self._broadcaster.placed
         if why:
             response.summary += f"\nnot on /tf_static: {why}"
 
@@ -203,7 +210,7 @@ class CalibrationNode(Node):
         settings, solution = self._table.settings, self._samples.solution
         if solution is None:
             raise BadValueError("calibration", None, "one that ~/solve has found")
-        paths = save(solution, settings.folder, request.name or settings.name)
+        paths = save(solution, self._placed, settings.folder, request.name or settings.name)
         response.files = [str(path) for path in paths]
         return answer(response)
 

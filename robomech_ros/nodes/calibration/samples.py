@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.errors import BadValueError, WrongSizeError
 
-__all__ = ["Frames", "Samples", "Solution"]
+__all__ = ["Frames", "Placed", "Samples", "Solution"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,14 @@ class Frames:
     hand: str
     sensor: str
     target: str
+
+
+class Placed(NamedTuple):
+    """A frame in another one, as tf is told: the sensor's, or the uppermost one above it."""
+
+    parent: str
+    child: str
+    pose: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,6 +76,10 @@ class CalibrationSettings(RobotSettings):
         "Folder that save writes into, made where it is missing; no request can name another. "
         "easy_handeye2 reads ~/.ros2/easy_handeye2/calibrations. Empty = nothing is saved",
     )
+    saved: str = parameter(
+        "",
+        "Name of a calibration in folder that /tf_static is told from the start on. Empty = none",
+    )
 
 
 def check_settings(settings: CalibrationSettings) -> None:

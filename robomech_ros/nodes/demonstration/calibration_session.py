@@ -143,7 +143,7 @@ def _tell(
     last = task.progress[-1]
     reporter.heading("summary")
     reporter.say(task.summary)
-    reporter.say("covariance of x y z (mm), then of rotations about x y z (mrad):")
+    reporter.say("covariance of x y z, then of rotations about x y z (mm and mrad, squared):")
     scaled = task.covariance * 1e6
     for row in scaled:
         reporter.say(" ".join(f"{value:9.4f}" for value in row))

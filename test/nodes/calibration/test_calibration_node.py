@@ -16,7 +16,10 @@ from tf2_msgs.msg import TFMessage
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import RemoveSample, SolveCalibration
 from robomech_ros.calibration import hand_eye, next_best_pose
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.calibration.files import FORMAT
 from robomech_ros.nodes.calibration.messages import stamped_transform
+from robomech_ros.nodes.calibration.node import CalibrationNode
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.spatial import inverse_pose, pose_exponential, pose_from_position_quaternion
 
@@ -359,6 +362,52 @@ def test_what_is_no_regular_file_is_not_replaced(stage, tmp_path):
         assert (answer.error_code, "a regular file" in answer.error_msg) == (109, True)
     assert elsewhere.read_text() == "mine"
     assert {path.name for path in folder.iterdir()} == {"linked.calib", "taken.yaml"}
+
+
+def test_what_was_saved_is_on_tf_from_the_start(stage, graph, tmp_path):
+    inside = pose_exponential([0.3, -1.2, 0.4, 0.01, 0.02, 0.0])
+    fixed(stage, stamped_transform(inside, "camera_link", "camera"))
+    wait_until_heard(stage, "camera")
+    _, X = solved(stage)
+    stage.do("save", name="wrist")
+    folder = str(tmp_path / "calibrations")
+    graph.start(CalibrationNode, namespace="later", **FRAMES, folder=folder, saved="wrist")
+    told = []
+    stage.graph.client.create_subscription(
+        TFMessage, "/tf_static", lambda m: told.extend(m.transforms), LATCHED
+    )
+    deadline = time.monotonic() + 60.0
+    # Each of the two nodes says it, and the driver its own.
+    while len(told) < 3:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    edges = [edge for edge in told if edge.header.frame_id == "hand"]
+    assert [edge.child_frame_id for edge in edges] == ["camera_link"] * 2
+    for edge in edges:
+        np.testing.assert_allclose(matrix(edge.transform) @ inside, X, atol=1e-9)
+
+
+TOLD = f"{{format: '{FORMAT}', tf: {{parent: a, frame: %s, position: [0, 0, 0]%s}}}}"
+DAMAGED = {
+    "nothing": (None, "No such file or directory"),
+    "another format": ("{format: 7}", "no file of the format"),
+    "no mapping": ("[1, 2]", "no file of the format"),
+    "no YAML": ("{", "while parsing"),
+    "not told": (f"{{format: '{FORMAT}', tf: null}}", "tf was not told of it"),
+    "no frames": (TOLD % ("''", ""), "frames without names"),
+    "no turn": (TOLD % ("b", ""), "'quaternion'"),
+    "no rotation": (TOLD % ("b", ", quaternion: [0, 0, 0, 0]"), "quaternion"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_a_node_does_not_start_with_a_file_that_cannot_be_used(graph, tmp_path, case):
+    text, words = DAMAGED[case]
+    if text is not None:
+        (tmp_path / "wrist.yaml").write_text(text)
+    expected = f"the parameter saved is 'wrist', expected the name of .*{words}"
+    with pytest.raises(BadValueError, match=expected):
+        graph.start(CalibrationNode, **FRAMES, folder=str(tmp_path), saved="wrist")
 
 
 @pytest.mark.parametrize(

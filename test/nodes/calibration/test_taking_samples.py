@@ -1,5 +1,6 @@
 """Samples from tf and from topics, while the robot stands; and why there is none."""
 
+import sys
 import time
 
 import numpy as np
@@ -193,3 +194,37 @@ def test_what_never_moves_is_always_up_to_date(graph):
 def test_names_with_a_slash_are_those_of_tf(graph):
     stage = Stage(graph, **{name: f"/{frame}" for name, frame in FRAMES.items()})
     assert stage.do("take_sample", timeout=PATIENT).robot.header.frame_id == "base"
+
+
+class NotInstalled:
+    """Python's import of a machine without tf2_msgs."""
+
+    def find_spec(self, name, path=None, target=None):
+        if name == "tf2_msgs":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+def test_without_tf2_msgs_topics_are_enough(graph, monkeypatch):
+    for module in [name for name in sys.modules if name.partition(".")[0] == "tf2_msgs"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setattr(sys, "meta_path", [NotInstalled(), *sys.meta_path])
+    stage = Stage(graph, **TOPICS)
+    robot, tracking, *_ = samples(np.random.default_rng(4), 3)
+    assert stage.add(robot, tracking).error_code == 0
+    assert stage.do("take_sample", timeout=PATIENT).count == 4
+    stage.do("remove_sample", index=3)
+    answer = stage.do("solve")
+    assert not answer.published
+    assert (
+        "not on /tf_static: frames of tf are not heard: the package tf2_msgs is not"
+        in answer.summary
+    )
+
+
+def test_without_tf2_msgs_tf_is_refused(graph, monkeypatch):
+    for module in [name for name in sys.modules if name.partition(".")[0] == "tf2_msgs"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setattr(sys, "meta_path", [NotInstalled(), *sys.meta_path])
+    answer = Stage(graph).ask("take_sample", timeout=SHORT)
+    assert answer.error_code == ErrorCode.FRAME_UNAVAILABLE
+    assert "the package tf2_msgs is not installed" in answer.error_msg
