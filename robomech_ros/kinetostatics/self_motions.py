@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
@@ -32,8 +33,6 @@ CORRECTIONS = 6
 EXACT = 1e-10
 # Halvings with which a limit is located: 1e-7 of a step.
 HALVINGS = 24
-# Singular values below this part of the largest are zero.
-RANK = 1e-8
 
 Array = NDArray[np.float64]
 

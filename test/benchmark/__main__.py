@@ -6,6 +6,7 @@ import argparse
 import os
 import platform
 import sys
+from importlib import import_module
 from pathlib import Path
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -22,7 +23,15 @@ GROUPS = (
     "nodes",
     "view",
 )
+WITH_ROS = ("nodes", "view")
 os.environ.update(ONE_THREAD)  # before numpy and numba are imported, below
+
+
+def _measured(group: str, ros_python: Path) -> tuple[list, list[str]]:
+    """Give the rows of a group, and remarks on them; some need the Python that has ROS."""
+    bench = import_module(f"bench_{group}")
+    found = bench.rows(ros_python) if group in WITH_ROS else bench.rows()
+    return found if isinstance(found, tuple) else (found, [])
 
 
 def main() -> int:
@@ -41,54 +50,10 @@ def main() -> int:
     from table import missed, render
 
     rows, remarks = [], []
-    if "spatial" in groups:
-        import bench_spatial
-
-        rows += bench_spatial.rows()
-    if "calibration" in groups:
-        import bench_calibration
-
-        rows += bench_calibration.rows()
-    if "forward" in groups:
-        import bench_forward
-
-        rows += bench_forward.rows()
-    if "kinetostatics" in groups:
-        import bench_kinetostatics
-
-        rows += bench_kinetostatics.rows()
-    if "inverse" in groups:
-        import bench_inverse
-
-        inverse_rows, inverse_remarks = bench_inverse.rows()
-        rows += inverse_rows
-        remarks += inverse_remarks
-    if "maps" in groups:
-        import bench_maps
-
-        map_rows, map_remarks = bench_maps.rows()
-        rows += map_rows
-        remarks += map_remarks
-    if "trajectory" in groups:
-        import bench_trajectory
-
-        trajectory_rows, trajectory_remarks = bench_trajectory.rows()
-        rows += trajectory_rows
-        remarks += trajectory_remarks
-    if "dynamics" in groups:
-        import bench_dynamics
-
-        rows += bench_dynamics.rows()
-    if "nodes" in groups:
-        import bench_nodes
-
-        rows += bench_nodes.rows(arguments.ros_python)
-    if "view" in groups:
-        import bench_view
-
-        view_rows, view_remarks = bench_view.rows(arguments.ros_python)
-        rows += view_rows
-        remarks += view_remarks
+    for group in groups:
+        found, said = _measured(group, arguments.ros_python)
+        rows += found
+        remarks += said
 
     load = os.getloadavg()[0]
     print(render(f"Python {platform.python_version()}, one thread, medians; load {load:.1f}", rows))

@@ -142,8 +142,7 @@ class Follower:
             allowed = f"at most {self.settings.longest_wait:g} s from now"
             raise BadValueError("header.stamp", f"{delay:.6g} s from now", allowed)
         self.advance(now)
-        late = max(-delay, 0.0)
-        delay = max(delay, 0.0)
+        late, delay = max(-delay, 0.0), max(delay, 0.0)
         judged = not streamed or waypoints.times[-1] > STREAM
         if not self.settings.wait_for_stamp:
             waypoints, delay = replace(waypoints, times=waypoints.times + delay), 0.0
@@ -158,14 +157,19 @@ class Follower:
         begin = self.now + delay
         goal = TrajectoryGoal(waypoints, tolerances, begin, way.curve, late, on_end, strain=strain)
         goal.belt, goal.streamed = way.belt, streamed
-        if self.settings.interpolate and waypoints.velocities is not None:
-            goal.braking = braking_time(waypoints.velocities[-1], self.joints)
+        self._enter(goal, delay, by)
+        return goal
+
+    def _enter(self, goal: TrajectoryGoal, delay: float, by: str) -> None:
+        """Begin a goal, or let it wait for so long (s), in place of what was there before."""
+        last = goal.waypoints.velocities
+        if self.settings.interpolate and last is not None:
+            goal.braking = braking_time(last[-1], self.joints)
         self._drop_waiting(f"replaced by {by}")
         if delay > 0.0:
             self.waiting = goal
         else:
             self._begin(goal, f"preempted by {by}")
-        return goal
 
     def advance(self, now: float) -> None:
         """Let time pass until `now` (s); a clock that goes backwards stands still."""

@@ -1,5 +1,6 @@
 """The way of a robot onto a trajectory: joined in time, caught up with, or none yet."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -98,12 +99,7 @@ def way_onto(
             refused = too_hard(curve, present, joints) if may_catch_up else None
             if refused is None:
                 return Way(curve)
-    near = Waypoints(
-        known.times,
-        without_turns(known.positions, present, joints),
-        known.velocities,
-        known.accelerations,
-    )
+    near = replace(known, positions=without_turns(known.positions, present, joints))
     if (found := caught_up(near, present, joints, late, before)) is not None:
         return Way(*found)
     if before is not None and (curve is not None or behind):
