@@ -13,6 +13,13 @@ if TYPE_CHECKING:
         SymbolicModel,
         symbolic_model,
     )
+    from robomech_ros.dynamics.symbolic.geometry import (
+        SymbolicClosure,
+        SymbolicDecoupled,
+        SymbolicLoop,
+        symbolic_closure,
+        symbolic_decoupled,
+    )
     from robomech_ros.dynamics.symbolic.printing import (
         FORMS,
         abbreviated,
@@ -24,22 +31,32 @@ if TYPE_CHECKING:
 __all__ = [
     "EXPRESSIONS",
     "FORMS",
+    "SymbolicClosure",
+    "SymbolicDecoupled",
+    "SymbolicLoop",
     "SymbolicModel",
     "abbreviated",
     "expression_latex",
     "expression_source",
     "expression_text",
+    "symbolic_closure",
+    "symbolic_decoupled",
     "symbolic_model",
 ]
 
 _MODULES = {
     "EXPRESSIONS": "closed_forms",
     "FORMS": "printing",
+    "SymbolicClosure": "geometry",
+    "SymbolicDecoupled": "geometry",
+    "SymbolicLoop": "geometry",
     "SymbolicModel": "closed_forms",
     "abbreviated": "printing",
     "expression_latex": "printing",
     "expression_source": "printing",
     "expression_text": "printing",
+    "symbolic_closure": "geometry",
+    "symbolic_decoupled": "geometry",
     "symbolic_model": "closed_forms",
 }
 
