@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite, real_number
+from robomech_ros.spatial.cross_product import axial_vector, cross
 from robomech_ros.spatial.matrices import as_rotation
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.rows import common_shape, finite_result
@@ -242,7 +243,9 @@ def same_in_two_frames(
 
     Their moments are compared.  Symmetric matrices with the same moments are the same up to the
     frame; of others the symmetric and the skew parts are compared, too, by the moments of
-    ``A^T A`` and the lengths of both parts, which different matrices rarely share.
+    ``A^T A`` and the lengths of both parts, which different matrices rarely share.  Of 3 x 3
+    matrices also those products of the symmetric part S and the axial vector v are compared that
+    tell all apart: v.Sv, v.SSv, and v.(Sv x SSv), whose sign a matrix and its transpose differ in.
 
     Parameters
     ----------
@@ -279,10 +282,21 @@ def same_in_two_frames(
     for one in (A / scale, B / scale):
         mirrored = np.swapaxes(one, -1, -2)
         parts = (one, mirrored @ one, 0.5 * (one + mirrored))
-        found.append(np.concatenate([moments(part) for part in parts], axis=-1))
+        numbers = [moments(part) for part in parts]
+        if A.shape[-1] == 3:
+            numbers.append(_mixed_products(parts[2], axial_vector(one)))
+        found.append(np.concatenate(numbers, axis=-1))
     # The k-th moment grows with the k-th power, and its differences with k.
     same: NDArray[np.bool_] = (np.abs(found[0] - found[1]) <= limit * A.shape[-1] ** 3).all(axis=-1)
     return same
+
+
+def _mixed_products(symmetric: Array, vector: Array) -> Array:
+    """Give v.Sv, v.SSv and v.(Sv x SSv), which no rotation of the frame alters, (..., 3)."""
+    once = (symmetric @ vector[..., None])[..., 0]
+    twice = (symmetric @ once[..., None])[..., 0]
+    seen = (once, twice, cross(once, twice))
+    return np.stack([np.sum(vector * one, axis=-1) for one in seen], axis=-1)
 
 
 def _square(what: str, value: ArrayLike) -> Array:

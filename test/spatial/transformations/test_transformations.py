@@ -83,6 +83,8 @@ def test_invariants_stay_and_tell_matrices_apart():
     assert not spatial.same_in_two_frames(A, seen[::-1]).any()
     assert not spatial.same_in_two_frames(A, seen + 1e-6 * A).any()
     # The same moments, yet no rotation takes one to the other.
+    assert not spatial.same_in_two_frames(A, np.swapaxes(A, 1, 2)).any()
+    assert spatial.same_in_two_frames(Q, np.swapaxes(Q, 1, 2)).all()
     assert not spatial.same_in_two_frames(np.diag([1.0, 0.0], 1), np.zeros((3, 3)))
     with pytest.raises(WrongSizeError, match=r"\(\.\.\., n, n\)"):
         spatial.moments(np.zeros((2, 3)))
