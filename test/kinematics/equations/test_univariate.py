@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from golden_arms import NAMES, REGULAR, SINGULAR, arm_and_pose, golden
 
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinematics.equations import li_woernle_hiller, raghavan_roth
 from robomech_ros.kinematics.oracles import solve_bivariate
-from robomech_ros.robots import chain_from_dh
+from robomech_ros.robots import chain_from_dh, load_robot
 
 BOTH = (raghavan_roth, li_woernle_hiller)
 FEW, MANY = range(12), range(12, 100)
@@ -148,3 +149,16 @@ def test_a_spherical_wrist_hides_another_joint():
     found = raghavan_roth(chain, T)
     assert found.joint != 3 and len(found.real) == 8
     assert unmatched(case["solutions"], found.real) < 1e-8
+
+
+@pytest.mark.parametrize("solve", BOTH)
+def test_wrong_arguments(solve):
+    diestro = load_robot("diestro")
+    with pytest.raises(BadValueError, match="six revolute"):
+        solve(load_robot("panda"), np.eye(4))
+    with pytest.raises(BadValueError, match="a joint from 1 to 6"):
+        solve(diestro, np.eye(4), first=7)
+    with pytest.raises(WrongSizeError):
+        solve(diestro, np.eye(3))
+    with pytest.raises(NonFiniteError):
+        solve(diestro, np.full((4, 4), np.nan))
