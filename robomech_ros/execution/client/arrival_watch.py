@@ -129,8 +129,9 @@ class ArrivalWatch:
             return self._stopped()
         if self.late > settings.arrival_timeout and not self._behind:
             lost = self.lost(max(settings.arrival_timeout, CONFIRMATION))
-            restless = Verdict(Code.GOAL_TOLERANCE, self.off or "the robot does not come to rest")
-            return lost or restless
+            if lost is not None or not self._progress.compared:
+                return lost
+            return Verdict(Code.GOAL_TOLERANCE, self.off or "the robot does not come to rest")
         return None
 
     def _gone(self, patience: float) -> str:

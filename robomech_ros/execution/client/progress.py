@@ -32,12 +32,14 @@ class Progress:
         Whether the robot has moved at all.
     curve : PiecewisePolynomial
         What the robot should follow, from where it was.
+    compared : bool
+        Whether it was heard of twice since the trajectory should have ended.
     stands : bool
-        Whether, since the trajectory should have ended, it was heard of twice at the same place.
+        Whether it was at the same place then.
     """
 
     def __init__(self, delivery: Delivery, position: FloatArray, heard: int) -> None:
-        self.moved = self.stands = False
+        self.moved = self.stands = self.compared = False
         self.curve = curve_from(delivery.waypoints, position)
         self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
         self._sent_at = self._heard_at = self._now = delivery.sent_at
@@ -72,6 +74,7 @@ class Progress:
         if position is None or heard == self._heard:
             return
         self._heard, self._heard_at = heard, now
+        self.compared = self._over
         self.stands = self._over and bool(np.max(np.abs(position - self._last)) <= STILL)
         self._last, self._over = position, now - self._sent_at >= self._lasts
         expected = self._expected(now)
