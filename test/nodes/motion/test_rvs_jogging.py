@@ -59,7 +59,7 @@ def test_a_button_moves_the_tip_while_it_is_held(jogged):
     hold_until(browser, "linear 2 +", lambda: left_behind() and tip()[2] > start[2] + 0.03)
     browser.set(browser.layer._controls._field, "")
     until_still(robot)
-    assert not browser.node._robot.jogs
+    wait_until(lambda: not browser.node._robot.jogs)
     moved = tip() - start
     assert np.abs(moved[:2]).max() < 0.1 * moved[2]
     # The goal comes along.
@@ -98,7 +98,7 @@ def test_a_page_that_goes_stops_the_robot(jogged, browse, how):
         assert not browser.node._robot.jogs
         other.close()
     until_still(robot)
-    assert not browser.node._robot.jogs
+    wait_until(lambda: not browser.node._robot.jogs)
 
 
 WILD = [
@@ -149,7 +149,7 @@ def test_a_held_button_moves_nothing_once_the_servo_is_silent(graph, drive, brow
         assert time.monotonic() < deadline, browser.said("jog")
         browser.hold("joint 1 +")
         time.sleep(0.05)
-    assert not browser.node._robot.jogs
+    wait_until(lambda: not browser.node._robot.jogs)
     until_still(robot)
 
 
@@ -159,7 +159,7 @@ def test_a_jog_that_fails_is_told_and_the_next_one_moves(jogged):
     browser.press()
     browser.hold("joint 1 +")
     wait_until(lambda: "The jog failed" in browser.said("jog"))
-    assert not browser.node._robot.jogs
+    wait_until(lambda: not browser.node._robot.jogs)
     start = robot.position
     hold_until(browser, "linear 2 +", lambda: np.abs(robot.position - start).max() > 0.01)
     assert browser.said("jog") == ""
