@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numba import types
 
 from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.chain.serial import jacobian_body
@@ -112,18 +113,19 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
     return value
 
 
-@kernel(f8(IN2, IN1, IN1, IN2, IN1, i8, i8, i8, f8, f8, OUT1))
-def least_distance(
-    packed, point, weights, bounds, strides, first, starts, iterations, enough, least, best
-):
-    """Search the least distance (m) of the tip from ``point`` (3,) inside bounds (2, n).
+@kernel(f8(IN2, IN2, IN2, IN1, types.UniTuple(i8, 3), f8, f8, OUT1))
+def least_distance(packed, wanted, bounds, strides, counts, enough, least, best):
+    """Search the least distance (m) of the tip from a point inside bounds (2, n).
 
-    ``weights`` (3,) is 1 for the components, along the axes of the base, that count, else 0.
-    ``strides`` (n,) advance the starts, in turns or in metres; ``starts`` of them are tried, from
-    number ``first`` on.  ``best`` (n,) receives the joint values where they are nearer than
-    ``least`` (m), which an earlier search has found, or infinite.  The search ends at once where
-    the distance is ``enough`` (m).
+    ``wanted`` (2, 3) holds the point, and 1 for its components, along the axes of the base, that
+    count, else 0.
+    ``strides`` (n,) advance the starts, in turns or in metres; ``counts`` are the number of the
+    first one that is tried, how many are, and how many steps each takes at most.  ``best`` (n,)
+    receives the joint values where they are nearer than ``least`` (m), which an earlier search has
+    found, or infinite.  The search ends at once where the distance is ``enough`` (m).
     """
+    point, weights = wanted[0], wanted[1]
+    first, starts, iterations = counts
     n = packed.shape[0] - 1
     q = np.empty(n)
     b = np.empty(n)

@@ -39,6 +39,7 @@ __all__ = [
     "cache_directory",
     "direct",
     "f8",
+    "flat",
     "i8",
     "inline",
     "kernel",
@@ -168,6 +169,14 @@ def lean(function: Callable[..., Any]) -> Any:
     than what it computes.
     """
     return _inlined(function, _NO_COUNTS)
+
+
+def flat(function: Callable[..., Any]) -> Any:
+    """Compile a function as :func:`lean` does, as a part of each function that calls it.
+
+    That is for what is called often and takes many arrays: each is seven words to hand over.
+    """
+    return _inlined(function, {**_NO_COUNTS, "forceinline": True})
 
 
 def _inlined(function: Callable[..., Any], options: dict[str, bool]) -> Any:

@@ -135,7 +135,7 @@ def _nearest_posture(
         return float(np.linalg.norm(weights * (T[:3, 3] - packed[0, 10:]))), best
     if not weights.any():
         return 0.0, best
-    point = np.ascontiguousarray(T[:3, 3])
+    wanted = np.array((T[:3, 3], weights))
     strides = low_discrepancy_strides(n)
     count = REACH_STARTS if deadline == math.inf else max(1, _CHUNK // n)
     distance = math.inf
@@ -143,10 +143,8 @@ def _nearest_posture(
         if first and time.monotonic() >= deadline:
             return math.nan, best
         starts = min(count, REACH_STARTS - first)
-        distance = least_distance(
-            packed, point, weights, bounds, strides,
-            first, starts, REACH_ITERATIONS, enough, distance, best,
-        )  # fmt: skip
+        counts = first, starts, REACH_ITERATIONS
+        distance = least_distance(packed, wanted, bounds, strides, counts, enough, distance, best)
         if distance <= enough:
             break
     return (0.0 if distance <= REACHED else distance), best

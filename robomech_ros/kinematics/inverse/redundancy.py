@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import arm_angle, arm_angle_postures
-from robomech_ros._kernels.inverse.redundant.solutions import locked_postures
+from robomech_ros._kernels.inverse.redundant.samples import locked_postures
 from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.redundant import locked_anyway

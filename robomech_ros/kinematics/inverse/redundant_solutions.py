@@ -1,8 +1,11 @@
 """Solutions of redundant arms: samples of the self-motion, nearest to the seed first."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.solutions import APPROACHED, solve_redundant
 from robomech_ros.kinematics.inverse.closed_form import rank_windings
@@ -12,6 +15,8 @@ from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsRe
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
+
+_solve = direct(solve_redundant)
 
 __all__ = ["parameter_name", "sample_self_motions", "solve_by_sampling"]
 
@@ -34,14 +39,20 @@ def solve_by_sampling(
     if request.include_windings:
         q, names, distances = rank_windings(chain, family.turns, request, q, names)
     kept = slice(request.max_solutions)
+    findings = _sampled(chain, family, proved)
+    listing = Listing(T, distances[kept], names[kept])
+    return InverseKinematicsResult(chain, q[kept], findings, listing)
+
+
+@lru_cache(maxsize=64)
+def _sampled(chain: SerialChain, family: Family, proved: bool) -> Findings:
+    """Give what is found of solutions, which is the same for all poses."""
     reason = (
         f"{chain.n} joints for 6 conditions: the solutions form a continuum, of which these are "
         f"samples, along {parameter_name(chain, family.data)}"
     )
     reason += "; the first is the nearest" if proved else "; there may be a nearer one"
-    findings = Findings(family.name, False, Status.SUCCESS, reason, nearest_proved=proved)
-    listing = Listing(T, distances[kept], names[kept])
-    return InverseKinematicsResult(chain, q[kept], findings, listing)
+    return Findings(family.name, False, Status.SUCCESS, reason, nearest_proved=proved)
 
 
 def sample_self_motions(
@@ -63,18 +74,8 @@ def sample_self_motions(
     ranked = np.empty((len(T), spare, chain.n))
     names, distances = np.empty(spare, np.int64), np.empty(spare)
     counts = np.empty(len(T), np.int64)
-    proved = solve_redundant(
-        family.arm,
-        T,
-        seed,
-        metric,
-        respect_limits,
-        room == 1,
-        ranked,
-        names,
-        distances,
-        counts,
-    )
+    asked = metric, respect_limits, room == 1
+    proved = _solve(family.arm, T, seed, asked, ranked, names, distances, counts)
     return ranked[:, :room], np.minimum(counts, room), names[:room], distances[:room], proved > 0
 
 

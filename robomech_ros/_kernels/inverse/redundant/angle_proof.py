@@ -35,9 +35,13 @@ from robomech_ros._kernels.inverse.redundant.angle_cuts import (
 )
 from robomech_ros._kernels.inverse.redundant.arc_layout import ARC, RATE, REACH, SPREAD, Q
 from robomech_ros._kernels.inverse.redundant.arm_angle import parts_of
-from robomech_ros._kernels.inverse.redundant.narrowing import enclose, narrow_squares, whole
+from robomech_ros._kernels.inverse.redundant.narrowing import (
+    NEARER_BY,
+    enclose,
+    narrow_squares,
+    whole,
+)
 from robomech_ros._kernels.inverse.redundant.nearest import best_step
-from robomech_ros._kernels.inverse.redundant.nearest_proof import NEARER_BY
 
 __all__ = ["prove_by_angle"]
 
@@ -94,14 +98,16 @@ def _three(form, angles, first, sign, c, s, h, arc):
         share = fastest / least
         arc[RATE + i] = (x * dy - y * dx) * inverse
         arc[SPREAD + i] = (largest / least + share * share) * h
-        arc[REACH + i] = (abs(arc[RATE + i]) + arc[SPREAD + i]) * h
+        arc[REACH + i] = (abs(arc[RATE + i]) + 0.5 * arc[SPREAD + i]) * h
         if k == 0:
             d = form[4, 2] * c - form[4, 1] * s
             size = math.sqrt(form[4, 1] * form[4, 1] + form[4, 2] * form[4, 2])
             arc[RATE + first + 1] = sign * d / across
             share = min(size / least, 1.0)
             arc[SPREAD + first + 1] = (size + share * share) / least * h
-            arc[REACH + first + 1] = (abs(arc[RATE + first + 1]) + arc[SPREAD + first + 1]) * h
+            arc[REACH + first + 1] = (
+                abs(arc[RATE + first + 1]) + 0.5 * arc[SPREAD + first + 1]
+            ) * h
     return regular
 
 
@@ -225,7 +231,7 @@ def _by_squares(bench, request, elbows, box, space, waiting, distance):
             _set_signs(k, signs)
             regular = _posture(parts, forms[k // 4], signs, psi, h, arc)
         whole(h, sides)
-        if regular and not narrow_squares(0, arc, True, seed, distance - NEARER_BY, box, sides):
+        if regular and not narrow_squares(0, arc, True, h, seed, distance - NEARER_BY, box, sides):
             continue
         if h < ANGLE_SHORTEST:
             proved = False

@@ -3,13 +3,14 @@
 import math
 
 from robomech_ros._kernels.algebra.angles import wrapped
-from robomech_ros._kernels.compiling.jit import lean, scratch
+from robomech_ros._kernels.compiling.jit import flat, inline, lean, scratch
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arc_layout import (
-    AXIS_3,
+    AXES,
     COSINES,
+    EMPTY,
     FAR,
     RATE,
     REACH,
@@ -22,23 +23,23 @@ from robomech_ros._kernels.inverse.redundant.arc_layout import (
     UNKNOWN,
     Q,
 )
+from robomech_ros._kernels.inverse.redundant.narrowing import is_beyond
 from robomech_ros._kernels.inverse.redundant.vectors import about_z, back, cross, dot, norm, turned
 from robomech_ros._kernels.tolerances import ACCEPTED, PARALLEL_AXES
 
-__all__ = ["enter_first", "first_joints"]
+__all__ = ["enter_first", "first_axes", "first_joints"]
 
 
-@lean
+@flat
 def _upper_arm(arm, pose, arc, axes):
     """Write rotation base to upper arm, and axes 4 to 7 in the base, to ``axes`` (3, 7).
 
     The first three columns are the rotation.
     """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
-    rotation = pose[TURNED : TURNED + 9].reshape((3, 3))
+    packed, _ = arm
     for i in range(3):
         # The i-th axis of the base in those of the link before joint 7, and on to the upper arm.
-        w = rotation[0, i], rotation[1, i], rotation[2, i]
+        w = pose[TURNED + i], pose[TURNED + 3 + i], pose[TURNED + 6 + i]
         axes[i, 6] = w[2]
         for j in (6, 5, 4, 3):
             c, s = arc[COSINES + j - 3], arc[SINES + j - 3]
@@ -54,14 +55,15 @@ def first_joints(arm, pose, status, h, arc, first):
 
     Also how the upper arm turns, to ``arc``.  Returns whether there are two postures.
     """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
+    packed, parts = arm
     axes, turn = scratch(3, 7), scratch(9)
     _upper_arm(arm, pose, arc, axes)
     for i in range(3):
         v = back(packed, 0, (axes[0, i], axes[1, i], axes[2, i]))
         turn[i], turn[3 + i], turn[6 + i] = v
-        arc[AXIS_3 + i] = axes[i, 2]
-    shoulder = arm[at.ARC_WRIST - wrist_at.ANGLES :]
+        for j in range(5):
+            arc[AXES + 3 * j + i] = axes[i, 2 + j]
+    shoulder = parts[at.ARC_WRIST - wrist_at.ANGLES :]
     count, _ = spherical_wrist(shoulder, turn, 0.0, ACCEPTED, PARALLEL_AXES, first)
     d4, d5, d6 = arc[REACH + 3], arc[REACH + 4], arc[REACH + 5]
     if status == REGULAR:
@@ -77,32 +79,46 @@ def first_joints(arm, pose, status, h, arc, first):
 
 
 @lean
-def enter_first(arm, status, h, first, arc):
+def enter_first(arm, status, h, first, box, arc):
     """Write joints 1 to 3 to ``arc``, as ``first`` (3,) has them, and what they do within h.
 
-    Returns the status, or UNKNOWN where the shoulder is too nearly singular to tell.
+    Returns the status, EMPTY where a joint stays out of the box, or UNKNOWN where the shoulder is
+    too nearly singular to tell.
     """
-    packed = arm[: at.ARC_SHOULDER].reshape((8, 13))
+    packed, parts = arm
     for j in range(3):
-        arc[Q + j] = wrapped(first[j] - arm[at.ARC_WRIST + j])
+        arc[Q + j] = wrapped(first[j] - parts[at.ARC_WRIST + j])
     turn = arc[TURN_CHANGE]
     if status == REGULAR:
-        turn += norm((arc[TURN], arc[TURN + 1], arc[TURN + 2]))
-        turn *= h
-    arc[REACH] = arc[REACH + 2] = FAR
-    # At right angles, joint 2 turns no more than the arm.
-    right = arm[at.ARC_RIGHT] == 0.0 and arm[at.ARC_RIGHT + 2] == 0.0
-    arc[REACH + 1] = turn if right else FAR
-    # Axes 1 to 3 in the base.
+        turn = h * (0.5 * turn + norm((arc[TURN], arc[TURN + 1], arc[TURN + 2])))
+    arc[REACH] = arc[REACH + 1] = arc[REACH + 2] = FAR
+    right = parts[at.ARC_RIGHT] == 0.0 and parts[at.ARC_RIGHT + 2] == 0.0
+    if right:
+        # Joint 2 turns no more than the arm, the others no more than what is seen along their axes.
+        across = abs(math.sin(first[1]))
+        arc[REACH + 1] = turn
+        if turn < across:
+            arc[REACH] = arc[REACH + 2] = math.asin(turn / across)
+        for j in range(3):
+            if is_beyond(j, arc, box):
+                return EMPTY
+        if status != REGULAR:
+            return status
+    z1, z2, z3 = first_axes(packed, arc)
+    return status if _first_rates(z1, z2, z3, right, status, h, arc) else UNKNOWN
+
+
+@inline
+def first_axes(packed, arc):
+    """Give axes 1 to 3 in the base."""
     z1 = packed[0, 3], packed[0, 6], packed[0, 9]
     w = packed[1, 3], packed[1, 6], packed[1, 9]
     z2 = turned(packed, 0, about_z(math.cos(arc[Q]), math.sin(arc[Q]), w))
-    z3 = arc[AXIS_3], arc[AXIS_3 + 1], arc[AXIS_3 + 2]
-    return status if _first_rates(z1, z2, z3, status, h, arc) else UNKNOWN
+    return z1, z2, (arc[AXES], arc[AXES + 1], arc[AXES + 2])
 
 
-@lean
-def _first_rates(z1, z2, z3, status, h, arc):
+@flat
+def _first_rates(z1, z2, z3, right, status, h, arc):
     """Write rates of joints 1 to 3 and how far they go; False where that has no bound."""
     turn = arc[TURN], arc[TURN + 1], arc[TURN + 2]
     change = arc[TURN_CHANGE]
@@ -132,13 +148,16 @@ def _first_rates(z1, z2, z3, status, h, arc):
         if room <= 0.3 * size:
             return False
         x1 = (change * s23 + speed * (d1 + d2) * s23 + abs(r1) * d2) / room
-        x2 = (change + speed * (speed + change) * h + abs(r2) * d2) / room
+        x2 = (change + speed * (speed + 0.5 * change) * h + abs(r2) * d2) / room
+        if right:
+            # Axis 2 is normal to both others.
+            x2 = min(x2, change + speed * d1)
         x3 = (change * s12 + speed * d1 * s12 + abs(r3) * d2) / room
-        e1, e2 = (abs(r1) + x1) * h, (abs(r2) + x2) * h
+        e1, e2 = (abs(r1) + 0.5 * x1) * h, (abs(r2) + 0.5 * x2) * h
         if e1 <= d1 and e2 <= d2:
             arc[RATE], arc[SPREAD], arc[REACH] = r1, x1, e1
             arc[RATE + 1], arc[SPREAD + 1], arc[REACH + 1] = r2, x2, e2
-            arc[RATE + 2], arc[SPREAD + 2], arc[REACH + 2] = r3, x3, (abs(r3) + x3) * h
+            arc[RATE + 2], arc[SPREAD + 2], arc[REACH + 2] = r3, x3, (abs(r3) + 0.5 * x3) * h
             return True
         d1, d2 = 1.1 * max(d1, e1), 1.1 * max(d2, e2)
     return False

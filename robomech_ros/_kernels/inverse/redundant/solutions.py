@@ -3,19 +3,16 @@
 import math
 
 import numpy as np
+from numba import types
 
-from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.chain.serial import forward_body
 from robomech_ros._kernels.compiling.jit import (
     IN1,
-    IN2,
     IN3,
     IOUT1,
     OUT1,
-    OUT2,
     OUT3,
     ZERO,
-    b1,
     borrowed,
     i8,
     inline,
@@ -25,10 +22,8 @@ from robomech_ros._kernels.compiling.jit import (
     scratch_integers,
 )
 from robomech_ros._kernels.inverse import branch_bits as bit
-from robomech_ros._kernels.inverse.continuum import free_value
 from robomech_ros._kernels.inverse.polishing import call_polish, largest_error, pose_difference
 from robomech_ros._kernels.inverse.ranking import (
-    LINF,
     Ranked,
     Request,
     distance_from,
@@ -37,16 +32,15 @@ from robomech_ros._kernels.inverse.ranking import (
 )
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.angle_proof import prove_by_angle
-from robomech_ros._kernels.inverse.redundant.arm_angle import (
-    call_arm_angle,
-    call_arm_angle_postures,
-)
+from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
+from robomech_ros._kernels.inverse.redundant.narrowing import NEARER_BY
 from robomech_ros._kernels.inverse.redundant.nearest import NEAREST_ERROR, approach
-from robomech_ros._kernels.inverse.redundant.nearest_proof import NEARER_BY, prove_nearest
+from robomech_ros._kernels.inverse.redundant.nearest_proof import prove_nearest
+from robomech_ros._kernels.inverse.redundant.samples import choose, sample
 from robomech_ros._kernels.inverse.redundant.walking import walk
-from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
+from robomech_ros._kernels.inverse.six_joints import MAX_SOLUTIONS
 
-__all__ = ["NONE_EXISTS", "locked_postures", "solve_redundant"]
+__all__ = ["NONE_EXISTS", "solve_redundant"]
 
 # How many times finer the redundancy parameter is sampled where no sample gives a solution inside
 # the limits.
@@ -58,8 +52,6 @@ APPROACHED_WITHIN = 0.8
 # but not one that is this near (rad or m) to a posture that is as near as its self-motion goes: it
 # would only lead there.
 APPROACHED_AGAIN = 0.03
-# Distance as the root of squares (rad) from which on no proof is tried: it would take long.
-PROOF_OF_SQUARES = 1.5
 # Where steps from the seed come no nearer than FROM (rad or m), others begin beside it, with some
 # joints away by this part of the distance, of MOST at most; the last two only where none is nearer.
 BESIDE = 4
@@ -70,24 +62,6 @@ BESIDE_MOST = 0.6
 POLISH_STEPS = 10
 
 NONE_EXISTS = -1
-# Typed, since numba compiles a function anew for a literal.
-_FORWARDS = np.bool_(False)
-
-
-@lean
-def _between(front, T, back, out):
-    """front^-1 T back^-1."""
-    for i in range(3):
-        a, b, c = front[0, i], front[1, i], front[2, i]
-        x = a * T[0, 0] + b * T[1, 0] + c * T[2, 0]
-        y = a * T[0, 1] + b * T[1, 1] + c * T[2, 1]
-        z = a * T[0, 2] + b * T[1, 2] + c * T[2, 2]
-        p = a * (T[0, 3] - front[0, 3]) + b * (T[1, 3] - front[1, 3]) + c * (T[2, 3] - front[2, 3])
-        for j in range(3):
-            out[i, j] = x * back[j, 0] + y * back[j, 1] + z * back[j, 2]
-        out[i, 3] = p - out[i, 0] * back[0, 3] - out[i, 1] * back[1, 3] - out[i, 2] * back[2, 3]
-        out[3, i] = 0.0
-    out[3, 3] = 1.0
 
 
 @lean
@@ -100,95 +74,6 @@ def _is_near(q, others, count):
         if near:
             return True
     return False
-
-
-@lean
-def _locked_body(data, T, seed, locked, q, branch):
-    """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
-
-    ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
-    many postures there are.
-    """
-    n = int(data[at.JOINTS])
-    first = int(data[at.FIRST])
-    own = at.PARTS + 13 * (n + 1)
-    packed = data[at.PARTS : own].reshape((n + 1, 13))
-    front, back, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
-    found = scratch(MAX_SOLUTIONS, 6)
-    forward_body(packed[: first + 1], locked[:first], front)
-    forward_body(packed[first + 6 :], locked[first + 6 :], back)
-    _between(front, T, back, target)
-    start = seed[first : first + 6]
-    six = int(data[at.SIX])
-    total = call_six_joints(
-        six, data[at.BACKWARDS] != 0.0, data[own:], target, start, found, branch
-    )
-    exact = int(data[at.GENERAL])
-    if total >= DOUBT and exact > 0:
-        total = call_six_joints(GENERAL, _FORWARDS, data[exact:], target, start, found, branch)
-    # Of a continuum no list is complete, so that a doubt that is left changes nothing.
-    count = total % DOUBT
-    for k in range(count):
-        for i in range(n):
-            if i < first or i >= first + 6:
-                q[k, i] = locked[i]
-            else:
-                value = found[k, i - first]
-                q[k, i] = wrapped(value) if packed[i, 0] == 0.0 else value
-        branch[k] = bit.SELF_MOTION | bit.UNNAMED
-    return count
-
-
-@kernel(i8(IN1, IN2, IN1, IN1, OUT2, IOUT1))
-def locked_postures(data, T, seed, locked, q, branch):
-    """Do for Python what :func:`_locked_body` does: postures with some joints locked."""
-    return _locked_body(data, T, seed, locked, q, branch)
-
-
-@lean
-def _choose(data, lower, upper, seed, k, steps, locked):
-    """Write the k-th of some values of the locked joints; return how far they are from the seed.
-
-    The first is the seed's.  One joint takes the others in order of their distance from there;
-    several follow a sequence that fills the box of their limits evenly.
-    """
-    n = int(data[at.JOINTS])
-    first = int(data[at.FIRST])
-    largest = 0.0
-    root = 1.0
-    for _ in range(32 if n > 7 and k > 0 else 0):
-        root = (1.0 + root) ** (1.0 / (n - 5))
-    stride = 1.0
-    for i in range(n):
-        locked[i] = seed[i]
-        if first <= i < first + 6 or k == 0:
-            continue
-        if n == 7:
-            locked[i] = free_value(lower[i], upper[i], seed[i], k, steps)
-        else:
-            stride /= root
-            part = 0.5 + k * stride
-            low, high = lower[i], upper[i]
-            if not high - low < 2.0 * math.pi and data[at.PARTS + 13 * i] == 0.0:
-                low, high = seed[i] - math.pi, seed[i] + math.pi
-            elif not high - low < math.inf:
-                low, high = seed[i] - data[at.SIZE], seed[i] + data[at.SIZE]
-                low, high = max(low, lower[i]), min(high, upper[i])
-            locked[i] = low + (high - low) * (part - math.floor(part))
-        largest = max(largest, abs(locked[i] - seed[i]))
-    return largest
-
-
-@lean
-def _sample(data, T, seed, angle, locked, turn, postures):
-    """Write the postures of one sample and what they are called.
-
-    ``angle`` is the arm angle of the seed, from which the sample is a ``turn`` (rad) away.
-    """
-    q, branch = postures
-    if data[at.KIND] == at.ARM_ANGLE:
-        return call_arm_angle_postures(data, T, seed, angle + turn, q, branch)
-    return _locked_body(data, T, seed, locked, q, branch)
 
 
 @lean
@@ -231,69 +116,103 @@ def _misses(packed, T, q):
 
 
 @inline
+def _prove(data, T, request, joints, distance, placed):
+    """Find the nearest posture of all arcs; return its distance, and whether it is proved.
+
+    ``placed`` (7,) is the nearest posture known, at this distance, and the nearest of all then.
+    """
+    turns, lower, upper, seed, metric, bounded = request
+    packed = data[at.PARTS : at.PARTS + 8 * 13].reshape((8, 13))
+    nearest_so_far = distance
+    if data[at.RIGHT] != 0.0:
+        distance, proved = prove_by_angle(data, T, joints, metric, bounded, distance, placed)
+    else:
+        distance, proved = prove_nearest(data, T, joints, metric, bounded, placed)
+    if not distance < nearest_so_far or not _misses(packed, T, placed):
+        return distance, proved
+    beside = scratch(7)
+    for i in range(7):
+        beside[i] = placed[i]
+    found, _ = approach(packed, T, lower, upper, seed, metric, bounded, beside)
+    if found >= distance + NEARER_BY:
+        # Beside a singular posture no step leads nearer, but one to the pose itself does.
+        for i in range(7):
+            beside[i] = placed[i]
+        call_polish(packed, T, beside, POLISH_STEPS)
+        if place(turns, lower, upper, seed, bounded, beside, beside):
+            found = distance_from(beside, seed, metric)
+    if found < distance + NEARER_BY:
+        distance = found
+        for i in range(7):
+            placed[i] = beside[i]
+    return distance, proved
+
+
+@inline
+def _find_nearest(data, T, request, bench, placed, reached):
+    """Find the nearest posture to which steps from the seed lead, or along all arcs.
+
+    It goes to ``placed`` (n,), and to ``reached`` (n,) where it is as near as its self-motion goes,
+    else NaN.  ``bench`` has the joints as :func:`.walk` has them, and where they may be.  Returns
+    its distance, and whether it is proved to be the nearest of all.
+    """
+    joints, low, high = bench
+    n = placed.shape[0]
+    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
+    arcs, by_angle = data[at.ARCS] > 0.0, data[at.RIGHT] != 0.0
+    distance, settled, proved = math.inf, False, False
+    if arcs and not by_angle:
+        distance, proved = _prove(data, T, request, joints, distance, placed)
+    if not proved:
+        tries = 0 if arcs else BESIDE
+        start, beside = np.empty(n), np.empty(n)
+        found, sure = _approach_from_seed(packed, T, request, low, high, tries, beside, start)
+        if found < distance:
+            distance, settled = found, sure
+            for i in range(n):
+                placed[i] = start[i]
+    if by_angle:
+        distance, proved = _prove(data, T, request, joints, distance, placed)
+    for i in range(n):
+        reached[i] = placed[i] if settled else math.nan
+    return distance, proved
+
+
+@inline
 def _collect(data, T, request, nearest, bench, ranked, reached):
     """Rank the postures of all samples.
 
     Returns how many are inside the limits, how many exist, and whether the first of them is proved
     to be the nearest of all, not only of samples: then no others are made where only the nearest
-    is asked for.  ``bench`` has the joints as :func:`walk` has them, where they may be, and room
-    for postures and what they are called.
-    The posture to which steps from the seed lead is among them, and goes to ``reached`` (n,) where
-    it is as near as its self-motion goes, else NaN.  Where only the nearest is asked for, samples
-    that are farther from the seed than the first are left out.
+    is asked for.  ``bench`` has room for postures and what they are called, too.
+    The posture that :func:`_find_nearest` finds is among them.  Where only the nearest is asked
+    for, samples that are farther from the seed than the first are left out.
     """
     turns, lower, upper, seed, metric, bounded = request
     joints, low, high, q, branch = bench
     rows, names, distances = ranked
     n = seed.shape[0]
-    packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
-    locked = np.empty(n)
     placed = np.empty(n)
+    distance, proved = _find_nearest(data, T, request, (joints, low, high), placed, reached)
     count = ZERO
     bare = ZERO
-    steps = int(data[at.SAMPLES])
-    angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
-    arcs, by_angle = data[at.ARCS] > 0.0, data[at.RIGHT] != 0.0
-    tries = 0 if arcs else BESIDE
-    distance, settled = _approach_from_seed(packed, T, request, low, high, tries, locked, placed)
-    proved = False
-    if arcs and (by_angle or metric == LINF or distance < PROOF_OF_SQUARES):
-        nearest_so_far = distance
-        if by_angle:
-            distance, proved = prove_by_angle(data, T, joints, metric, bounded, distance, placed)
-        else:
-            distance, proved = prove_nearest(data, T, joints, metric, bounded, distance, placed)
-        if distance < nearest_so_far and _misses(packed, T, placed):
-            for i in range(n):
-                locked[i] = placed[i]
-            found, _ = approach(packed, T, lower, upper, seed, metric, bounded, locked)
-            if found >= distance + NEARER_BY:
-                # Beside a singular posture no step leads nearer, but one to the pose itself does.
-                for i in range(n):
-                    locked[i] = placed[i]
-                call_polish(packed, T, locked, POLISH_STEPS)
-                if place(turns, lower, upper, seed, bounded, locked, locked):
-                    found = distance_from(locked, seed, metric)
-            if found < distance + NEARER_BY:
-                distance = found
-                for i in range(n):
-                    placed[i] = locked[i]
     if distance < math.inf:
         name = np.int64(bit.SELF_MOTION | bit.UNNAMED)
         count = insert(placed, name, distance, count, rows, names, distances)
         bare += 1
         if proved and nearest:
             return count, bare, proved
-    for i in range(n):
-        reached[i] = placed[i] if settled else math.nan
+    locked = np.empty(n)
+    steps = int(data[at.SAMPLES])
+    angle = call_arm_angle(data, seed) if data[at.KIND] == at.ARM_ANGLE else 0.0
     for _ in range(2):
         for k in range(steps):
             if data[at.KIND] == at.LOCKED:
-                away = _choose(data, low, high, seed, k, steps, locked)
+                away = choose(data, low, high, seed, k, steps, locked)
                 if nearest and count > 0 and away >= distances[0]:
                     continue
             turn = 2.0 * math.pi * ((k + 1) // 2) / steps * (1.0 if k % 2 == 1 else -1.0)
-            total = _sample(data, T, seed, angle, locked, turn, (q, branch))
+            total = sample(data, T, seed, angle, locked, turn, (q, branch))
             bare += total
             for i in range(total):
                 if place(turns, lower, upper, seed, bounded, q[i], placed):
@@ -364,18 +283,20 @@ def _walk(packed, T, joints, request, count, best, ranked):
     return count
 
 
-@kernel(i8(IN1, IN3, IN1, i8, b1, b1, OUT3, IOUT1, OUT1, IOUT1))
-def solve_redundant(arm, T, seed, metric, bounded, nearest, ranked, names, distances, counts):
+@kernel(i8(IN1, IN3, IN1, types.UniTuple(i8, 3), OUT3, IOUT1, OUT1, IOUT1))
+def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
 
-    ``arm`` is as :func:`.inverse.solutions.solve` has it.  The solutions inside the limits (all
-    where not ``bounded``) go to ``ranked`` (m, room, n),
+    ``arm`` is as :func:`.inverse.solutions.solve` has it.  ``asked`` are the metric, whether limits
+    hold, and whether only the nearest is asked for: then samples farther than the first are left
+    out.  The solutions go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last; the first few are moved along their
-    self-motion until they are as near as that goes.  Samples farther than the first are left out
-    where only ``nearest`` is asked for.  ``counts`` (m,) gets their number, or NONE_EXISTS where
-    no sample has a posture even outside the limits.  ``names`` and ``distances`` (room,) are those
-    of the last pose.
+    self-motion until they are as near as that goes.  ``counts`` (m,) gets their number, or
+    NONE_EXISTS where no sample has a posture even outside the limits.  ``names`` and ``distances``
+    (room,) are those of the last pose.  Returns 1 where the first of that is proved to be the
+    nearest.
     """
+    metric, bounded, nearest = asked[0], asked[1] != 0, asked[2] != 0
     n = seed.shape[0]
     arm, T, ranked = borrowed(arm), borrowed(T), borrowed(ranked)
     turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
