@@ -70,7 +70,7 @@ def test_issue_12_no_posture_that_an_independent_search_finds_is_nearer(name, bo
 
 
 @pytest.mark.parametrize("name", ARMS)
-@pytest.mark.parametrize(("reach", "least"), [(0.5, 195), (None, 165)])
+@pytest.mark.parametrize(("reach", "least"), [(0.5, 194), (None, 165)])
 def test_issue_12_the_nearest_is_proved_to_be_that(name, reach, least):
     """Of 2000 seeds within 0.5 rad of a posture, 14 of the Panda had a farther answer."""
     chain, proved = make(name), 0
@@ -134,9 +134,10 @@ def test_issue_12_the_nearest_by_the_root_of_squares_is_proved(name):
 
 @pytest.mark.parametrize("metric", ["linf", "l2"])
 @pytest.mark.parametrize("bounded", [True, False])
-def test_issue_12_with_an_arm_angle_the_nearest_anywhere_is_proved(bounded, metric):
-    """By the root of squares none was, and 17 of 300 had a nearer one."""
-    chain, proved = make("iiwa14"), 0
+@pytest.mark.parametrize("name", ["iiwa14", "panda"])
+def test_issue_12_the_nearest_anywhere_is_proved(name, bounded, metric):
+    """By the root of squares none was, and of the iiwa14 17 of 300 had a nearer one."""
+    chain, proved = make(name), 0
     norm = np.inf if metric == "linf" else 2
     for k, (posture, seed) in enumerate(problems(chain, 25, 27)):
         T = forward_kinematics(chain, posture)
@@ -149,7 +150,7 @@ def test_issue_12_with_an_arm_angle_the_nearest_anywhere_is_proved(bounded, metr
         away = np.linalg.norm(others - seed, norm, axis=1)
         assert best.seed_distance[0] < away.min() + 1e-6
         proved += best.nearest_proved
-    assert proved >= 24
+    assert proved >= (24 if name == "iiwa14" else 23)
 
 
 def test_where_the_arm_angle_moves_no_joint_evenly_it_is_proved_or_not_said():
@@ -170,13 +171,13 @@ def test_where_the_arm_angle_moves_no_joint_evenly_it_is_proved_or_not_said():
             assert not best.nearest_proved or best.seed_distance[0] < away + 1e-6
 
 
-def test_far_away_the_root_of_squares_is_not_proved_and_lists_that_are_complete_are():
-    for name, off, proved in (("panda", 1.0, False), ("ur5e", 0.1, True)):
+def test_far_away_the_root_of_squares_is_proved_and_so_are_lists_that_are_complete():
+    for name, off in (("panda", 1.0), ("ur5e", 0.1)):
         chain = load_robot(name)
         q = chain.midrange() + 0.3
         T = forward_kinematics(chain, q)
         best = inverse_kinematics(chain, T, seed=chain.midrange() + off, metric="l2")
-        assert best.nearest_proved is proved
+        assert best.nearest_proved is True
 
 
 # Seeds with a nearer posture on another branch, or behind farther ones, and its distance (rad) as a
