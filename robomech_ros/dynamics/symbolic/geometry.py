@@ -267,7 +267,7 @@ def symbolic_closure(chain: SerialChain, *, parameters: str = "names") -> Symbol
     >>> from robomech_ros.robots import load_robot
     >>> closure = symbolic_closure(load_robot("diestro"))
     >>> closure.left.shape, closure.left[5]
-    ((14, 1), cos(theta_4))
+    ((14, 1), sin(theta_4)*sin(theta_5))
     """
     loop = _loop(chain, parameters)
     l, p = loop.link_rotation(5)[:, 2], loop.link_position(5)  # noqa: E741
