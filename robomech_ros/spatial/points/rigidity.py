@@ -221,8 +221,9 @@ def angular_velocity_covariance(points: ArrayLike, deviation: ArrayLike) -> Arra
     if (sigma < 0.0).any():
         raise BadValueError("deviation", float(sigma.min()), "at least 0")
     # Refuses points that do not determine an angular velocity.
-    angular_velocity_from_points(points, np.zeros(np.shape(points)))
-    J = spread_matrix(_centred(points))
+    centred = _centred(points)
+    angular_velocity_from_points(points, np.zeros_like(centred))
+    J = spread_matrix(centred)
     common_shape("points and deviation", J.shape[:-2], sigma.shape)
     with np.errstate(over="ignore", invalid="ignore"):
         covariance: Array = (sigma * sigma)[..., None, None] * np.linalg.inv(J)

@@ -74,6 +74,14 @@ def test_the_covariance_is_that_of_many_trials():
     np.testing.assert_allclose(np.cov(found.T), expected, atol=0.03 * np.trace(expected))
 
 
+@pytest.mark.parametrize(
+    ("points", "error"), [([[1.0, 2.0], [3.0]], BadValueError), ([1.0, 2.0, 3.0], WrongSizeError)]
+)
+def test_the_covariance_of_what_are_no_points_is_refused(points, error):
+    with pytest.raises(error, match="points"):
+        spatial.angular_velocity_covariance(points, 0.02)
+
+
 def tracks(rate, noise, seconds, seed=4):
     """Four points about 0.1 m apart on a body that turns and moves smoothly."""
     rng = np.random.default_rng(seed)
