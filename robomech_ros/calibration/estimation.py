@@ -49,6 +49,9 @@ _SUSPICIOUS = 0.02
 # Poses that have nothing to do with each other are a radian apart.
 _CHAOS = 0.3
 _WEAK = 5.0
+# So few samples may leave nothing of the positions to tell their noise by; it is then at least this
+# part of what the rotations' makes of the distance to the target, as with most cameras.
+_FEW, _USUAL = 4, 0.1
 # Fits farther apart than this (rad) are different ones, and so much (twice the logarithm of the
 # likelihood) the best must be more likely.
 _APART, _CLEARLY = 0.5, 20.0
@@ -307,6 +310,7 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
             fit, (squares > _OUTLYING) & ~_missed_by_less(_EXACT, A, S, fit.at)
         ):
             break
+    _keep_position_noise(fit, A, S, side)
     if wary and fit.noise[0] > _CHAOS**2:
         raise ContradictionError(
             "rotation error of the samples",
@@ -314,6 +318,20 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
             f"at most {_CHAOS} rad: the robot's and the sensor's poses contradict each other; "
             "are they of the same moments?",
         )
+
+
+def _keep_position_noise(fit: _Fit, A: Array, S: Array, side: int) -> None:
+    """Refine once more where few samples have let the noise of the positions vanish.
+
+    Positions without noise would determine the rotations, too, and without any error.
+    """
+    if fit.known or fit.use.sum() > _FEW:
+        return
+    reach = 3.0 * float(np.mean(S[fit.use > 0.0, 9:] ** 2))
+    least = _USUAL**2 * reach * float(fit.noise[0])
+    if fit.noise[1] < least:
+        fit.noise[1] = least
+        _refine(A, S, fit.use, fit.at, fit.noise, side, True, False, fit.information)
 
 
 def _check_single(fit: _Fit, others: list[Array], A: Array, S: Array, mount: str) -> None:

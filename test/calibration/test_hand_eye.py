@@ -41,6 +41,20 @@ def test_three_poses_without_noise(mount, kind):
     assert found.residuals.shape == (3, 2) and found.residuals.max() < 1e-10
 
 
+@pytest.mark.parametrize("mount", MOUNTS)
+@pytest.mark.parametrize("n", [3, 4])
+def test_a_few_noisy_samples_do_not_claim_to_be_exact(n, mount):
+    rng = np.random.default_rng(6)
+    inside = 0
+    for _ in range(50):
+        A, S, X, _ = samples(rng, n, camera=CAMERA, mount=mount)
+        found = hand_eye(A, S, mount=mount)
+        error = spatial.pose_error(found.sensor, X)
+        inside += error @ np.linalg.solve(found.covariance, error) < chi2.ppf(0.95, 6)
+        assert found.rotation_deviation > 1e-4 and found.position_deviation > 1e-5
+    assert inside >= 45
+
+
 def test_relative_motions_of_half_turns():
     X = spatial.pose_exponential([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     axes = np.random.default_rng(3).normal(size=(4, 3))
