@@ -12,6 +12,7 @@ from robomech_ros._kernels.calibration import refinement
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.calibration.motions import Spread, check_convention
 from robomech_ros.calibration.result import HandEyeNoise, HandEyeResult, sensor_covariance
+from robomech_ros.calibration.samples import checked_samples, distinct_samples
 from robomech_ros.calibration.start import agreeing, errors_at, packed, starts
 from robomech_ros.errors import (
     BadValueError,
@@ -31,7 +32,6 @@ MOUNTS = ("eye-in-hand", "eye-to-hand")
 _refine = direct(refinement.refine)
 _distances = direct(refinement.distances)
 
-_LEAST_SAMPLES = 3
 # Fewer leave too little to tell noises, or right samples from wrong ones.
 _LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS = 8, 5
 # Squared distance, of six normal numbers, that one sample in 400,000 exceeds; and the median of
@@ -140,8 +140,8 @@ def hand_eye(
     kind = as_choice("mount", mount, MOUNTS)
     wary = as_flag("robust", robust)
     given = _variances(noise)
-    robot, sensor = _samples(robot_poses, sensor_poses)
-    first, back = _distinct(robot, sensor)
+    robot, sensor = checked_samples(robot_poses, sensor_poses)
+    first, back = distinct_samples(robot, sensor)
     moving = inverse_pose(robot) if kind == "eye-to-hand" else robot
     parent = "base" if kind == "eye-to-hand" else "hand"
     A, S = packed(moving[first]), packed(sensor[first])
@@ -211,49 +211,6 @@ def _variances(noise: ArrayLike | None) -> Array | None:
             "noise", four.tolist(), "deviations of rotation and position, from 1e-12 to 1000"
         )
     return np.array([turn, shift, squares[2] / turn])
-
-
-def _samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Array, Array]:
-    """Check both lists of poses.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError, NonFiniteError
-    """
-    robot = as_pose(robot_poses, what="robot_poses")
-    sensor = as_pose(sensor_poses, what="sensor_poses")
-    if robot.ndim != 3 or robot.shape != sensor.shape:
-        raise WrongSizeError(
-            "robot_poses and sensor_poses",
-            (robot.shape, sensor.shape),
-            "(n, 4, 4) both, one of each for each sample",
-        )
-    for what, poses in (("robot_poses", robot), ("sensor_poses", sensor)):
-        most = float(np.abs(poses[:, :3, 3]).max(initial=0.0))
-        if most > 1e6:
-            raise BadValueError(f"largest coordinate of {what}", most, "at most 1e6 m")
-    return robot, sensor
-
-
-def _distinct(robot: Array, sensor: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Numbers of samples that differ, in an order of their own, and of each sample among them.
-
-    Raises
-    ------
-    WrongSizeError
-        Fewer than three.
-    """
-    rows = np.concatenate((packed(robot), packed(sensor)), axis=1) + 0.0
-    keys = [row.tobytes() for row in rows]
-    places = {key: k for k, key in enumerate(sorted(set(keys)))}
-    first = np.zeros(len(places), np.intp)
-    back = np.array([places[key] for key in keys], np.intp)
-    first[back] = np.arange(len(keys))
-    if len(first) < _LEAST_SAMPLES:
-        raise WrongSizeError(
-            "samples that differ from each other", len(first), "3 or more; five or more are better"
-        )
-    return first, back
 
 
 def _started(
