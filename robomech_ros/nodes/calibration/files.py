@@ -124,7 +124,9 @@ def _write(path: Path, text: str) -> None:
     """Write a file that is complete, or as it was before."""
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with part.open("w", encoding="utf-8") as file:
+        # A link of that name, which somebody has put there, is not followed.
+        part.unlink(missing_ok=True)
+        with part.open("x", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

@@ -1,6 +1,7 @@
 """The calibration node with given samples: its result in messages, on tf and in files."""
 
 import math
+import os
 import time
 
 import numpy as np
@@ -362,6 +363,18 @@ def test_what_is_no_regular_file_is_not_replaced(stage, tmp_path):
         assert (answer.error_code, "a regular file" in answer.error_msg) == (109, True)
     assert elsewhere.read_text() == "mine"
     assert {path.name for path in folder.iterdir()} == {"linked.calib", "taken.yaml"}
+
+
+def test_a_link_in_the_place_of_an_unfinished_file_is_not_followed(stage, tmp_path):
+    solved(stage)
+    folder = tmp_path / "calibrations"
+    folder.mkdir()
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_text("mine")
+    (folder / f".wrist.yaml.{os.getpid()}.part").symlink_to(elsewhere)
+    assert stage.ask("save", name="wrist").error_code == 0
+    assert elsewhere.read_text() == "mine"
+    assert (folder / "wrist.yaml").is_file() and not (folder / "wrist.yaml").is_symlink()
 
 
 def test_what_was_saved_is_on_tf_from_the_start(stage, graph, tmp_path):
