@@ -14,7 +14,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -42,10 +42,10 @@ class Page:
 
 
 @contextmanager
-def running_view() -> Iterator[tuple[int, Page]]:
-    """Run the node rvs; gives its process and its page."""
+def running_view(options: Sequence[str]) -> Iterator[tuple[int, Page]]:
+    """Run the node rvs with these ROS arguments; gives its process and its page."""
     command = [sys.executable, "-m", "robomech_ros.nodes.process.start", "rvs", "--ros-args"]
-    command += ["-p", f"robot_description:={ROBOT}", "-p", "port:=0"]
+    command += ["-p", f"robot_description:={ROBOT}", "-p", "port:=0", *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         found = None
@@ -81,7 +81,7 @@ def move_joints(node: Node, ended: threading.Event) -> None:
         ended.wait(max(due - time.monotonic(), 0.0))
 
 
-def measured() -> dict[str, float]:
+def measured(*options: str) -> dict[str, float]:
     """Give the share of a core that the node takes, and how often its page was told something."""
     rclpy.init(args=[])
     node, ended = Node("moving_joints"), threading.Event()
@@ -89,7 +89,7 @@ def measured() -> dict[str, float]:
     mover.start()
     told = 0
     try:
-        with running_view() as (pid, page), Client(page).connect() as browser:
+        with running_view(options) as (pid, page), Client(page).connect() as browser:
             browser.send(msgspec.msgpack.encode(camera()))
             deadline = time.monotonic() + SETTLE_SECONDS
             while (left := deadline - time.monotonic()) > 0.0:
@@ -117,4 +117,4 @@ def heard(browser: object, patience: float) -> bool:
 
 
 if __name__ == "__main__":
-    print(json.dumps(measured()))
+    print(json.dumps({"as set": measured(), "as told": measured("-p", f"rate:={RATE}")}))

@@ -20,7 +20,7 @@ class RvsSettings(RobotSettings):
         "it. Whoever has the printed address of the page may command the robot",
     )
     rate: float = parameter(
-        60.0,
+        30.0,
         "How often the robot is drawn at most, while somebody looks",
         1.0,
         60.0,
