@@ -33,7 +33,7 @@ _refine = direct(refinement.refine)
 _distances = direct(refinement.distances)
 
 # Fewer leave too little to tell noises, or right samples from wrong ones.
-_LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS = 8, 5
+_LEAST_FOR_SHARE, _LEAST_FOR_OUTLIERS, _LEAST_TO_CONTRADICT = 8, 5, 4
 # Squared distance, of six normal numbers, that one sample in 400,000 exceeds; and the median of
 # three.
 _OUTLYING, _MEDIAN = 36.0, 2.366
@@ -94,7 +94,8 @@ def hand_eye(
     mount : str, optional
         ``"eye-in-hand"`` or ``"eye-to-hand"``.
     robust : bool, optional
-        Leave out samples that contradict the others, from five samples on.
+        Leave out samples that contradict the others, from five samples on, and refuse samples that
+        all contradict each other, from four on.
     noise : array_like, shape (4,), optional
         Standard deviations of each coordinate, where they are known: rotation (rad) and position
         (m) of the sensor, then of the robot.
@@ -138,7 +139,7 @@ def hand_eye(
     True
     """
     kind = as_choice("mount", mount, MOUNTS)
-    wary = as_flag("robust", robust)
+    careful = as_flag("robust", robust)
     given = _variances(noise)
     robot, sensor = checked_samples(robot_poses, sensor_poses)
     first, back = distinct_samples(robot, sensor)
@@ -150,7 +151,7 @@ def hand_eye(
     fit, others, squares = _started(A, S, given)
     if _suspicious(squares, S):
         check_convention(moving[first], sensor[first], kind, squares)
-    _refined(fit, A, S, kind, wary)
+    _refined(fit, A, S, kind, careful)
     used = fit.use > 0.0
     if not used.all():
         spread = Spread(moving[first][used], sensor[first][used])
@@ -241,7 +242,7 @@ def _suspicious(squares: tuple[float, float], S: Array) -> bool:
     return squares[0] > _SUSPICIOUS**2 or squares[1] > _SUSPICIOUS**2 * reach
 
 
-def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
+def _refined(fit: _Fit, A: Array, S: Array, mount: str, robust: bool) -> None:
     """Refine, leaving out what contradicts the rest, until it is the same samples.
 
     Raises
@@ -249,7 +250,7 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
     ContradictionError
     """
     side = MOUNTS.index(mount)
-    wary = wary and len(A) >= _LEAST_FOR_OUTLIERS
+    wary = robust and len(A) >= _LEAST_FOR_OUTLIERS
     if wary:
         for _ in range(_ROUNDS):
             turns, shifts = errors_at(A, S, fit.at)
@@ -268,7 +269,7 @@ def _refined(fit: _Fit, A: Array, S: Array, mount: str, wary: bool) -> None:
         ):
             break
     _keep_position_noise(fit, A, S, side)
-    if wary and fit.noise[0] > _CHAOS**2:
+    if robust and len(A) >= _LEAST_TO_CONTRADICT and fit.noise[0] > _CHAOS**2:
         raise ContradictionError(
             "rotation error of the samples",
             f"{float(np.sqrt(fit.noise[0])):.3g} rad",

@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.errors import ContradictionError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose, assembled
 from robomech_ros.spatial.transformations.redundant_sensing import frames_between, single_match
 
 __all__ = ["relative_hand_eye"]
 
 Array = NDArray[np.float64]
+
+# Positions that miss by more than this part of the distances contradict each other, unless it is so
+# little (m) that it may be noise.
+_CHAOS, _NOISE = 0.3, 0.01
 
 
 def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
@@ -42,7 +46,8 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not poses of these shapes.
     ContradictionError, UndeterminedError
-        Other angles for both; no rotations, all about parallel axes, along which the position is
+        Other angles for both, or motions that no pose matches, such as inverted ones; no rotations,
+        all about parallel axes, along which the position is
         then free, or half turns about axes at right angles whose positions do not tell either.
 
     See Also
@@ -78,4 +83,11 @@ def relative_hand_eye(A: ArrayLike, B: ArrayLike) -> Array:
     if reach > 0.0:
         misfits = misfits + missed.sum(axis=1) / reach
     best = single_match(frames, misfits, 6 * len(first) - 6)
+    off, most = float(np.sqrt(missed[best].mean())), max(_CHAOS * float(np.sqrt(reach)), _NOISE)
+    if off > most:
+        raise ContradictionError(
+            "difference of the positions of both motions",
+            f"{off:.3g} m (root mean square) in the frame that fits best",
+            f"at most {most:.3g} m: motions in the same order, none of them inverted",
+        )
     return assembled(frames[best], positions[best].astype(np.float64))

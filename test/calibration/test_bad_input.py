@@ -135,6 +135,46 @@ def test_each_has_its_error_and_its_text(case):
     assert (type(again), str(again)) == (error, str(caught.value))
 
 
+@pytest.mark.parametrize("count", [3, 4])
+@pytest.mark.parametrize("turn", [1.0, 0.0], ids=["rotations", "positions"])
+def test_inverted_motions_contradict_each_other(count, turn):
+    # About axes at wide angles and, with turns alone, about axes in one plane: inverted turns about
+    # these are the same turns in another frame, and only the positions tell.
+    steps = np.zeros((count, 6))
+    steps[:, :3] = np.array([[1, 0, 0], [0, 1, 0], [0, 0, turn], [1, 1, 1 * turn]])[:count] * 0.9
+    steps[2, :3] += (1.0 - turn) * np.array([0.7, -0.4, 0.0])
+    steps[:, 3:] = np.random.default_rng(5).normal(size=(count, 3))
+    B = spatial.pose_exponential(steps)
+    A = X @ B @ spatial.inverse_pose(X)
+    np.testing.assert_allclose(relative_hand_eye(A, B), X, atol=1e-10)
+    with pytest.raises(ContradictionError, match="none of them inverted"):
+        relative_hand_eye(spatial.inverse_pose(A), B)
+    if turn:
+        with pytest.raises(ContradictionError, match="rotations of both sensors.* inverted"):
+            spatial.frame_between_sensors(np.swapaxes(A[:, :3, :3], 1, 2), B[:, :3, :3])
+
+
+def test_noisy_motions_do_not_contradict_each_other():
+    rng = np.random.default_rng(6)
+    for _ in range(50):
+        B = spatial.pose_exponential(rng.normal(size=(3, 6)))
+        A = (
+            X
+            @ B
+            @ spatial.inverse_pose(X)
+            @ spatial.pose_exponential(0.02 * rng.normal(size=(3, 6)))
+        )
+        assert np.isfinite(relative_hand_eye(A, B)).all()
+
+
+def test_four_samples_of_other_moments_contradict_each_other():
+    rng = np.random.default_rng(7)
+    robot, sensor, X, _ = samples(rng, 4, camera=CAMERA)
+    assert np.abs(spatial.pose_error(hand_eye(robot, sensor).sensor, X)).max() < 0.05
+    with pytest.raises(ContradictionError):
+        hand_eye(robot, np.roll(sensor, 1, axis=0))
+
+
 def test_what_is_free_can_be_read():
     with pytest.raises(UndeterminedError) as caught:
         hand_eye(ABOUT_Z, seen(ABOUT_Z))

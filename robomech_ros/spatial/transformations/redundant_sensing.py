@@ -141,8 +141,9 @@ def frame_between_sensors(first: ArrayLike, second: ArrayLike) -> Array:
     BadValueError, WrongSizeError, NonFiniteError
         Not rotations of these shapes.
     ContradictionError, UndeterminedError
-        Other angles for both sensors; no rotations, all about parallel axes, about which X is then
-        free to turn, or half turns about axes at right angles, which four X match.
+        Other angles for both sensors, or rotations that no X matches, such as inverted ones; no
+        rotations, all about parallel axes, about which X is then free to turn, or half turns about
+        axes at right angles, which four X match.
 
     See Also
     --------
@@ -177,7 +178,8 @@ def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
     Raises
     ------
     ContradictionError, UndeterminedError
-        Other angles for both, no rotations, or all about parallel axes.
+        Other angles for both, rotations that no frame matches, no rotations, or all about parallel
+        axes.
     """
     a, b = (quaternion_from_matrix(one) for one in (first, second))
     r, s = a[:, :3], b[:, :3]
@@ -194,7 +196,15 @@ def frames_between(first: Array, second: Array) -> tuple[Array, Array]:
         frames.append(nearest_rotation(r.T @ matched + normals[0].T @ normals[1]))
     found = np.stack(frames)
     differences = first @ found[:, None] - found[:, None] @ second
-    return found, 0.5 * (differences**2).sum(axis=(1, 2, 3))
+    misfits = 0.5 * (differences**2).sum(axis=(1, 2, 3))
+    off = float(np.sqrt(misfits.min() / len(first)))
+    if off > _CHAOS:
+        raise ContradictionError(
+            "difference of the rotations of both sensors",
+            f"{off:.3g} rad (root mean square) in the frame that fits best",
+            f"at most {_CHAOS} rad: rotations in the same order, none of them inverted",
+        )
+    return found, misfits
 
 
 def _check_axes(r: Array, s: Array, differences: Array) -> None:
