@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics.inverse.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial.arrays import real_number
 
-__all__ = ["ClosureEquations", "circle", "closure_equations", "turn_about_z"]
+__all__ = ["ClosureEquations", "as_angles", "circle", "closure_equations", "turn_about_z"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
@@ -91,8 +91,16 @@ class ClosureEquations:
         -------
         ndarray, shape (14,)
             Lengths in parts of ``size``.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            No six finite numbers.
         """
-        one, two, three, four, five = (circle(x) for x in np.asarray(q)[self.joints][:5])
+        angles = as_angles("q", q)
+        if angles.shape != (6,):
+            raise WrongSizeError("q", angles.shape, "(6,)")
+        one, two, three, four, five = (circle(x) for x in angles[self.joints][:5])
         left = np.einsum("eijk,i,j,k->e", self.left, three, four, five)
         right = self.right @ np.outer(one, two).ravel()
         difference: Numbers = left - right
@@ -110,8 +118,13 @@ class ClosureEquations:
         -------
         ndarray, shape (..., 6, 9)
             E with ``E m = 0`` for the products m of (cos, sin, 1) of joint 4 and of joint 5.
+
+        Raises
+        ------
+        BadValueError, NonFiniteError
+            No finite numbers.
         """
-        E = np.einsum("eijk,i...->...ejk", self.free, circle(q3))
+        E = np.einsum("eijk,i...->...ejk", self.free, circle(as_angles("q3", q3)))
         matrix: Numbers = E.reshape(*E.shape[:-3], 6, 9)
         return matrix
 
@@ -121,16 +134,26 @@ class ClosureEquations:
         Parameters
         ----------
         q4, q5 : array_like, shape (...)
-            Joints 4 and 5 (rad).
+            Joints 4 and 5 (rad), real or complex.
 
         Returns
         -------
         ndarray, shape (..., 6, 3)
             With ``G (cos q_3, sin q_3, 1)^T = 0``.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            No finite numbers, or shapes that do not fit together.
         """
-        matrix: Numbers = np.einsum(
-            "eijk,j...,k...->...ei", self.free, *np.broadcast_arrays(circle(q4), circle(q5))
-        )
+        four, five = as_angles("q4", q4), as_angles("q5", q5)
+        try:
+            four, five = np.broadcast_arrays(four, five)
+        except ValueError:
+            raise WrongSizeError(
+                "q4 and q5", (four.shape, five.shape), "shapes that fit together"
+            ) from None
+        matrix: Numbers = np.einsum("eijk,j...,k...->...ei", self.free, circle(four), circle(five))
         return matrix
 
 
@@ -199,6 +222,32 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
     combinations = np.linalg.svd(right[:, :8])[0][:, 8:].T
     free = np.einsum("er,rijk->eijk", combinations, moved)
     return ClosureEquations(chain, target, start + 1, size, links, left, right, free)
+
+
+def as_angles(what: str, value: ArrayLike) -> Numbers:
+    """Give angles (rad), real or complex, as an array of any shape.
+
+    Parameters
+    ----------
+    what : str
+        Name of the angles in messages.
+    value : array_like
+        From a caller.
+
+    Raises
+    ------
+    BadValueError, NonFiniteError
+        Not numbers, or NaN or infinite somewhere.
+    """
+    try:
+        angles = np.asarray(value)
+    except (TypeError, ValueError):
+        raise BadValueError(what, value, "angles, real or complex") from None
+    if angles.dtype.kind not in "fiuc":
+        raise BadValueError(what, value, "angles, real or complex")
+    if not np.isfinite(angles).all():
+        raise NonFiniteError(what, angles if angles.ndim else angles.item())
+    return angles
 
 
 def circle(angle: ArrayLike) -> Numbers:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.kinematics.equations.closure import as_angles
 from robomech_ros.kinematics.equations.decoupled_table import decoupled_table
 from robomech_ros.kinematics.equations.half_angles import (
     angle_of,
@@ -197,7 +198,8 @@ def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Comple
     chain, centre
         As for `positioning_equations`.
     theta3 : complex
-        One of its ``theta3`` (rad).
+        One of its ``theta3`` (rad).  It is not checked to be a root: at other angles the centre is
+        missed.
 
     Returns
     -------
@@ -209,7 +211,7 @@ def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Comple
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        As there.
+        As there, or ``theta3`` is no finite number.
 
     References
     ----------
@@ -218,6 +220,10 @@ def arm_angles(chain: SerialChain, centre: ArrayLike, theta3: complex) -> Comple
     table = decoupled_table(chain)
     point = _point(centre)
     (A, B, C, D, E), (F, G, H, I, J) = _two_equations(table, point)  # noqa: E741
+    angle = as_angles("theta3", theta3)
+    if angle.ndim:
+        raise WrongSizeError("theta3", angle.shape, "()")
+    theta3 = complex(angle)
     c3, s3 = np.cos(theta3), np.sin(theta3)
     size = float(np.abs(np.concatenate((table.a, table.b, point))).max())
     if np.hypot(*point[:2]) < _NOTHING * size:

@@ -112,3 +112,20 @@ def test_no_such_arm_or_joint():
     for first in (0, 7, 1.5, None, "one", np.nan):
         with pytest.raises(BadValueError, match="first"):
             closure_equations(load_robot("diestro"), np.eye(4), first=first)
+
+
+def test_angles_that_are_none_are_refused():
+    arm = load_robot("diestro")
+    equations = closure_equations(arm, forward_kinematics(arm, [0.3, 1.2, -1.4, 1.1, -2.0, 0.7]))
+    for call, error, words in (
+        (lambda: equations.residual([1, 2]), WrongSizeError, r"q has shape .*2.*expected \(6,\)"),
+        (lambda: equations.residual(["x"] * 6), BadValueError, "q is"),
+        (lambda: equations.residual([[1], [2, 3]]), BadValueError, "q is"),
+        (lambda: equations.residual([0, 1, 2, np.inf, 4, 5]), NonFiniteError, r"q\[3\] is inf"),
+        (lambda: equations.six_by_nine(np.nan), NonFiniteError, "q3 is nan"),
+        (lambda: equations.three_columns(1j, None), BadValueError, "q5 is None"),
+        (lambda: equations.three_columns([1, 2], [1, 2, 3]), WrongSizeError, "q4 and q5"),
+    ):
+        with pytest.raises(error, match=words):
+            call()
+    assert equations.three_columns([0.1, 1j], 0.2).shape == (2, 6, 3)

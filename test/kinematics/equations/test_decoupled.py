@@ -253,6 +253,9 @@ def test_wrong_arguments():
             call(puma, [1.0, 2.0, np.inf])
         with pytest.raises(BadValueError):
             call(puma, ["x", "y", "z"])
+    for theta3, error in ((np.nan, NonFiniteError), (None, BadValueError), ([0.1], WrongSizeError)):
+        with pytest.raises(error, match="theta3"):
+            arm_angles(puma, [0.3, 0.3, 0.3], theta3)
     same = chain_from_dh(
         [0, 0.4, 0.1, 0, 0, 0], [0.1, 0.2, 0, 0.4, 0, 0.1], [0, 0.2, 1.1, 1, -1, 0]
     )
