@@ -9,11 +9,13 @@ from robomech_ros.calibration.start import packed
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.poses import as_pose
 
-__all__ = ["checked_samples", "distinct_samples"]
+__all__ = ["LARGEST_COORDINATE", "checked_samples", "distinct_samples"]
 
 Array = NDArray[np.float64]
 
 _LEAST_SAMPLES = 3
+# Positions farther away (m) are a mistake.
+LARGEST_COORDINATE = 1e6
 
 
 def checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Array, Array]:
@@ -33,8 +35,10 @@ def checked_samples(robot_poses: ArrayLike, sensor_poses: ArrayLike) -> tuple[Ar
         )
     for what, poses in (("robot_poses", robot), ("sensor_poses", sensor)):
         most = float(np.abs(poses[:, :3, 3]).max(initial=0.0))
-        if most > 1e6:
-            raise BadValueError(f"largest coordinate of {what}", most, "at most 1e6 m")
+        if most > LARGEST_COORDINATE:
+            raise BadValueError(
+                f"largest coordinate of {what}", most, f"at most {LARGEST_COORDINATE:g} m"
+            )
     return robot, sensor
 
 

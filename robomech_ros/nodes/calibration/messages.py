@@ -9,7 +9,8 @@ from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
 from numpy.typing import NDArray
 
 from robomech_ros.calibration import NextPose
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.calibration.samples import LARGEST_COORDINATE
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
 from robomech_ros.nodes.calibration.samples import Samples, Solution
 from robomech_ros.nodes.common.error_codes import FrameUnavailableError
@@ -33,6 +34,8 @@ __all__ = [
 Array = NDArray[np.float64]
 
 _MOST_NAMED = 20
+# So few samples do not tell a sensor in the hand from one beside the robot.
+_EITHER_MOUNT = 3
 
 
 def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Array:
@@ -50,7 +53,7 @@ def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Ar
 
     Raises
     ------
-    FrameUnavailableError, WrongSizeError, NonFiniteError, BadQuaternionError
+    FrameUnavailableError, WrongSizeError, NonFiniteError, BadQuaternionError, BadValueError
         A pose at fault is named by its number.
     """
     given = message.header.frame_id.removeprefix("/")
@@ -59,7 +62,15 @@ def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Ar
     if len(message.poses) > most:
         raise WrongSizeError(f"{what}.poses", len(message.poses), f"at most {most}")
     rows = [matrix_from_pose(pose, f"{what}.poses[{k}]") for k, pose in enumerate(message.poses)]
-    return np.array(rows).reshape(-1, 4, 4)
+    poses = np.array(rows).reshape(-1, 4, 4)
+    reach = np.abs(poses[:, :3, 3]).max(axis=1)
+    for k in np.flatnonzero(reach > LARGEST_COORDINATE)[:1].tolist():
+        raise BadValueError(
+            f"largest coordinate of {what}.poses[{k}].position",
+            float(reach[k]),
+            f"at most {LARGEST_COORDINATE:g} m",
+        )
+    return poses
 
 
 def stamped_transform(T: Array, parent: str, child: str) -> TransformStamped:
@@ -141,6 +152,8 @@ def _in_words(solution: Solution) -> str:
         f"deviation, worst direction); noise of the samples {found.noise.position:.3g} m and "
         f"{found.noise.rotation:.3g} rad",
     ]
+    if len(found.inlier) == _EITHER_MOUNT:
+        lines.append("three samples fit either mount: the mount is not verified")
     if found.outliers:
         named = ", ".join(map(str, found.outliers[:_MOST_NAMED]))
         more = len(found.outliers) - _MOST_NAMED

@@ -67,6 +67,14 @@ def test_the_result_is_the_librarys_in_messages(stage, mount):
     assert (answer.published, answer.next_pose.header.frame_id) == (True, "base")
 
 
+def test_three_samples_do_not_verify_the_mount(stage):
+    robot, tracking, *_ = samples(np.random.default_rng(3), 4)
+    stage.add(robot[:3], tracking[:3])
+    assert "three samples fit either mount" in stage.do("solve").summary
+    stage.add(robot[3:], tracking[3:])
+    assert "either mount" not in stage.do("solve").summary
+
+
 def test_candidates_noise_and_outliers_are_the_callers(stage):
     robot, tracking, *_ = samples(np.random.default_rng(5), 10, camera=NOISE)
     tracking[2, :3, 3] += 0.2
@@ -129,6 +137,7 @@ def about(axis, count=6):
     [
         ({"robot": unreadable(math.nan)}, 104, "robot.poses[0].position.x is nan"),
         ({"tracking": unreadable(math.inf)}, 104, "tracking.poses[0].position.x is inf"),
+        ({"robot": unreadable(1e300)}, 109, "coordinate of robot.poses[0].position is 1e+300"),
         ({"robot": unreadable(turn=0.0)}, 103, "robot.poses[0].orientation: all zero"),
         ({"tracking": unreadable(turn=2.0)}, 103, "tracking.poses[0].orientation: its norm is 2"),
         ({"robot": array_of([])}, 108, "tracking.poses has size 1, expected 0"),
