@@ -190,7 +190,9 @@ class Session:
                     resets.append(known)
                 elif node == CONTROLLER:
                     restarts.append((known, over_at))
-                self.until(ear.heard, f"{caller.name} hears of it")
+                # Of a servo that was soon there again nothing need be heard.
+                over = caller.over if caller.endless else ear.heard
+                self.until(lambda: ear.heard() or over(), f"{caller.name} hears of it")
                 caller.restarted()
             self.until(caller.over, f"{caller.name} hears the end of it")
             last_words, age = caller.over(), ear.age
