@@ -83,7 +83,7 @@ def measured(robot: str, count: int) -> Row:
 def main() -> None:
     """Print the table."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 3
-    robots = sys.argv[2:] or sorted({path.stem for path in ROBOTS.iterdir()})
+    robots = sys.argv[2:] or sorted({path.stem for path in ROBOTS.glob("*.*")})
     head = (*(f"mm {delay}" for delay in DELAYS), "velocity", "accel.", "jerk")
     print(f"{'robot':14s}", *(f"{word:>8s}" for word in (*head, *Row("").ends)))
     for robot in robots:

@@ -48,7 +48,7 @@ def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 10
     head = ("um off", "mrad", "of limits", "condition", "singular", "limit", "moving", "us/step")
     print(f"{'robot':14s} {'m/s':>5s}", *(f"{word:>9s}" for word in head))
-    for robot in sorted({path.stem for path in ROBOTS.iterdir()}):
+    for robot in sorted({path.stem for path in ROBOTS.glob("*.*")}):
         for speed in SPEEDS:
             print(row(robot, speed, count), flush=True)
 

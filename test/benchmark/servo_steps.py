@@ -65,7 +65,7 @@ def main() -> None:
     counted(counts)
     head = ("median", "99 %", "99.9 %", "max ms", "postures")
     print(f"{'robot':14s} {'twists':10s}", *(f"{word:>8s}" for word in head))
-    for robot in sorted({path.stem for path in ROBOTS.iterdir()}):
+    for robot in sorted({path.stem for path in ROBOTS.glob("*.*")}):
         for kind, held in HELD.items():
             counts[:] = [0]
             took = 1e3 * np.array(steps(robot, held, seconds, counts))

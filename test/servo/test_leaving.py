@@ -13,7 +13,7 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.servo.report import ServoCondition
 
 LIBRARY = sorted(
-    {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").iterdir()}
+    {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").glob("*.*")}
 )
 # Arms of fewer joints follow a part of most twists, on no line.
 WHOLE = [robot for robot in LIBRARY if robot_of(robot).n >= 6]

@@ -15,7 +15,7 @@ from robomech_ros.servo.report import ServoCondition
 from robomech_ros.servo.resolution import TwistResolver
 
 LIBRARY = sorted(
-    {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").iterdir()}
+    {path.stem for path in (Path(robomech_ros.__file__).parents[1] / "config/robots").glob("*.*")}
 )
 # What interpolation leaves, and what may be lost where a wrist passes (m, rad).
 STRAIGHT, TURNED = 1e-5, 1e-4

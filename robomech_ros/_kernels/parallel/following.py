@@ -1,0 +1,157 @@
+"""A known pose followed to new leg lengths, each step proved by Kantorovich's theorem.
+
+In the frame of the platform, with g_0 = -w . tau as a seventh equation, the conditions of the legs
+(see :mod:`robomech_ros._kernels.parallel.series`) are quadratic: their second derivatives are
+constant, and what the theorem asks is known exactly.  With h = |J^-1 F''| |J^-1 F| <= 1/2 there is
+one solution in the ball of radius (1 - sqrt(1 - 2 h)) / |J^-1 F''|, the one into which the pose
+moves while the lengths do.
+
+References
+----------
+Ortega, The Newton-Kantorovich theorem, American Mathematical Monthly 75 (1968), pp. 658-660.
+"""
+
+import math
+
+from robomech_ros._kernels.compiling.jit import (
+    IN1,
+    IN2,
+    OUT1,
+    i8,
+    kernel,
+    lean,
+    scratch,
+    scratch_integers,
+)
+from robomech_ros._kernels.parallel.newton import eliminate, newton, rows, substitute
+
+__all__ = ["follow"]
+
+# Part of the largest step that is proved, and the least, of all the way, before it gives up.
+_PART, _LEAST_STEP = 0.9, 1e-5
+_STEPS = 200
+# Rounding of the distance that a step has gone, of the size.
+_ROUNDING = 1e-9
+
+
+@lean
+def _bend(B, J, inverse, r, H):
+    """Give |J^-1 F''|, as Frobenius would: rows of the inverse times the second derivatives."""
+    for k in range(6):
+        d = J[k, 0], J[k, 1], J[k, 2]
+        b = B[k, 0], B[k, 1], B[k, 2]
+        a = b[0] - d[0], b[1] - d[1], b[2] - d[2]
+        inner = 2.0 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - r[k])
+        H[k, 0] = 2.0
+        for j in range(3):
+            H[k, 1 + j] = a[j] + b[j]
+            H[k, 4 + j] = inner - 2.0 * a[j] * b[j]
+            H[k, 10 + j] = d[j]
+        H[k, 7] = -(a[0] * b[1] + a[1] * b[0])
+        H[k, 8] = -(a[1] * b[2] + a[2] * b[1])
+        H[k, 9] = -(a[2] * b[0] + a[0] * b[2])
+    # Of the seventh equation: two blocks of ones.
+    total = 6.0
+    for i in range(6):
+        for j in range(13):
+            value = 0.0
+            for k in range(6):
+                value += inverse[k, i] * H[k, j]
+            # How often an entry stands in the matrix: tau . tau and g_0^2; the cross product,
+            # twice; products of w; g_0 with w.
+            often = 4.0 if j < 4 else 1.0 if j < 7 else 2.0
+            total += often * value * value
+    return math.sqrt(total)
+
+
+@lean
+def _gone(start, pose):
+    """Measure how far a pose is from another, as the length of (tau, w, g_0) in its frame."""
+    trace = 1.0
+    for i in range(9):
+        trace += start[i] * pose[i]
+    if not trace > 1e-6:
+        return math.inf
+    p, w = scratch(3), scratch(3)
+    for i in range(3):
+        p[i] = 0.0
+        for j in range(3):
+            p[i] += start[3 * j + i] * (pose[9 + j] - start[9 + j])
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        value = 0.0
+        for m in range(3):
+            value += start[3 * m + k] * pose[3 * m + j] - start[3 * m + j] * pose[3 * m + k]
+        w[i] = value / trace
+    total = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        tau = 0.5 * (p[i] + p[j] * w[k] - p[k] * w[j])
+        total += tau * tau
+    g = 0.5 * (p[0] * w[0] + p[1] * w[1] + p[2] * w[2])
+    return math.sqrt(total + g * g)
+
+
+@lean
+def _inverted(J, order, inverse):
+    """Write the inverse, transposed, from the factors."""
+    for i in range(6):
+        for j in range(6):
+            inverse[i, j] = 1.0 if i == j else 0.0
+        substitute(J, inverse[i], order)
+
+
+@kernel(i8(IN2, IN2, IN1, OUT1, OUT1))
+def follow(A, B, lengths, pose, report):
+    """Move a pose (12,) in place until its leg lengths (6,) are those given.
+
+    Points are of order one.  The squared lengths move along a line.  Written to ``report`` (2,):
+    the part of the way that was gone, and the largest error of a length.  Returns the number of
+    steps, -1 where a singularity is in the way.
+    """
+    J, order, factors = scratch(6, 6), scratch_integers(6), scratch(6, 6)
+    H, inverse = scratch(6, 13), scratch(6, 6)
+    now, b, r = scratch(6), scratch(6), scratch(6)
+    first, start, aim = scratch(6), scratch(12), scratch(6)
+    rows(A, B, pose, J, first)
+    done, step = 0.0, 1.0
+    for taken in range(1, _STEPS + 1):
+        rows(A, B, pose, J, now)
+        factors[:] = J
+        b[:] = 0.0
+        if not eliminate(factors, b, order):
+            break
+        _inverted(factors, order, inverse)
+        step = 1.0 - done
+        while step >= _LEAST_STEP or step == 1.0 - done:
+            for k in range(6):
+                share = done + step
+                squared = first[k] + share * (lengths[k] * lengths[k] - first[k])
+                if step == 1.0 - done:
+                    squared = lengths[k] * lengths[k]
+                aim[k] = math.sqrt(squared)
+                r[k] = 0.25 * (squared - now[k])
+                b[k] = r[k]
+            substitute(factors, b, order)
+            size = 0.0
+            for k in range(6):
+                size += b[k] * b[k]
+            size = math.sqrt(size)
+            bend = _bend(B, J, inverse, r, H)
+            if bend * size <= 0.5:
+                break
+            step *= max(0.1, min(_PART, 0.5 * _PART / (bend * size)))
+        else:
+            break
+        start[:] = pose
+        error = newton(A, B, aim, pose)
+        radius = (1.0 - math.sqrt(1.0 - 2.0 * bend * size)) / bend
+        if not error >= 0.0 or _gone(start, pose) > radius * (1.0 + _ROUNDING) + _ROUNDING:
+            pose[:] = start
+            break
+        if step == 1.0 - done:
+            report[0], report[1] = 1.0, error
+            return taken
+        done += step
+    report[0], report[1] = done, math.nan
+    return -1

@@ -1,0 +1,162 @@
+"""Seven quadrics in the Study parameters x = (e, g) of a pose, as rows of 30 products.
+
+The pose is the dual quaternion e + eps g, both parts scalar first: p = 2 g e* / (e . e).  With it
+the condition |p + R b - a|^2 = s, times e . e, is linear in seventeen quadratic forms: e . e,
+4 g . g, the entries of R, p, and q = R^T p, each times e . e.
+
+References
+----------
+Husty, An algorithm for solving the direct kinematics of general Stewart-Gough platforms,
+Mechanism and Machine Theory 31 (1996), pp. 365-380.
+"""
+
+import numpy as np
+from numba import types
+
+from robomech_ros._kernels.compiling.jit import inline
+
+__all__ = [
+    "CIN2",
+    "COUT2",
+    "FORMS",
+    "PRODUCTS",
+    "STUDY",
+    "derivatives",
+    "factor",
+    "products_of_order",
+    "solve_factored",
+    "values",
+]
+
+c16 = types.complex128
+CIN2 = types.Array(c16, 2, "C", readonly=True)
+COUT2 = types.Array(c16, 2, "C")
+
+# Which two of the eight parameters are multiplied: e e, e g, g g.
+_PAIRS = (
+    [(i, j) for i in range(4) for j in range(i, 4)]
+    + [(i, 4 + j) for i in range(4) for j in range(4)]
+    + [(4 + i, 4 + i) for i in range(4)]
+)
+PRODUCTS = len(_PAIRS)
+_FIRST = np.array([pair[0] for pair in _PAIRS])
+_SECOND = np.array([pair[1] for pair in _PAIRS])
+
+
+def _row(terms):
+    """Lay out a quadratic form, given as {(i, j): coefficient}, over the products."""
+    row = np.zeros(PRODUCTS)
+    for pair, coefficient in terms.items():
+        row[_PAIRS.index(pair)] = coefficient
+    return row
+
+
+def _rotation_forms():
+    """Give the entries of R, times e . e, row by row."""
+    for i in range(3):
+        for j in range(3):
+            if i == j:
+                yield {(k, k): 1.0 if k in (0, i + 1) else -1.0 for k in range(4)}
+            else:
+                k = 3 - i - j
+                sign = -2.0 if (j - i) % 3 == 1 else 2.0
+                yield {(min(i, j) + 1, max(i, j) + 1): 2.0, (0, k + 1): sign}
+
+
+def _position_forms(turn):
+    """Give 2 (e_0 g - g_0 e + turn e x g), component by component."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        yield {
+            (0, 5 + i): 2.0,
+            (i + 1, 4): -2.0,
+            (j + 1, 5 + k): 2.0 * turn,
+            (k + 1, 5 + j): -2.0 * turn,
+        }
+
+
+# The seventeen forms (17, 30), and the condition e . g = 0 of the parameters of a pose.
+FORMS = np.array(
+    [
+        _row({(k, k): 1.0 for k in range(4)}),
+        _row({(4 + k, 4 + k): 4.0 for k in range(4)}),
+        *map(_row, _rotation_forms()),
+        *map(_row, _position_forms(1.0)),
+        *map(_row, _position_forms(-1.0)),
+    ]
+)
+STUDY = _row({(k, 4 + k): 1.0 for k in range(4)})
+
+
+@inline
+def values(K, x, f):
+    """Write the seven quadrics at x."""
+    for r in range(7):
+        f[r] = 0.0
+    for m in range(PRODUCTS):
+        product = x[_FIRST[m]] * x[_SECOND[m]]
+        for r in range(7):
+            f[r] += K[r, m] * product
+
+
+@inline
+def derivatives(K, x, J):
+    """Write their derivatives to rows 0 to 6 of J, and the conjugate of x to row 7."""
+    J[:] = 0.0
+    for m in range(PRODUCTS):
+        i, j = _FIRST[m], _SECOND[m]
+        for r in range(7):
+            J[r, i] += K[r, m] * x[j]
+            J[r, j] += K[r, m] * x[i]
+    for i in range(8):
+        J[7, i] = x[i].conjugate()
+
+
+@inline
+def products_of_order(series, k, low, out):
+    """Write the products' coefficients of order k, without parts of orders below ``low``."""
+    for m in range(PRODUCTS):
+        i, j = _FIRST[m], _SECOND[m]
+        total = 0.0j
+        for n in range(low, k - low + 1):
+            total += series[n, i] * series[k - n, j]
+        out[m] = total
+
+
+@inline
+def factor(A, order):
+    """Replace A (n, n) by its factors L U with partial pivoting; False where it is singular."""
+    n = A.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[best, k]):
+                best = i
+        order[k] = best
+        if not abs(A[best, k]) > 0.0:
+            return False
+        if best != k:
+            for j in range(n):
+                A[k, j], A[best, j] = A[best, j], A[k, j]
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, n):
+            A[i, k] *= inverse
+            for j in range(k + 1, n):
+                A[i, j] -= A[i, k] * A[k, j]
+        A[k, k] = inverse
+    return True
+
+
+@inline
+def solve_factored(A, order, b):
+    """Solve with the factors that :func:`factor` has left, the result in place of b."""
+    n = A.shape[0]
+    for k in range(n):
+        b[k], b[order[k]] = b[order[k]], b[k]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= A[i, k] * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= A[k, j] * b[j]
+        b[k] *= A[k, k]

@@ -1,0 +1,121 @@
+"""Check what callers give to the robots of this package."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite, real_array, real_number
+from robomech_ros.spatial.matrices import as_rotation
+from robomech_ros.spatial.poses import as_pose
+
+__all__ = [
+    "actuated",
+    "angle_limits",
+    "planar_pose",
+    "pose_about_z",
+    "positive",
+    "rotation_only",
+    "translation_only",
+    "unit_axes",
+]
+
+Array = NDArray[np.float64]
+
+# How far a pose may be from one that the platform can take at all (rad, m): rounding of files.
+_OFF = 1e-6
+
+
+def positive(what: str, value: object, *, zero: bool = False) -> float:
+    """Check one length (m)."""
+    expected = f"a length {'from' if zero else 'above'} 0 m, up to {LARGEST_LENGTH:g} m"
+    number = real_number(what, value, expected)
+    if not (number >= 0.0 if zero else number > 0.0) or not number <= LARGEST_LENGTH:
+        raise BadValueError(what, value, expected)
+    return number
+
+
+def actuated(what: str, values: ArrayLike, count: int) -> Array:
+    """Check values of actuated joints: their number, and finite."""
+    array = as_finite(what, values, (count,))
+    if array.shape != (count,):
+        raise WrongSizeError(what, array.shape, (count,))
+    return np.ascontiguousarray(array)
+
+
+def angle_limits(limits: ArrayLike | None, count: int) -> Array:
+    """Check limits of angles (rad), one pair for each joint or for all; all round without any."""
+    if limits is None:
+        return np.tile([-np.pi, np.pi], (count, 1))
+    array = as_finite("limits", limits, (2,))
+    if array.shape not in ((2,), (count, 2)):
+        raise WrongSizeError("limits", array.shape, f"(2,) or ({count}, 2)")
+    full = np.broadcast_to(array, (count, 2)).copy()
+    if (full[:, 0] >= full[:, 1]).any():
+        row = full[full[:, 0] >= full[:, 1]][0].tolist()
+        raise BadValueError("limits", row, "a lower and a greater upper angle (rad)")
+    return full
+
+
+def unit_axes(what: str, axes: ArrayLike) -> Array:
+    """Check three directions (3, 3) and give them unit length."""
+    array = as_finite(what, axes, (3,))
+    if array.shape != (3, 3):
+        raise WrongSizeError(what, array.shape, (3, 3))
+    norms = np.linalg.norm(array, axis=1)
+    if not ((norms > 1e-6) & (norms < LARGEST_LENGTH)).all():
+        raise BadValueError(what, array.tolist(), "three directions, none of them zero")
+    return np.ascontiguousarray(array / norms[:, None])
+
+
+def translation_only(T: ArrayLike) -> Array:
+    """Give the position (3,) of a pose without rotation, or a position as it is."""
+    if real_array("pose", T).shape == (3,):
+        return np.ascontiguousarray(as_finite("position", T, (3,)))
+    pose = _single(T)
+    off = float(np.abs(pose[:3, :3] - np.eye(3)).max())
+    if off > _OFF:
+        what = "rotation of the pose, which differs from none by"
+        raise BadValueError(what, off, "a translation: the platform does not turn")
+    return np.ascontiguousarray(pose[:3, 3])
+
+
+def planar_pose(T: ArrayLike) -> Array:
+    """Give x, y (m) and the angle (rad) of a pose in the plane z = 0, or the three as they are."""
+    if real_array("pose", T).shape == (3,):
+        return np.ascontiguousarray(as_finite("pose", T, (3,)))
+    pose = _single(T)
+    off = max(float(np.abs(pose[2, :2]).max()), abs(float(pose[2, 3])))
+    if off > _OFF:
+        what = "pose, which leaves the plane by"
+        raise BadValueError(what, off, "a turn about z and a position with z = 0")
+    return np.array([pose[0, 3], pose[1, 3], np.arctan2(pose[1, 0], pose[0, 0])])
+
+
+def rotation_only(T: ArrayLike) -> Array:
+    """Give the rotation (3, 3) of a pose without translation, or a rotation as it is."""
+    if real_array("pose", T).shape == (3, 3):
+        return as_rotation(T)
+    pose = _single(T)
+    off = float(np.abs(pose[:3, 3]).max())
+    if off > _OFF:
+        raise BadValueError("position of the pose", off, "0 0 0: the platform only turns")
+    return np.ascontiguousarray(pose[:3, :3])
+
+
+def _single(T: ArrayLike) -> Array:
+    pose = as_pose(T)
+    if pose.shape != (4, 4):
+        raise WrongSizeError("pose", pose.shape, (4, 4))
+    return pose
+
+
+def pose_about_z(planar: Array) -> Array:
+    """Give poses (k, 4, 4) of rows x, y (m) and angle (rad)."""
+    T = np.tile(np.eye(4), (len(planar), 1, 1))
+    c, s = np.cos(planar[:, 2]), np.sin(planar[:, 2])
+    T[:, 0, 0], T[:, 0, 1], T[:, 1, 0], T[:, 1, 1] = c, -s, s, c
+    T[:, :2, 3] = planar[:, :2]
+    return T

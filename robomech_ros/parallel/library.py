@@ -1,0 +1,156 @@
+"""Parallel robots by name, by path or from a YAML document.
+
+A document says what the robot is, where its numbers come from, and the arguments of its class::
+
+    kind: parallel
+    name: hexapod
+    source: where the numbers come from
+    type: stewart_gough
+    base_points: [[0.0, 0.5, 0.0], ...]
+    platform_points: [[0.0, 0.2, 0.0], ...]
+    strokes: [0.6, 0.9]
+
+Names are those of files in the folder ``parallel`` of the folders of robots.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from robomech_ros.errors import (
+    BadValueError,
+    RobomechError,
+    RobotDescriptionError,
+    UnknownRobotError,
+)
+from robomech_ros.parallel.delta import Delta
+from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
+from robomech_ros.parallel.spherical import Spherical3RRR
+from robomech_ros.parallel.stewart_gough import StewartGough
+from robomech_ros.robots import robot_folders
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
+from robomech_ros.robots.source_files import read_source
+
+__all__ = ["TYPES", "ParallelRobot", "list_parallel", "load_parallel"]
+
+ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
+
+# Of each type: its class, the keys that it needs, and those it may have.
+TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
+    "stewart_gough": (StewartGough, ("base_points", "platform_points"), ("strokes",)),
+    "delta": (
+        Delta,
+        ("base_radius", "platform_radius", "arm", "forearm"),
+        ("azimuths", "limits"),
+    ),
+    "planar_3rpr": (Planar3RPR, ("base_points", "platform_points"), ("strokes",)),
+    "planar_3rrr": (
+        Planar3RRR,
+        ("base_points", "platform_points", "proximal", "distal"),
+        ("limits",),
+    ),
+    "spherical_3rrr": (
+        Spherical3RRR,
+        ("base_axes", "middle_axes", "platform_axes"),
+        ("distal", "limits"),
+    ),
+}
+_HEAD = ("kind", "name", "source", "type")
+_KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
+_SUFFIXES = (".yaml", ".yml")
+
+
+def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
+    """Load a parallel robot.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name (see :func:`list_parallel`), the path of a YAML file, or the text of one.
+
+    Returns
+    -------
+    StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+
+    Raises
+    ------
+    UnknownRobotError
+        No robot of this name; the error lists those there are.
+    RobotDescriptionError
+        The document cannot be used: the message says where and why.
+
+    Examples
+    --------
+    >>> from robomech_ros.parallel import load_parallel
+    >>> load_parallel("hexapod").family
+    '3-6 planar'
+    """
+    given: object = name_or_path
+    if isinstance(given, os.PathLike):
+        return _from_file(Path(given))
+    if not isinstance(given, str) or not given.strip():
+        raise BadValueError("robot", given, "a robot's name, a path, or the text of a document")
+    if "\n" in given.strip():
+        return _from_text(given, "YAML string")
+    name = given.strip()
+    if name.lower().endswith(_SUFFIXES) or os.sep in name:
+        return _from_file(Path(name).expanduser())
+    files = _files()
+    if not _NAME.fullmatch(name) or name not in files:
+        raise UnknownRobotError(name, sorted(files))
+    return _from_file(files[name])
+
+
+def list_parallel() -> tuple[str, ...]:
+    """List the names of the parallel robots in all folders, sorted.
+
+    Examples
+    --------
+    >>> from robomech_ros.parallel import list_parallel
+    >>> "delta" in list_parallel()
+    True
+    """
+    return tuple(sorted(_files()))
+
+
+def _files() -> dict[str, Path]:
+    found: dict[str, Path] = {}
+    for folder in robot_folders():
+        try:
+            entries = sorted((folder / "parallel").iterdir())
+        except OSError:
+            continue
+        for path in entries:
+            if path.suffix in _SUFFIXES and path.is_file():
+                found.setdefault(path.stem, path)
+    return found
+
+
+def _from_file(path: Path) -> ParallelRobot:
+    if path.suffix.lower() not in _SUFFIXES:
+        why = f"expected a file named {', '.join(_SUFFIXES)}"
+        raise RobotDescriptionError(str(path), why)
+    return _from_text(read_source(path, LARGEST_YAML), str(path))
+
+
+def _from_text(text: str | bytes, where: str) -> ParallelRobot:
+    document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_KEYS))
+    for key, known in (("kind", ("parallel",)), ("type", tuple(TYPES))):
+        if document[key] not in known:
+            why = f"{str(document[key])[:80]!r}, expected {' or '.join(known)}"
+            raise RobotDescriptionError(f"{where}: {key}", why)
+    for key in ("name", "source"):
+        if not isinstance(document[key], str) or not document[key].strip():
+            raise RobotDescriptionError(f"{where}: {key}", "expected a text")
+    make, needed, more = TYPES[document["type"]]
+    geometry = {key: value for key, value in document.items() if key not in (*_HEAD, "notes")}
+    check_keys(geometry, where, needed, more)
+    try:
+        robot: ParallelRobot = make(**geometry, name=document["name"])
+    except RobomechError as error:
+        raise RobotDescriptionError(where, str(error)) from None
+    return robot

@@ -1,0 +1,147 @@
+"""Anchors of a platform on six legs: checked, brought to order one, and what kind they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.parallel.newton import jacobians
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.poses import assembled
+from robomech_ros.spatial.rotations.axis_angle import matrix_from_rotation_vector
+
+__all__ = ["ScaledPlatform", "best_conditioning", "checked_points", "checked_strokes", "family_of"]
+
+Array = NDArray[np.float64]
+
+# Points nearer to each other than this (of the size) are one.
+_SAME = 1e-9
+# Best ratio of singular values over many poses, below which a platform is architecturally
+# singular: 4e-5 at a deviation of 1e-4 from one that is, more than 9e-3 for sound ones.
+SINGULAR_ARCHITECTURE = 1e-3
+_POSES_TRIED = 64
+# A turn that makes no anchor lie along an axis, so that pivots vanish for no pose people choose.
+_TURN = (0.3, 0.7, -0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledPlatform:
+    """The same platform about its centres, of order one, its own frame turned.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (6, 3)
+        Base and platform points.
+    scale : float
+        By what lengths (m) are multiplied.
+    """
+
+    a: Array
+    b: Array
+    scale: float
+    base_centre: Array
+    platform_centre: Array
+    turn: Array
+
+    @classmethod
+    def of(cls, base_points: Array, platform_points: Array) -> ScaledPlatform:
+        """Scale points in m, shape (6, 3)."""
+        one, two = base_points.mean(axis=0), platform_points.mean(axis=0)
+        a, b = base_points - one, platform_points - two
+        scale = 1.0 / np.sqrt(((a * a).sum() + (b * b).sum()) / 6.0)
+        turn = matrix_from_rotation_vector(np.array(_TURN))
+        a, b = np.ascontiguousarray(scale * a), np.ascontiguousarray(scale * b @ turn.T)
+        return cls(a, b, float(scale), one, two, turn)
+
+    def poses(self, scaled: Array) -> Array:
+        """Give poses (k, 4, 4) in m from scaled ones (k, 12)."""
+        R = scaled[:, :9].reshape(-1, 3, 3) @ self.turn
+        p = self.base_centre + scaled[:, 9:] / self.scale - R @ self.platform_centre
+        return assembled(R, p)
+
+    def scaled_pose(self, T: Array) -> Array:
+        """Give one pose (12,) from that (4, 4) in m."""
+        R = T[:3, :3] @ self.turn.T
+        p = self.scale * (T[:3, 3] + T[:3, :3] @ self.platform_centre - self.base_centre)
+        return np.concatenate((R.ravel(), p))
+
+
+def checked_points(what: str, points: ArrayLike, count: int, dimension: int) -> Array:
+    """Check anchors: their number, finite, of a robot's size, and not all in one point.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+    """
+    array = as_finite(what, points, (dimension,))
+    if array.shape != (count, dimension):
+        raise WrongSizeError(what, array.shape, (count, dimension))
+    if np.abs(array).max() > LARGEST_LENGTH:
+        largest = float(np.abs(array).max())
+        raise BadValueError(what, largest, f"coordinates (m) up to {LARGEST_LENGTH:g}")
+    distinct = _distinct(array)
+    if distinct < 3:
+        raise BadValueError(what, array.tolist(), f"three different points or more, not {distinct}")
+    return np.ascontiguousarray(array).copy()
+
+
+def _distinct(points: Array) -> int:
+    """Count different points."""
+    size = float(np.ptp(points, axis=0).max())
+    found: list[Array] = []
+    for point in points:
+        if all(np.abs(point - other).max() > _SAME * size for other in found):
+            found.append(point)
+    return len(found)
+
+
+def checked_strokes(strokes: ArrayLike | None, count: int) -> Array | None:
+    """Check strokes (m): least and greatest length of each leg, or one pair for all of them.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+    """
+    if strokes is None:
+        return None
+    array = as_finite("strokes", strokes, (2,))
+    if array.shape not in ((2,), (count, 2)):
+        raise WrongSizeError("strokes", array.shape, f"(2,) or ({count}, 2)")
+    full = np.broadcast_to(array, (count, 2)).copy()
+    if (full[:, 0] < 0.0).any() or (full[:, 0] >= full[:, 1]).any():
+        row = full[(full[:, 0] < 0.0) | (full[:, 0] >= full[:, 1])][0].tolist()
+        raise BadValueError("strokes", row, "a least length (m) from 0, and a greater one")
+    return full
+
+
+def _is_plane(points: Array) -> bool:
+    centred = points - points.mean(axis=0)
+    values = np.linalg.svd(centred, compute_uv=False)
+    return bool(values[2] <= _SAME * values[0])
+
+
+def family_of(base_points: Array, platform_points: Array) -> str:
+    """Name the kind of a platform: how many anchors it has, and which of them lie in planes."""
+    kind = f"{_distinct(base_points)}-{_distinct(platform_points)}"
+    planes = {
+        (True, True): "planar",
+        (True, False): "planar base",
+        (False, True): "planar platform",
+        (False, False): "general",
+    }
+    return f"{kind} {planes[_is_plane(base_points), _is_plane(platform_points)]}"
+
+
+def best_conditioning(scaled: ScaledPlatform) -> float:
+    """Give the best ratio of least to greatest singular value over poses all round."""
+    rng = np.random.default_rng(6)
+    R = matrix_from_rotation_vector(rng.normal(size=(_POSES_TRIED, 3)))
+    T = np.ascontiguousarray(assembled(R, rng.normal(size=(_POSES_TRIED, 3))))
+    rows = np.empty((_POSES_TRIED, 6, 6))
+    jacobians(scaled.a, scaled.b, T, rows)
+    values = np.linalg.svd(rows, compute_uv=False)
+    return float((values[:, 5] / values[:, 0]).max())

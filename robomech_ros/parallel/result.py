@@ -1,0 +1,112 @@
+"""What the direct and the inverse kinematics of a parallel robot return."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.outcomes import Code
+
+__all__ = ["DirectKinematicsResult", "FollowedPose", "LimbPostures"]
+
+Array = NDArray[np.float64]
+
+_NOTHING = np.empty(0)
+_NOTHING.setflags(write=False)
+
+
+@dataclass(frozen=True, eq=False)
+class DirectKinematicsResult:
+    """All poses of the platform for given actuated joints, its assembly modes.
+
+    Parameters
+    ----------
+    poses : ndarray, shape (k, 4, 4)
+        ``T_base_platform`` (m), nearest to the seed first if there was one.
+    multiplicity : ndarray of int, shape (k,)
+        How many modes meet in each pose: 1, or more where the robot is singular.
+    complete : bool
+        Whether these are provably all real poses.
+    family : str
+        What kind of robot it is solved as.
+    status : Code
+        ``NONE``, ``OUT_OF_REACH`` where there is no real pose, ``SINGULAR_CONTINUUM`` where the
+        platform can move with locked joints, ``NOT_CONVERGED`` where poses may be missing.
+    reason : str
+        In words, with numbers; empty where there is nothing to say.
+    errors : ndarray, shape (k,)
+        Largest error of the closure of a limb (m, or of a cosine), at each pose.
+    """
+
+    poses: Array
+    multiplicity: NDArray[np.int64]
+    complete: bool
+    family: str
+    status: Code
+    reason: str = ""
+    errors: Array = field(default_factory=lambda: _NOTHING)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedPose:
+    """Where a known pose has gone when the joints moved.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (4, 4)
+        ``T_base_platform`` (m) at the end, or as far as it could be followed.
+    certified : bool
+        Whether it is provably the pose into which the given one moves while the squared lengths
+        move along a line: the assembly mode is the same.
+    status : Code
+        ``NONE``, or ``SINGULAR`` where a singularity, in which modes meet, is in the way.
+    part : float
+        The part of the way that was gone: 1 at the end.
+    steps : int
+        In how many steps it was proved.
+    reason : str
+        In words; empty where there is nothing to say.
+    """
+
+    pose: Array
+    certified: bool
+    status: Code
+    part: float
+    steps: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class LimbPostures:
+    """All actuated joints of a robot of revolute limbs that hold its platform in a pose.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        Actuated joints (rad), one row for each combination of the limbs' branches, nearest to the
+        seed first if there was one, and within limits.
+    branches : tuple of str
+        Of each row: for each limb ``+`` or ``-``, or ``0`` where both branches meet.
+    status : Code
+        ``NONE``, ``OUT_OF_REACH`` where a limb does not reach the pose, ``LIMITS_EXCLUDE_ALL``
+        where limits exclude all branches of a limb, ``SINGULAR_CONTINUUM`` where any angle of a
+        limb will do.
+    reason : str
+        Which limb, and by how much; empty where there is nothing to say.
+    excess : ndarray, shape (n,)
+        By how much each limb misses the pose: m or rad, 0 where it does not.
+    """
+
+    q: Array
+    branches: tuple[str, ...]
+    status: Code
+    reason: str
+    excess: Array
+
+    def __len__(self) -> int:
+        return len(self.q)

@@ -1,0 +1,52 @@
+"""What poses are found, in the order of their distance from a seed."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.result import DirectKinematicsResult
+from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
+
+__all__ = ["modes_found", "nearest_first"]
+
+
+def nearest_first(
+    found: DirectKinematicsResult, seed: NDArray[np.float64], size: float
+) -> DirectKinematicsResult:
+    """Order poses by distance from a seed (4, 4), angles multiplied by the size (m)."""
+    turns = rotation_vector_from_matrix(seed[:3, :3].T @ found.poses[:, :3, :3])
+    angles = np.linalg.norm(turns.reshape(-1, 3), axis=1)
+    shifts = np.linalg.norm(found.poses[:, :3, 3] - seed[:3, 3], axis=1)
+    order = np.argsort(np.hypot(shifts, size * angles), kind="stable")
+    return dataclasses.replace(
+        found,
+        poses=found.poses[order],
+        multiplicity=found.multiplicity[order],
+        errors=found.errors[order],
+    )
+
+
+def modes_found(
+    poses: NDArray[np.float64],
+    multiplicity: NDArray[np.int64],
+    errors: NDArray[np.float64],
+    count: int,
+    family: str,
+) -> DirectKinematicsResult:
+    """Say what a closed form has found: so many poses, or -1 where the platform can move."""
+    if count < 0:
+        empty = np.empty((0, 4, 4)), np.empty(0, np.int64)
+        reason = "the platform can move while its drives are locked"
+        return DirectKinematicsResult(*empty, False, family, Code.SINGULAR_CONTINUUM, reason)
+    status, reason = Code.NONE, ""
+    if count == 0:
+        status, reason = Code.OUT_OF_REACH, "no real pose"
+    elif multiplicity[:count].max() > 1:
+        reason = "one pose or more are singular: assembly modes meet there"
+    return DirectKinematicsResult(
+        poses, multiplicity[:count].copy(), True, family, status, reason, errors[:count].copy()
+    )

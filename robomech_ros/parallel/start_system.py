@@ -1,0 +1,96 @@
+"""Poses of a platform for complex leg lengths, from which those for real ones are reached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.parallel.projective import REGULAR, track
+from robomech_ros.parallel.generic_platform import LEGS, POSES
+from robomech_ros.parallel.study import quadrics_of_platform, still_finite
+
+__all__ = ["StartSystem", "start_system", "unlike"]
+
+Complex = NDArray[np.complex128]
+
+# Two ends nearer than this (of unit length) are one: paths have been confused.
+_ONE = 1e-7
+# A path that has come so far without an end has a singular one, or leaves for infinity.
+_NEARLY_THERE = 0.99
+# How far complex squared lengths are from typical ones, of their mean, and how often they are
+# drawn before two draws must have agreed on the number of poses.
+_AWAY, _DRAWS = 0.5, 4
+
+
+@dataclass(frozen=True, eq=False)
+class StartSystem:
+    """All poses of a platform for generic complex lengths.
+
+    Parameters
+    ----------
+    squares : ndarray of complex, shape (6,)
+        Squared lengths.
+    poses : ndarray of complex, shape (n, 8)
+        Study parameters, of unit length.
+    doubt : str
+        Why poses may be missing; empty where two draws agree on their number.
+    """
+
+    squares: Complex
+    poses: Complex
+    doubt: str
+
+
+@lru_cache(maxsize=1)
+def _generic() -> tuple[Complex, Complex]:
+    """Give quadrics and the forty poses of the generic platform, exact."""
+    quadrics = quadrics_of_platform(LEGS[:, :3], LEGS[:, 3:6], LEGS[:, 6])
+    poses, ends, times = POSES.copy(), np.zeros(40, np.int64), np.zeros(40)
+    track(quadrics, quadrics, poses, ends, times)
+    return quadrics, poses
+
+
+def unlike(poses: Complex) -> bool:
+    """Say whether points (n, 8) of unit length are all different as points of P^7."""
+    inner = poses @ poses.conj().T
+    apart = poses[:, None, :] - inner[:, :, None] * poses[None, :, :]
+    distances = np.linalg.norm(apart, axis=2) + np.eye(len(poses))
+    return bool(len(poses) == 0 or distances.min() > _ONE)
+
+
+def start_system(a: NDArray, b: NDArray, typical: NDArray) -> StartSystem:
+    """Find all poses for complex lengths drawn near typical ones.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (6, 3)
+        Base and platform points, about their centres, of order one.
+    typical : ndarray, shape (6,)
+        Squared lengths.
+    """
+    generic, poses = _generic()
+    rng = np.random.default_rng(1965)
+    found: dict[int, StartSystem] = {}
+    doubt = ""
+    for _ in range(_DRAWS):
+        noise = rng.normal(size=(2, 6))
+        squares = typical + _AWAY * typical.mean() * (noise[0] + 1j * noise[1])
+        x, ends, times = poses.copy(), np.zeros(40, np.int64), np.zeros(40)
+        track(generic, quadrics_of_platform(a, b, squares), x, ends, times)
+        regular = ends == REGULAR
+        gone = ~regular & (times > _NEARLY_THERE) & ~still_finite(x)
+        count = int(regular.sum())
+        if not (regular | gone).all() or not unlike(x[regular]):
+            doubt = "paths to the poses of this geometry end without a verdict"
+        elif count in found:
+            return found[count]
+        else:
+            found[count] = StartSystem(squares, np.ascontiguousarray(x[regular]), "")
+    if not found:
+        return StartSystem(squares, np.ascontiguousarray(x[regular]), doubt)
+    best = found[max(found)]
+    doubt = f"two draws of lengths do not agree on the number of poses ({sorted(found)})"
+    return StartSystem(best.squares, best.poses, doubt)

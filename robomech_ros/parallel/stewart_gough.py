@@ -1,0 +1,281 @@
+"""The platform on six legs between points of base and platform: Stewart and Gough's."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.parallel import following, newton
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
+from robomech_ros.parallel.platform_geometry import (
+    SINGULAR_ARCHITECTURE,
+    ScaledPlatform,
+    best_conditioning,
+    checked_points,
+    checked_strokes,
+    family_of,
+)
+from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose
+from robomech_ros.parallel.seeds import nearest_first
+from robomech_ros.parallel.start_system import StartSystem, start_system
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.spatial.poses import as_pose
+
+__all__ = ["StewartGough"]
+
+Array = NDArray[np.float64]
+
+# Squared lengths that are typical where no strokes are given, of the size of the platform.
+_TYPICAL = 2.0
+
+
+class StewartGough:
+    r"""A platform on six legs: :math:`|p + R b_i - a_i| = L_i`.
+
+    Parameters
+    ----------
+    base_points : array_like, shape (6, 3)
+        Anchors :math:`a_i` in the frame of the base (m).
+    platform_points : array_like, shape (6, 3)
+        Anchors :math:`b_i` in the frame of the platform (m).
+    strokes : array_like, shape (2,) or (6, 2), optional
+        Least and greatest length of all legs or of each (m).
+    name : str, optional
+        What it is called.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not six points, or fewer than three different ones; strokes that are none.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.parallel import StewartGough
+    >>> angles = np.radians([-10, 10, 110, 130, 230, 250])
+    >>> base = np.stack((np.cos(angles), np.sin(angles), 0 * angles), axis=1)
+    >>> corners = np.radians([0, 0, 120, 120, 240, 240])
+    >>> top = 0.775 * np.stack((np.cos(corners), np.sin(corners), 0 * corners), axis=1)
+    >>> robot = StewartGough(base, top)
+    >>> found = robot.direct([1.538, 1.695, 2.658, 2.649, 1.653, 1.5])
+    >>> len(found), found.complete, found.family
+    (16, True, '6-3 planar')
+    >>> np.round(robot.inverse(found.poses[0]), 6)
+    array([1.538, 1.695, 2.658, 2.649, 1.653, 1.5  ])
+    """
+
+    def __init__(
+        self,
+        base_points: ArrayLike,
+        platform_points: ArrayLike,
+        *,
+        strokes: ArrayLike | None = None,
+        name: str = "platform",
+    ) -> None:
+        self.name = name
+        self.base_points = checked_points("base_points", base_points, 6, 3)
+        self.platform_points = checked_points("platform_points", platform_points, 6, 3)
+        self.strokes = checked_strokes(strokes, 6)
+        self._scaled = ScaledPlatform.of(self.base_points, self.platform_points)
+        # Best ratio of least to greatest singular value of the Jacobian over many poses.
+        self.conditioning = best_conditioning(self._scaled)
+        kind = family_of(self.base_points, self.platform_points)
+        self.family = f"{kind}, architecturally singular" if self.always_singular else kind
+
+    @property
+    def always_singular(self) -> bool:
+        """Whether the platform is singular in every pose: its legs never hold it."""
+        return self.conditioning < SINGULAR_ARCHITECTURE
+
+    @cached_property
+    def _start(self) -> StartSystem:
+        typical = np.full(6, _TYPICAL)
+        if self.strokes is not None:
+            typical = (self._scaled.scale * self.strokes.mean(axis=1)) ** 2
+        return start_system(self._scaled.a, self._scaled.b, typical)
+
+    def inverse(self, T: ArrayLike) -> Array:
+        r"""Find the leg lengths for a pose: :math:`L_i = |p + R b_i - a_i|`.
+
+        Parameters
+        ----------
+        T : array_like, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Lengths (m), also where they are outside the strokes; see :meth:`excess`.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not poses.
+        """
+        poses = as_pose(T)
+        out = np.empty((*poses.shape[:-2], 6))
+        flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
+        newton.leg_lengths(self.base_points, self.platform_points, flat, out.reshape(-1, 6))
+        return out
+
+    def excess(self, lengths: ArrayLike) -> Array:
+        """Say by how much leg lengths are outside the strokes.
+
+        Parameters
+        ----------
+        lengths : array_like, shape (..., 6)
+            In m.
+
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            Positive where a leg is too long, negative where it is too short (m), else 0.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not six lengths.
+        """
+        given = as_finite("lengths", lengths, (6,))
+        if self.strokes is None:
+            return np.zeros_like(given)
+        return np.asarray(given - np.clip(given, self.strokes[:, 0], self.strokes[:, 1]))
+
+    def direct(self, lengths: ArrayLike, seed: ArrayLike | None = None) -> DirectKinematicsResult:
+        """Find all poses that leg lengths allow, its assembly modes: up to forty.
+
+        Poses for complex lengths, found once for each platform, are followed to those for the
+        lengths given.  They are all where each path has a regular end of its own, and the ends
+        are real or conjugate in pairs; paths that meet in a singular pose are counted there.
+
+        Parameters
+        ----------
+        lengths : array_like, shape (6,)
+            In m, within the strokes.
+        seed : array_like, shape (4, 4), optional
+            A pose: the nearest one comes first.
+
+        Returns
+        -------
+        DirectKinematicsResult
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not six lengths, one that is not positive, or outside its stroke: the leg and the
+            amount are named.
+
+        See Also
+        --------
+        follow : the one pose into which a known one moves.
+        """
+        given = self._checked_lengths(lengths)
+        near = None if seed is None else _one_pose("seed", seed)
+        if self.always_singular:
+            empty = np.empty((0, 4, 4)), np.empty(0, np.int64)
+            reason = f"architecturally singular: in every pose {CONTINUUM}, or they do not fit"
+            return DirectKinematicsResult(
+                *empty, False, self.family, Code.SINGULAR_CONTINUUM, reason
+            )
+        found = assembly_modes(self._scaled, self._start, given, self.family)
+        return found if near is None else nearest_first(found, near, 1.0 / self._scaled.scale)
+
+    def follow(self, lengths: ArrayLike, T: ArrayLike) -> FollowedPose:
+        """Find the pose into which a known one moves, and prove that the mode is the same.
+
+        Each step satisfies Kantorovich's condition, which is exact here, with constant second
+        derivatives; where the whole way does not, it is divided.
+
+        Parameters
+        ----------
+        lengths : array_like, shape (6,)
+            New leg lengths (m), within the strokes.
+        T : array_like, shape (4, 4)
+            The known pose ``T_base_platform``, of any lengths.
+
+        Returns
+        -------
+        FollowedPose
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`direct`.
+
+        References
+        ----------
+        Ortega, The Newton-Kantorovich theorem, American Mathematical Monthly 75 (1968).
+        """
+        given = self._checked_lengths(lengths)
+        scaled = self._scaled
+        pose, report = scaled.scaled_pose(_one_pose("pose", T)), np.empty(2)
+        steps = following.follow(scaled.a, scaled.b, scaled.scale * given, pose, report)
+        reached = scaled.poses(pose[None])[0]
+        if steps > 0:
+            return FollowedPose(reached, True, Code.NONE, 1.0, steps)
+        part = float(report[0])
+        reason = f"a singular pose is in the way, after {part:.3g} of it: assembly modes meet there"
+        return FollowedPose(reached, False, Code.SINGULAR, part, 0, reason)
+
+    def jacobian(self, T: ArrayLike) -> Array:
+        r"""Find K of :math:`K t = \dot L`: rows :math:`[(R b_i \times n_i)^T, n_i^T]`.
+
+        Parameters
+        ----------
+        T : array_like, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Returns
+        -------
+        ndarray, shape (..., 6, 6)
+            For twists [angular velocity; velocity of the platform's origin] in the base, to the
+            rates of the lengths; its transpose makes of leg forces the wrench on the platform.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not poses, or one in which a leg has no length.
+
+        References
+        ----------
+        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
+        """
+        poses = as_pose(T)
+        out = np.empty((*poses.shape[:-2], 6, 6))
+        flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
+        a, b = self.base_points, self.platform_points
+        if newton.jacobians(a, b, flat, out.reshape(-1, 6, 6)):
+            raise BadValueError("pose", poses.tolist(), "legs that are longer than 0 m")
+        return out
+
+    def _checked_lengths(self, lengths: ArrayLike) -> Array:
+        given = as_finite("lengths", lengths, (6,))
+        if given.shape != (6,):
+            raise WrongSizeError("lengths", given.shape, (6,))
+        for leg, length in enumerate(given.tolist()):
+            if not 0.0 < length <= LARGEST_LENGTH:
+                what = f"length of leg {leg + 1}"
+                raise BadValueError(what, length, f"more than 0 m, up to {LARGEST_LENGTH:g} m")
+        outside = self.excess(given)
+        if self.strokes is not None and outside.any():
+            leg = int(np.argmax(np.abs(outside)))
+            low, high = self.strokes[leg].tolist()
+            why = f"{low:g} to {high:g} m, the stroke: {abs(outside[leg]):.3g} m outside"
+            raise BadValueError(f"length of leg {leg + 1}", float(given[leg]), why)
+        return np.ascontiguousarray(given)
+
+
+def _one_pose(what: str, T: ArrayLike) -> Array:
+    pose = as_pose(T, what=what)
+    if pose.shape != (4, 4):
+        raise WrongSizeError(what, pose.shape, (4, 4))
+    return pose

@@ -1,0 +1,77 @@
+"""Poses as Study parameters, and the quadrics in them that the legs of a platform stand for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.parallel.quadrics import FORMS, STUDY
+
+__all__ = ["parameters_of_pose", "quadrics_between", "quadrics_of_platform", "still_finite"]
+
+# Smallest e . e, of |x|^2, of a pose without a regular end that is not on its way to infinity.
+_AT_INFINITY = 1e-5
+
+
+def parameters_of_pose(rotation: NDArray, position: NDArray) -> NDArray[np.float64]:
+    """Give the Study parameters (8,) of a pose, of unit length."""
+    trace = float(np.trace(rotation))
+    table = np.empty((4, 4))
+    table[0, 0] = 1.0 + trace
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        table[0, 1 + i] = table[1 + i, 0] = rotation[k, j] - rotation[j, k]
+        table[1 + i, 1 + i] = 1.0 - trace + 2.0 * rotation[i, i]
+        table[1 + i, 1 + j] = table[1 + j, 1 + i] = rotation[i, j] + rotation[j, i]
+    e = table[np.argmax(np.diag(table))]
+    g = 0.5 * np.concatenate(([-position @ e[1:]], e[0] * position + np.cross(position, e[1:])))
+    x = np.concatenate((e, g))
+    unit: NDArray[np.float64] = x / np.linalg.norm(x)
+    return unit
+
+
+def quadrics_of_platform(
+    base_points: NDArray, platform_points: NDArray, squares: NDArray
+) -> NDArray[np.complex128]:
+    """Give the seven quadrics (7, 30) of a platform, those of the legs orthonormal.
+
+    Parameters
+    ----------
+    base_points, platform_points : ndarray, shape (6, 3)
+        Real or complex.
+    squares : ndarray, shape (6,)
+        Squared lengths.
+    """
+    return quadrics_between(base_points, platform_points, squares, squares)[1]
+
+
+def quadrics_between(
+    base_points: NDArray, platform_points: NDArray, first: NDArray, last: NDArray
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Give the quadrics for two sets of squared lengths, the last ones orthonormal.
+
+    All between them, on a line, are those of the same platform for lengths on a line.
+    """
+    one = _forms(base_points, platform_points, first)
+    two = _forms(base_points, platform_points, last)
+    triangle = np.linalg.qr(two.conj().T)[1].conj().T
+    return _quadrics(np.linalg.solve(triangle, one)), _quadrics(np.linalg.solve(triangle, two))
+
+
+def _forms(base_points: NDArray, platform_points: NDArray, squares: NDArray) -> NDArray:
+    """Give the conditions of the legs (6, 17) in the seventeen forms."""
+    a, b = np.asarray(base_points), np.asarray(platform_points)
+    first = (a * a).sum(axis=1) + (b * b).sum(axis=1) - squares
+    turned = -2.0 * (a[:, :, None] * b[:, None, :]).reshape(6, 9)
+    rows = (first[:, None], np.ones((6, 1)), turned, -2.0 * a, 2.0 * b)
+    return np.concatenate(rows, axis=1).astype(np.complex128)
+
+
+def _quadrics(rows: NDArray) -> NDArray[np.complex128]:
+    return np.ascontiguousarray(np.concatenate((rows @ FORMS, STUDY[None])))
+
+
+def still_finite(x: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Say of which parameters (n, 8), of unit length, the pose is not about to go to infinity."""
+    e = x[:, :4]
+    return np.asarray(np.abs((e * e).sum(axis=1)) > _AT_INFINITY)

@@ -1,0 +1,6 @@
+"""Platforms that the tests of parallel robots share."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))

@@ -1,0 +1,98 @@
+"""Lengths, Jacobian and following of platforms on six legs."""
+
+import numpy as np
+import pytest
+from platforms import platform, random_pose
+
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel import load_parallel
+from robomech_ros.spatial import pose_exponential
+
+
+def moved(T, xi):
+    """A pose after a small motion: rotation and translation in the base, about its own origin."""
+    step = pose_exponential(np.concatenate((xi[:3], np.zeros(3))))
+    new = T.copy()
+    new[:3, :3] = step[:3, :3] @ T[:3, :3]
+    new[:3, 3] += xi[3:]
+    return new
+
+
+def test_lengths_of_batches_are_those_of_single_poses():
+    robot, rng = platform("general"), np.random.default_rng(0)
+    poses = np.array([random_pose(robot, rng) for _ in range(6)]).reshape(2, 3, 4, 4)
+    lengths = robot.inverse(poses)
+    assert lengths.shape == (2, 3, 6)
+    for i in range(2):
+        for j in range(3):
+            R, p = poses[i, j, :3, :3], poses[i, j, :3, 3]
+            direct = np.linalg.norm(p + robot.platform_points @ R.T - robot.base_points, axis=1)
+            assert np.abs(lengths[i, j] - direct).max() < 1e-14
+
+
+@pytest.mark.parametrize("kind", ["general", "hexapod"])
+def test_the_jacobian_is_the_derivative_of_the_lengths(kind):
+    robot, rng = platform(kind), np.random.default_rng(1)
+    T = random_pose(robot, rng)
+    K, h = robot.jacobian(T), 1e-6
+    for k in range(6):
+        xi = np.zeros(6)
+        xi[k] = h
+        rate = (robot.inverse(moved(T, xi)) - robot.inverse(moved(T, -xi))) / (2.0 * h)
+        assert np.abs(K[:, k] - rate).max() < 1e-8
+    assert robot.jacobian(np.array([T, T])).shape == (2, 6, 6)
+
+
+def test_power_of_twist_and_wrench_is_that_of_the_legs():
+    robot, rng = platform("general"), np.random.default_rng(2)
+    K = robot.jacobian(random_pose(robot, rng))
+    twist, forces = rng.normal(size=(2, 6))
+    assert forces @ (K @ twist) == pytest.approx((K.T @ forces) @ twist, rel=1e-13)
+
+
+@pytest.mark.parametrize("kind", ["general", "hexapod", "6-3"])
+def test_following_small_steps_is_certified_and_right(kind):
+    robot, rng = platform(kind, 7), np.random.default_rng(3)
+    certified = 0
+    for _ in range(200):
+        T = random_pose(robot, rng)
+        new = moved(T, 1e-3 * rng.normal(size=6))
+        lengths = robot.inverse(new)
+        found = robot.follow(lengths, T)
+        if found.certified:
+            certified += 1
+            assert np.abs(robot.inverse(found.pose) - lengths).max() < 1e-12
+            if found.steps == 1:
+                assert np.abs(found.pose - new).max() < 1e-9
+        else:
+            assert found.status == Code.SINGULAR and 0.0 <= found.part < 1.0
+    assert certified >= 190
+
+
+def test_following_a_path_of_large_steps_ends_where_small_ones_do():
+    robot = load_parallel("hexapod")
+    T = np.eye(4)
+    T[2, 3] = 0.508
+    start = robot.inverse(T)
+    goal = start + np.array([0.05, -0.04, 0.03, 0.06, -0.05, 0.02])
+    at_once = robot.follow(goal, T)
+    pose = T
+    for part in np.linspace(0.0, 1.0, 51)[1:]:
+        step = robot.follow(np.sqrt(start**2 + part * (goal**2 - start**2)), pose)
+        assert step.certified
+        pose = step.pose
+    assert at_once.certified and np.abs(at_once.pose - pose).max() < 1e-9
+
+
+def test_a_change_of_assembly_mode_is_noticed():
+    robot = load_parallel("dietmaier")
+    lengths = np.array([1.0, 0.645275, 1.086284, 1.503439, 1.281933, 0.771071])
+    modes = robot.direct(lengths).poses
+    for T in modes[:10]:
+        assert robot.follow(lengths, T).certified
+    # Where no pose is near for the new lengths, the way ends at a singular one.
+    lost = robot.follow(3.0 * lengths * [1, 0.3, 1, 0.3, 1, 0.3], modes[0])
+    assert not lost.certified and lost.status == Code.SINGULAR
+    assert "a singular pose is in the way" in lost.reason
+    rows = np.linalg.svd(robot.jacobian(lost.pose), compute_uv=False)
+    assert rows[5] < 0.01 * rows[0]

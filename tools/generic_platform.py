@@ -1,0 +1,70 @@
+"""Write robomech_ros/parallel/generic_platform.py: a complex platform and its forty poses.
+
+The forty poses come from those of the platform with forty real ones, Dietmaier's, by a path to
+random complex points and lengths.  Run with ``.venv/bin/python tools/generic_platform.py``.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from robomech_ros._kernels.parallel.projective import track
+from robomech_ros.parallel.study import parameters_of_pose, quadrics_of_platform
+
+ROOT = Path(__file__).resolve().parent.parent
+GOLDEN = ROOT / "test" / "data" / "golden" / "sgp_dietmaier40.json"
+TARGET = ROOT / "robomech_ros" / "parallel" / "generic_platform.py"
+HEAD = '''"""A general complex platform and its forty poses; written by tools/generic_platform.py.
+
+What is to be solved is reached from here.  Four digits are enough: the poses are made exact on
+first use.
+"""
+
+import numpy as np
+
+__all__ = ["LEGS", "POSES"]
+
+# Base point, platform point and squared length of each leg: real and imaginary parts in turn.
+_LEGS = """
+{legs}
+"""
+# Study parameters of each pose, of unit length.
+_POSES = """
+{poses}
+"""
+
+LEGS = np.array(_LEGS.split(), np.float64).view(np.complex128).reshape(6, 7)
+POSES = np.array(_POSES.split(), np.float64).view(np.complex128).reshape(40, 8)
+'''
+
+
+def lines(rows):
+    """Write complex rows as text, two lines each where they are long."""
+    for row in rows:
+        numbers = [f"{number:.4f}" for number in row.view(np.float64)]
+        for start in range(0, len(numbers), 8):
+            yield " ".join(numbers[start : start + 8])
+
+
+def main():
+    """Find the poses, check that there are forty, write the module."""
+    golden = json.loads(GOLDEN.read_text(encoding="utf-8"))
+    A, B, lengths = (np.array(golden[key]) for key in "ABL")
+    poses = np.array(
+        [parameters_of_pose(np.array(one["R"]), np.array(one["p"])) for one in golden["solutions"]],
+        np.complex128,
+    )
+    rng = np.random.default_rng(40)
+    legs = np.round(rng.normal(size=(6, 14)), 4).view(np.complex128)
+    legs[:, 6] *= 4.0
+    start = quadrics_of_platform(A, B, lengths**2)
+    target = quadrics_of_platform(legs[:, :3], legs[:, 3:6], legs[:, 6])
+    ends, times = np.zeros(40, np.int64), np.zeros(40)
+    assert track(start, target, poses, ends, times) == 40
+    text = HEAD.format(legs="\n".join(lines(legs)), poses="\n".join(lines(poses)))
+    TARGET.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
