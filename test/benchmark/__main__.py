@@ -20,6 +20,7 @@ GROUPS = (
     "maps",
     "trajectory",
     "dynamics",
+    "parallel",
     "nodes",
     "view",
 )
