@@ -15,6 +15,7 @@ __all__ = [
     "actuated",
     "angle_limits",
     "planar_pose",
+    "platform_poses",
     "pose_about_z",
     "positive",
     "rotation_only",
@@ -26,6 +27,8 @@ Array = NDArray[np.float64]
 
 # How far a pose may be from one that the platform can take at all (rad, m): rounding of files.
 _OFF = 1e-6
+# Limits beyond this (rad) would leave no digits of an angle.
+_MOST_TURNED = 1e6
 
 
 def positive(what: str, value: object, *, zero: bool = False) -> float:
@@ -53,9 +56,10 @@ def angle_limits(limits: ArrayLike | None, count: int) -> Array:
     if array.shape not in ((2,), (count, 2)):
         raise WrongSizeError("limits", array.shape, f"(2,) or ({count}, 2)")
     full = np.broadcast_to(array, (count, 2)).copy()
-    if (full[:, 0] >= full[:, 1]).any():
-        row = full[full[:, 0] >= full[:, 1]][0].tolist()
-        raise BadValueError("limits", row, "a lower and a greater upper angle (rad)")
+    if (full[:, 0] >= full[:, 1]).any() or np.abs(full).max() > _MOST_TURNED:
+        row = full[(full[:, 0] >= full[:, 1]) | (np.abs(full).max(axis=1) > _MOST_TURNED)][0]
+        why = f"a lower and a greater upper angle, up to {_MOST_TURNED:g} rad"
+        raise BadValueError("limits", row.tolist(), why)
     return full
 
 
@@ -73,7 +77,7 @@ def unit_axes(what: str, axes: ArrayLike) -> Array:
 def translation_only(T: ArrayLike) -> Array:
     """Give the position (3,) of a pose without rotation, or a position as it is."""
     if real_array("pose", T).shape == (3,):
-        return np.ascontiguousarray(as_finite("position", T, (3,)))
+        return _within_reach(as_finite("position", T, (3,)))
     pose = _single(T)
     off = float(np.abs(pose[:3, :3] - np.eye(3)).max())
     if off > _OFF:
@@ -85,7 +89,7 @@ def translation_only(T: ArrayLike) -> Array:
 def planar_pose(T: ArrayLike) -> Array:
     """Give x, y (m) and the angle (rad) of a pose in the plane z = 0, or the three as they are."""
     if real_array("pose", T).shape == (3,):
-        return np.ascontiguousarray(as_finite("pose", T, (3,)))
+        return _within_reach(as_finite("pose", T, (3,)))
     pose = _single(T)
     off = max(float(np.abs(pose[2, :2]).max()), abs(float(pose[2, 3])))
     if off > _OFF:
@@ -105,8 +109,22 @@ def rotation_only(T: ArrayLike) -> Array:
     return np.ascontiguousarray(pose[:3, :3])
 
 
+def platform_poses(T: ArrayLike, what: str = "pose") -> Array:
+    """Check poses (..., 4, 4), and that they are of a robot's size."""
+    poses = as_pose(T, what=what)
+    _within_reach(poses[..., :3, 3])
+    return poses
+
+
+def _within_reach(position: Array) -> Array:
+    if position.size and np.abs(position).max() > LARGEST_LENGTH:
+        largest = float(np.abs(position).max())
+        raise BadValueError("position", largest, f"coordinates up to {LARGEST_LENGTH:g} m")
+    return np.ascontiguousarray(position)
+
+
 def _single(T: ArrayLike) -> Array:
-    pose = as_pose(T)
+    pose = platform_poses(T)
     if pose.shape != (4, 4):
         raise WrongSizeError("pose", pose.shape, (4, 4))
     return pose

@@ -19,6 +19,7 @@ from robomech_ros.parallel.limbs import planar_limb, postures
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
+from robomech_ros.spatial.arrays import real_array
 
 __all__ = ["Planar3RPR", "Planar3RRR"]
 
@@ -243,6 +244,6 @@ class Planar3RRR(_Planar):
 
 
 def _link_lengths(what: str, value: ArrayLike) -> Array:
-    if np.ndim(value) == 0:
+    if real_array(what, value).ndim == 0:
         return np.full(3, positive(what, value))
     return np.array([positive(what, one) for one in actuated(what, value, 3).tolist()])

@@ -18,8 +18,8 @@ __all__ = ["ScaledPlatform", "best_conditioning", "checked_points", "checked_str
 
 Array = NDArray[np.float64]
 
-# Points nearer to each other than this (of the size) are one.
-_SAME = 1e-9
+# Points nearer to each other than this (of the size; m) are one.
+_SAME, _LEAST = 1e-9, 1e-12
 # Best ratio of singular values over many poses, below which a platform is architecturally
 # singular: 4e-5 at a deviation of 1e-4 from one that is, more than 9e-3 for sound ones.
 SINGULAR_ARCHITECTURE = 1e-3
@@ -91,10 +91,10 @@ def checked_points(what: str, points: ArrayLike, count: int, dimension: int) -> 
 
 def _distinct(points: Array) -> int:
     """Count different points."""
-    size = float(np.ptp(points, axis=0).max())
+    least = max(_SAME * float(np.ptp(points, axis=0).max()), _LEAST)
     found: list[Array] = []
     for point in points:
-        if all(np.abs(point - other).max() > _SAME * size for other in found):
+        if all(np.abs(point - other).max() > least for other in found):
             found.append(point)
     return len(found)
 
@@ -112,6 +112,8 @@ def checked_strokes(strokes: ArrayLike | None, count: int) -> Array | None:
     if array.shape not in ((2,), (count, 2)):
         raise WrongSizeError("strokes", array.shape, f"(2,) or ({count}, 2)")
     full = np.broadcast_to(array, (count, 2)).copy()
+    if full.max() > LARGEST_LENGTH:
+        raise BadValueError("strokes", float(full.max()), f"lengths up to {LARGEST_LENGTH:g} m")
     if (full[:, 0] < 0.0).any() or (full[:, 0] >= full[:, 1]).any():
         row = full[(full[:, 0] < 0.0) | (full[:, 0] >= full[:, 1])][0].tolist()
         raise BadValueError("strokes", row, "a least length (m) from 0, and a greater one")

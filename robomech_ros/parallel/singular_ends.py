@@ -22,7 +22,7 @@ _REAL = 1e-3
 # Singular values below this, of the largest, do not count.
 _RANK = 1e-4
 _STEPS = 30
-_LEAST_SQUARES_STEPS = 40
+_LEAST_SQUARES_STEPS, _LEAST_SQUARE = 40, 1e-24
 # Poses apart from where modes meet by less than this (rad, and of the size) are one there.
 _DOUBLE = 1e-6
 _EXACT = 1e-13
@@ -131,14 +131,14 @@ def least_squares(a: Array, b: Array, lengths: Array, pose: Array) -> Array:
     """Move a pose (12,) in place to the least sum of squared length errors; give the errors."""
     squares, damping = lengths * lengths, 1e-3
     J, r = _residual(a, b, squares, pose)
-    now = np.sqrt(squares - 4.0 * r)
+    now = np.sqrt(np.maximum(squares - 4.0 * r, _LEAST_SQUARE))
     for _ in range(_LEAST_SQUARES_STEPS):
         slopes = 2.0 * J / now[:, None]
         normal = slopes.T @ slopes + damping * np.eye(6)
         other = pose.copy()
         move(other, np.linalg.solve(normal, slopes.T @ (lengths - now)))
         new_J, new_r = _residual(a, b, squares, other)
-        new = np.sqrt(squares - 4.0 * new_r)
+        new = np.sqrt(np.maximum(squares - 4.0 * new_r, _LEAST_SQUARE))
         if ((lengths - new) ** 2).sum() < ((lengths - now) ** 2).sum():
             pose[:], J, now, damping = other, new_J, new, 0.2 * damping
         else:

@@ -73,7 +73,7 @@ class Spherical3RRR:
         self.base_axes = unit_axes("base_axes", base_axes)
         self.middle_axes = unit_axes("middle_axes", middle_axes)
         self.platform_axes = unit_axes("platform_axes", platform_axes)
-        self.distal = np.broadcast_to(as_finite("distal", distal, ()), (3,)).copy()
+        self.distal = _three("distal", distal)
         if not ((self.distal > 0.0) & (np.sin(self.distal) > _LEAST_ARC)).all():
             raise BadValueError("distal", self.distal.tolist(), "angles between 0 and pi (rad)")
         arcs = np.linalg.norm(np.cross(self.base_axes, self.middle_axes), axis=1)
@@ -143,3 +143,8 @@ class Spherical3RRR:
         T = assembled(R, np.zeros((len(R), 3)))
         found = modes_found(T, multiplicity, errors, count, self.family)
         return found if near is None else nearest_first(found, near, 1.0)
+
+
+def _three(what: str, value: ArrayLike) -> Array:
+    array = as_finite(what, value, ())
+    return np.full(3, float(array)) if array.ndim == 0 else actuated(what, array, 3).copy()

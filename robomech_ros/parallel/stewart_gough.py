@@ -11,6 +11,7 @@ from robomech_ros._kernels.parallel import following, newton
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
+from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
 from robomech_ros.parallel.platform_geometry import (
     SINGULAR_ARCHITECTURE,
@@ -24,7 +25,6 @@ from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose
 from robomech_ros.parallel.seeds import nearest_first
 from robomech_ros.parallel.start_system import StartSystem, start_system
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.spatial.poses import as_pose
 
 __all__ = ["StewartGough"]
 
@@ -121,7 +121,7 @@ class StewartGough:
         BadValueError, WrongSizeError, NonFiniteError
             Not poses.
         """
-        poses = as_pose(T)
+        poses = platform_poses(T)
         out = np.empty((*poses.shape[:-2], 6))
         flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
         newton.leg_lengths(self.base_points, self.platform_points, flat, out.reshape(-1, 6))
@@ -249,7 +249,7 @@ class StewartGough:
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
         """
-        poses = as_pose(T)
+        poses = platform_poses(T)
         out = np.empty((*poses.shape[:-2], 6, 6))
         flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
         a, b = self.base_points, self.platform_points
@@ -275,7 +275,7 @@ class StewartGough:
 
 
 def _one_pose(what: str, T: ArrayLike) -> Array:
-    pose = as_pose(T, what=what)
+    pose = platform_poses(T, what)
     if pose.shape != (4, 4):
         raise WrongSizeError(what, pose.shape, (4, 4))
     return pose

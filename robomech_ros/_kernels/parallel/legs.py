@@ -100,12 +100,18 @@ def _predict(Sr, Si, state, xr, xi):
 
 
 @joined
-def _measure(xr, xi, state):
+def _judge(xr, xi, state, turn, good):
+    """Measure corrections, and say which lanes may take their steps."""
     for n in range(LANES):
         size = 0.0
         for i in range(6):
             size += xr[i, n] * xr[i, n] + xi[i, n] * xi[i, n]
         state[_SIZE, n] = math.sqrt(size)
+    for n in range(LANES):
+        if turn == 0:
+            good[n] = 1.0 if state[_SIZE, n] < _FIRST else 0.0
+        elif not state[_SIZE, n] < _SECOND:
+            good[n] = 0.0
 
 
 @inline
@@ -161,12 +167,11 @@ def track_lengths(A, B, s0, s1, X, ends, times):
         rr[i], ri[i] = rate.real, rate.imag
     total = X.shape[0]
     at = scratch_integers(LANES)
-    following, open_paths = 0, total
+    following, open_paths, rounds = 0, total, 0
     for n in range(LANES):
         _fill(X, min(n, total - 1), pr, pi, state, n)
         at[n] = n if n < total else -1
         following = min(n + 1, total)
-    rounds = 0
     while open_paths > 0:
         rounds += 1
         frame(pr, pi, A, B, mr, mi, ar, ai, Jr, Ji, xr, xi)
@@ -182,12 +187,7 @@ def track_lengths(A, B, s0, s1, X, ends, times):
             factor(Jr, Ji)
             solve(Jr, Ji, xr, xi)
             moved(qr, qi, xr, xi, sr, si, qr, qi)
-            _measure(xr, xi, state)
-            for n in range(LANES):
-                if turn == 0:
-                    good[n] = 1.0 if state[_SIZE, n] < _FIRST else 0.0
-                elif not state[_SIZE, n] < _SECOND:
-                    good[n] = 0.0
+            _judge(xr, xi, state, turn, good)
         for n in range(LANES):
             if at[n] < 0:
                 continue
