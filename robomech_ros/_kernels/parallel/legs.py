@@ -160,8 +160,7 @@ def track_lengths(A, B, s0, s1, X, ends, times):
     Sr, Si = scratch(9, 7, LANES), scratch(9, 7, LANES)
     Pr, Pi = scratch(21, LANES), scratch(21, LANES)
     xr, xi = scratch(6, LANES), scratch(6, LANES)
-    rr, ri = scratch(6), scratch(6)
-    state, good = scratch(5, LANES), scratch(LANES)
+    rr, ri, state, good = scratch(6), scratch(6), scratch(5, LANES), scratch(LANES)
     for i in range(6):
         rate = 0.25 * (s1[i] - s0[i])
         rr[i], ri[i] = rate.real, rate.imag
