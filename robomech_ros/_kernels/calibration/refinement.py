@@ -108,11 +108,11 @@ def linear_positions(A, S, weight, rounds, at):
 
 
 @inline
-def _settle(A, S, use, at, noise, inverted, M, g, sums):
+def _settle(samples, at, noise, inverted, M, g, sums):
     """Take damped Gauss-Newton steps of given noise; M and sums are those of the end."""
     P, J, F, d, trial = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(24)
     other, slope, found = scratch(12, 12), scratch(12), scratch(13)
-    accumulate(A, S, use, at, noise, inverted, P, J, M, g, sums)
+    accumulate(samples, at, noise, inverted, P, J, (M, g, sums))
     damping = 0.0
     for _ in range(_STEPS):
         F[:] = M
@@ -126,7 +126,7 @@ def _settle(A, S, use, at, noise, inverted, M, g, sums):
         for j in range(UNKNOWNS):
             gain -= g[j] * d[j]
         moved(at, d, trial)
-        accumulate(A, S, use, trial, noise, inverted, P, J, other, slope, found)
+        accumulate(samples, trial, noise, inverted, P, J, (other, slope, found))
         cost = sums[0] + sums[1]
         if found[0] + found[1] <= cost * (1.0 + 1e-12):
             at[:], M[:], g[:], sums[:] = trial, other, slope, found
@@ -161,12 +161,12 @@ def _inverted(M, C):
 
 
 @inline
-def _fit(A, S, use, at, noise, inverted, known, rounds, M, C):
+def _fit(samples, at, noise, inverted, known, rounds, M, C):
     """Settle, and estimate the two variances by the redundancy of their residuals, in turn."""
     g, sums = scratch(12), scratch(13)
     determinant = 0.0
     for _ in range(rounds):
-        _settle(A, S, use, at, noise, inverted, M, g, sums)
+        _settle(samples, at, noise, inverted, M, g, sums)
         determinant = _inverted(M, C)
         if known or not determinant == determinant:
             break
@@ -188,13 +188,13 @@ def _fit(A, S, use, at, noise, inverted, known, rounds, M, C):
 
 
 @inline
-def _shared(A, S, use, at, noise, inverted, M, C):
+def _shared(samples, at, noise, inverted, M, C):
     """Find the robot's share of the rotation noise: the most likely one, by bisection.
 
     Gives twice the gain of the logarithm of the restricted likelihood over no share; where a small
     share gains nothing, no other is tried.
     """
-    plain = _fit(A, S, use, at, noise, inverted, False, _BRIEF, M, C)
+    plain = _fit(samples, at, noise, inverted, False, _BRIEF, M, C)
     best, middle = plain, 0.0
     kept, trial = scratch(24), scratch(3)
     width = 0.25
@@ -210,7 +210,7 @@ def _shared(A, S, use, at, noise, inverted, M, C):
         if 0.0 < share <= 1.0:
             kept[:], trial[:] = at, noise
             trial[2] = share
-            value = _fit(A, S, use, kept, trial, inverted, False, _BRIEF, M, C)
+            value = _fit(samples, kept, trial, inverted, False, _BRIEF, M, C)
             if value < best:
                 best = value
                 at[:], noise[:] = kept, trial
@@ -230,10 +230,10 @@ def refine(A, S, use, at, noise, inverted, known, shared, information):
     """
     M, C = scratch(12, 12), scratch(12, 12)
     if shared and not known:
-        gain = _shared(A, S, use, at, noise, inverted, M, C)
+        gain = _shared((A, S, use), at, noise, inverted, M, C)
         if gain < _WORTH:
             noise[2] = 0.0
-    value = _fit(A, S, use, at, noise, inverted, known, _ROUNDS, M, C)
+    value = _fit((A, S, use), at, noise, inverted, known, _ROUNDS, M, C)
     for j in range(UNKNOWNS):
         for k in range(j + 1):
             information[j, k] = information[k, j] = M[j, k]
@@ -248,7 +248,7 @@ def information_of(A, at, noise, inverted, out):
     seen[:], use[0] = 0.0, 1.0
     seen[0, 0] = seen[0, 4] = seen[0, 8] = 1.0
     for i in range(A.shape[0]):
-        accumulate(A[i : i + 1], seen, use, at, noise, inverted, P, J, M, g, sums)
+        accumulate((A[i : i + 1], seen, use), at, noise, inverted, P, J, (M, g, sums))
         for j in range(UNKNOWNS):
             for k in range(j + 1):
                 out[i, j, k] = out[i, k, j] = M[j, k]

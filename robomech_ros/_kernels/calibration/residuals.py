@@ -126,12 +126,15 @@ def _position_rows(P, t, lever, share, square, along, across, J):
 
 
 @lean
-def accumulate(A, S, use, at, noise, inverted, P, J, M, g, sums):
-    """Write the normal equations M d = -g of the samples in use, and their sums.
+def accumulate(samples, at, noise, inverted, P, J, equations):
+    """Write the normal equations M d = -g of the samples (A, S, use), and their sums.
 
-    The sums are: squared whitened errors of rotation and of position, the logarithm of the
-    determinant of the noise, the number of samples, and the sum of all P.
+    The equations are (M, g, sums).  The sums are: squared whitened errors of rotation and of
+    position, the logarithm of the determinant of the noise, the number of samples, and the sum of
+    all P.
     """
+    A, S, use = samples
+    M, g, sums = equations
     M[:], g[:], sums[:] = 0.0, 0.0, 0.0
     turn_weight = 1.0 / noise[0]
     share = noise[2]
