@@ -259,9 +259,22 @@ def of_dynamics():
     good = state | {"qdd": q, "tau": q, "parameters": dynamics.body_parameters(PUMA)[1]}
     good |= {"payload": PUMA.bodies[-1], "algorithm": "inverse: newton-euler", "n": 2}
     good["path"] = MOTION
+    good |= {"K": np.eye(6), "wrenches": q}
     rows = {"chain": PUMA, "times": [0.0], "q": [q], "qd": [q], "qdd": [q]}
     found = with_options(dynamics.torque_summary, **rows)
     found |= with_options(dynamics.consistent_fit, found=None)
+    body = {"masses": [2.0], "inertias": np.eye(3)[None], "T": np.eye(6), "T_dot": np.eye(6)}
+    body |= {"rates": q, "rotors": q, "N": np.eye(6), "N_dot": np.eye(6), "t_0": q, "t_0_dot": q}
+    found |= {
+        f"ConstrainedBodies.{name}": lambda value, name=name: dynamics.ConstrainedBodies(
+            **(body | {name: value})
+        ).inverse(q, q)
+        for name in body
+    }
+    free = dynamics.ConstrainedBodies(**body, A=np.eye(6))
+    for method in (free.inverse, free.forward, free.inertia_wrenches, free.constraint_wrenches):
+        given = dict.fromkeys(inspect.signature(method).parameters, q)
+        found |= with_options(method, **given)
     run = {"chain": PUMA, "q0": q, "qd0": q, "torque": None, "duration": 1e-3}
     found |= with_options(dynamics.simulate, **run, method="RK23", rtol=1e-3, atol=1e-3)
     found |= {

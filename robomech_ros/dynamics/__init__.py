@@ -1,4 +1,4 @@
-"""Dynamics of serial chains.
+"""Dynamics of serial chains, and of bodies under constraints of any kind.
 
 Each part is loaded on first use, like those of the kinematics.
 """
@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
+    from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
+    from robomech_ros.dynamics.complement.reactions import (
+        ConstraintReactions,
+        constraint_reactions,
+    )
     from robomech_ros.dynamics.derivatives import (
         ForwardDerivatives,
         InverseDerivatives,
@@ -109,6 +114,8 @@ __all__ = [
     "METHODS",
     "BaseParameters",
     "ConsistentFit",
+    "ConstrainedBodies",
+    "ConstraintReactions",
     "ControlledArm",
     "ControlledMotion",
     "ForwardDerivatives",
@@ -129,6 +136,7 @@ __all__ = [
     "center_of_mass",
     "christoffel_symbols",
     "consistent_fit",
+    "constraint_reactions",
     "coriolis_matrix",
     "dissipated_power",
     "dissipation",
@@ -172,6 +180,8 @@ _MODULES = {
     "METHODS": "forward",
     "BaseParameters": "identification.regressor",
     "ConsistentFit": "identification.consistent_fit",
+    "ConstrainedBodies": "complement.constrained_bodies",
+    "ConstraintReactions": "complement.reactions",
     "ForwardDerivatives": "derivatives",
     "Identification": "identification.fit",
     "InverseDerivatives": "derivatives",
@@ -192,6 +202,7 @@ _MODULES = {
     "center_of_mass": "energy",
     "christoffel_symbols": "formulations.lagrange",
     "consistent_fit": "identification.consistent_fit",
+    "constraint_reactions": "complement.reactions",
     "coriolis_matrix": "matrices",
     "dissipated_power": "friction",
     "dissipation": "friction",

@@ -11,17 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import finite_result, finite_states
+from robomech_ros.dynamics.complement.stacking import mass_roots, solve, transposed
 from robomech_ros.dynamics.formulations.orthogonal_complement import (
     OrthogonalComplement,
     natural_orthogonal_complement,
 )
-from robomech_ros.dynamics.formulations.stacked_matrices import (
-    mass_roots,
-    solve,
-    times,
-    transposed,
-)
 from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.robots.chain import SerialChain
 
 __all__ = [
@@ -91,8 +87,7 @@ def inverse_dynamics_by_orthogonal_complement(
     q, qd, qdd = finite_states(chain, q=q, qd=qd, qdd=qdd)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    bias = _bias(model, gravity, tip_wrench)
-    return times(model.generalised_inertia, qdd) + bias
+    return model.inverse(qdd, _applied(model, gravity, tip_wrench))
 
 
 @finite_result
@@ -142,9 +137,7 @@ def forward_dynamics_by_cholesky(
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    moving = tau - _bias(model, gravity, tip_wrench)
-    L = np.asarray(np.linalg.cholesky(model.generalised_inertia), dtype=np.float64)
-    return solve(transposed(L), solve(L, moving))
+    return model.forward(tau, _applied(model, gravity, tip_wrench))
 
 
 @finite_result
@@ -196,14 +189,15 @@ def forward_dynamics_by_reflections(
     q, qd, tau = finite_states(chain, q=q, qd=qd, tau=tau)
     motion = {"base_twist": base_twist, "base_twist_rate": base_twist_rate}
     model = natural_orthogonal_complement(chain, q, qd, **motion)
-    moving = tau - _bias(model, gravity, tip_wrench)
-    rotors = np.broadcast_to(np.diag(np.sqrt(model.rotors)), (*q.shape, chain.n))
-    P = np.concatenate((mass_roots(model.bodies) @ model.T, rotors), axis=-2)
+    bias = model.inverse(np.zeros_like(tau), _applied(model, gravity, tip_wrench))
+    rotors = np.broadcast_to(np.diag(np.sqrt(reflected_inertias(chain))), (*q.shape, chain.n))
+    P = np.concatenate((mass_roots(model.masses, model.inertias) @ model.T, rotors), axis=-2)
     U = np.asarray(np.linalg.qr(P, mode="r"), dtype=np.float64)
-    return solve(U, solve(transposed(U), moving))
+    return solve(U, solve(transposed(U), tau - bias))
 
 
-def _bias(model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
-    """Torques at which no joint accelerates: of coupling, base, weights and tip."""
-    applied = model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)
-    return times(model.coupling, model.qd) + model.base_torque - model.generalised(applied)
+def _applied(
+    model: OrthogonalComplement, gravity: ArrayLike, tip_wrench: ArrayLike | None
+) -> Array:
+    """Wrenches on the bodies, of their weights and at the tip."""
+    return model.gravity_wrenches(gravity) + model.tip_wrenches(tip_wrench)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
-from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
+from robomech_ros.dynamics.complement.stacking import solve, times
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.dynamics.posed_bodies import body_moments, link_transforms, reflected_inertias
 from robomech_ros.robots.chain import SerialChain

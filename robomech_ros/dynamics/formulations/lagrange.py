@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_result, finite_states
-from robomech_ros.dynamics.formulations.stacked_matrices import solve, times
+from robomech_ros.dynamics.complement.stacking import solve, times
 from robomech_ros.dynamics.model import GRAVITY, body_parameters
 from robomech_ros.dynamics.posed_bodies import link_transforms, reflected_inertias
 from robomech_ros.dynamics.pseudo_inertias import pseudo_inertia

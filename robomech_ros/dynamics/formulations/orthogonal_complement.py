@@ -14,20 +14,17 @@ natural orthogonal complement, ASME J. Applied Mechanics 55 (1988), pp. 243-244.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.checked_states import as_screw, as_vector, finite_states
+from robomech_ros.dynamics.checked_states import as_screw, finite_states
+from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
+from robomech_ros.dynamics.complement.stacking import times
 from robomech_ros.dynamics.formulations.stacked_matrices import (
     base_shaping,
     constraints,
     drive_wrenches,
-    extended_angular_velocity,
-    extended_mass,
-    times,
-    transposed,
     twist_shaping,
     twist_shaping_rate,
 )
@@ -40,86 +37,33 @@ __all__ = ["OrthogonalComplement", "natural_orthogonal_complement"]
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class OrthogonalComplement:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OrthogonalComplement(ConstrainedBodies):
     """The matrices of a chain in motion; all vectors in the axes of the base.
+
+    The constrained bodies of a chain of n joints, whose independent rates are the joint rates:
+    body i moves with joint i, and r = m = n.
 
     Parameters
     ----------
     bodies : PosedBodies
         Where axes and bodies are.
-    rotors : ndarray, shape (n,)
-        Inertias that the drives add to the joints (kg m^2 or kg).
     K : ndarray, shape (..., 6 n, 6 n)
         Constraint matrix: ``K t + K_0 t_0 = 0``; moments of the constraints in rows 6 i to
         6 i + 2, forces in the three below.
     K_0 : ndarray, shape (..., 6 n, 6)
-        Of the base's twist t_0 = [omega; velocity of its origin].
-    T : ndarray, shape (..., 6 n, n)
-        Twist-shaping matrix: ``t = T qd + T_0 t_0``.
-    T_dot : ndarray, shape (..., 6 n, n)
-        Its rate.
+        Of the base's twist [omega; velocity of its origin].
     T_0, T_0_dot : ndarray, shape (..., 6 n, 6)
         What the base's twist shapes, and its rate.
-    M : ndarray, shape (..., 6 n, 6 n)
-        Extended mass matrix, blocks diag(I_i, m_i 1).
-    W : ndarray, shape (..., 6 n, 6 n)
-        Extended angular-velocity matrix, blocks diag(Omega_i, 0).
-    A : ndarray, shape (..., 6 n, n)
-        Wrenches on the bodies for unit torques and forces of the drives; ``T^T A = 1``.
-    qd : ndarray, shape (..., n)
-        Joint rates (rad/s or m/s).
-    base_twist, base_twist_rate : ndarray, shape (6,)
-        t_0 and its rate.
+    masses, inertias, T, T_dot, rates, rotors, N, N_dot, t_0, t_0_dot, A
+        As for :class:`ConstrainedBodies`; the prescribed motion is that of the base.
     """
 
     bodies: PosedBodies
-    rotors: Array
     K: Array
     K_0: Array
-    T: Array
-    T_dot: Array
     T_0: Array
     T_0_dot: Array
-    M: Array
-    W: Array
-    A: Array
-    qd: Array
-    base_twist: Array
-    base_twist_rate: Array
-
-    @cached_property
-    def twists(self) -> Array:
-        """The bodies' twists t, shape (..., 6 n)."""
-        return times(self.T, self.qd) + self.T_0 @ self.base_twist
-
-    @cached_property
-    def generalised_inertia(self) -> Array:
-        """``I = T^T M T`` and the rotors' inertias, shape (..., n, n) (kg m^2, kg m, kg)."""
-        inertia: Array = transposed(self.T) @ self.M @ self.T + np.diag(self.rotors)
-        return inertia
-
-    @cached_property
-    def coupling(self) -> Array:
-        """``C = T^T M T_dot + T^T W M T``, shape (..., n, n); dI/dt - 2 C is skew-symmetric."""
-        coupling: Array = transposed(self.T) @ (self.M @ self.T_dot + self.W @ self.M @ self.T)
-        return coupling
-
-    @cached_property
-    def base_torque(self) -> Array:
-        """What the motion of the base demands (section 7.5.2), shape (..., n) (N m or N).
-
-        ``T^T (M (T_0_dot t_0 + T_0 dt_0/dt) + W M T_0 t_0)``
-        """
-        rate = self.T_0_dot @ self.base_twist + self.T_0 @ self.base_twist_rate
-        momentum = times(self.M, self.T_0 @ self.base_twist)
-        return times(transposed(self.T), times(self.M, rate) + times(self.W, momentum))
-
-    def gravity_wrenches(self, gravity: ArrayLike) -> Array:
-        """Weights ``[0; m_i g]`` of the bodies, shape (6 n,), for g in m/s^2, shape (3,)."""
-        wrenches = np.zeros((len(self.rotors), 6))
-        wrenches[:, 3:] = np.outer(self.bodies.masses, as_vector("gravity", gravity, 3))
-        return wrenches.ravel()
 
     def tip_wrenches(self, wrench: ArrayLike | None) -> Array:
         """Wrench on the last body that a wrench [n; f] at the tip's origin is, (..., 6 n)."""
@@ -128,40 +72,6 @@ class OrthogonalComplement:
         centre = self.bodies.centres[..., -1, :]
         wrenches[..., -6:] = transfer_wrench(given, self.bodies.tip, centre)
         return wrenches
-
-    def generalised(self, wrenches: Array) -> Array:
-        """Torques ``T^T w`` (..., n) that wrenches (..., 6 n) on the bodies amount to."""
-        return times(transposed(self.T), wrenches)
-
-    def inertia_wrenches(self, qdd: Array) -> Array:
-        """``M dt/dt + W M t`` (..., 6 n): what has to act on the bodies for accelerations qdd."""
-        rate = (
-            times(self.T, qdd)
-            + times(self.T_dot, self.qd)
-            + self.T_0_dot @ self.base_twist
-            + self.T_0 @ self.base_twist_rate
-        )
-        return times(self.M, rate) + times(self.W, times(self.M, self.twists))
-
-    def constraint_wrenches(self, qdd: ArrayLike, applied: Array) -> Array:
-        """Wrenches that keep the constraints.
-
-        Parameters
-        ----------
-        qdd : array_like, shape (..., n)
-            Joint accelerations (rad/s^2 or m/s^2).
-        applied : ndarray, shape (..., 6 n)
-            Wrenches on the bodies besides those of drives and constraints: weights and wrenches
-            at the tip.
-
-        Returns
-        -------
-        ndarray, shape (..., 6 n)
-            ``[n_i; f_i]`` at the mass centres; ``T^T w = 0``, and w is a combination of the rows
-            of K.
-        """
-        needed = self.inertia_wrenches(np.asarray(qdd, dtype=np.float64)) - applied
-        return needed - times(self.A, self.generalised(needed))
 
 
 def natural_orthogonal_complement(
@@ -234,26 +144,27 @@ def natural_orthogonal_complement(
     True
     """
     q, qd = finite_states(chain, q=q, qd=qd)
-    t_0 = as_screw("base_twist", base_twist)
+    t_0, t_0_dot = as_screw("base_twist", base_twist), as_screw("base_twist_rate", base_twist_rate)
     bodies = posed_bodies(chain, q)
     T = twist_shaping(bodies)
     T_0 = base_shaping(bodies.centres)
     twists = (times(T, qd) + T_0 @ t_0).reshape(*q.shape, 6)
     rates = twists[..., 3:] - t_0[3:]
     K, K_0 = constraints(bodies)
+    T_0_dot = base_shaping(rates) - base_shaping(np.zeros_like(rates))
     return OrthogonalComplement(
-        bodies=bodies,
-        rotors=reflected_inertias(chain),
-        K=K,
-        K_0=K_0,
+        masses=bodies.masses,
+        inertias=bodies.inertias,
         T=T,
         T_dot=twist_shaping_rate(bodies, twists),
-        T_0=T_0,
-        T_0_dot=base_shaping(rates) - base_shaping(np.zeros_like(rates)),
-        M=extended_mass(bodies),
-        W=extended_angular_velocity(twists),
+        rates=qd,
+        rotors=reflected_inertias(chain),
+        t_0=T_0 @ t_0,
+        t_0_dot=T_0_dot @ t_0 + T_0 @ t_0_dot,
         A=drive_wrenches(bodies),
-        qd=qd,
-        base_twist=t_0,
-        base_twist_rate=as_screw("base_twist_rate", base_twist_rate),
+        bodies=bodies,
+        K=K,
+        K_0=K_0,
+        T_0=T_0,
+        T_0_dot=T_0_dot,
     )

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robomech_ros.dynamics.complement.stacking import transposed
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
-from robomech_ros.dynamics.formulations.stacked_matrices import transposed
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 

@@ -1,4 +1,4 @@
-"""The matrices of stacked twists and wrenches: constraints, shaping, mass, angular velocity.
+"""The matrices of the stacked twists and wrenches of a chain: constraints and shaping.
 
 References
 ----------
@@ -10,19 +10,12 @@ from numpy.typing import NDArray
 
 from robomech_ros.dynamics.posed_bodies import PosedBodies
 from robomech_ros.spatial.cross_product import cross_product_matrix
-from robomech_ros.spatial.screws.bodies import angular_velocity_dyad, inertia_dyad
 from robomech_ros.spatial.screws.transfers import twist_transfer_matrix
 
 __all__ = [
     "base_shaping",
     "constraints",
     "drive_wrenches",
-    "extended_angular_velocity",
-    "extended_mass",
-    "mass_roots",
-    "solve",
-    "times",
-    "transposed",
     "twist_shaping",
     "twist_shaping_rate",
 ]
@@ -113,47 +106,3 @@ def drive_wrenches(bodies: PosedBodies) -> Array:
                 A[..., i, :3, j] = sign * np.cross(arm, e)
                 A[..., i, 3:, j] = sign * e
     return A.reshape(*A.shape[:-3], 6 * n, n)
-
-
-def extended_mass(bodies: PosedBodies) -> Array:
-    """Form M (..., 6 n, 6 n), blocks diag(I_i, m_i 1)."""
-    return _block_diagonal(inertia_dyad(bodies.masses, bodies.inertias))
-
-
-def mass_roots(bodies: PosedBodies) -> Array:
-    """H with ``H^T H`` the extended mass matrix, from principal moments and axes."""
-    moments, axes = (np.asarray(one) for one in np.linalg.eigh(bodies.inertias))
-    roots = np.zeros((*bodies.inertias.shape[:-2], 6, 6))
-    roots[..., :3, :3] = np.sqrt(np.maximum(moments, 0.0))[..., None] * transposed(axes)
-    roots[..., 3:, 3:] = np.sqrt(bodies.masses)[:, None, None] * np.eye(3)
-    return _block_diagonal(roots)
-
-
-def extended_angular_velocity(twists: Array) -> Array:
-    """Form W (..., 6 n, 6 n), blocks diag(Omega_i, 0), for twists (..., n, 6)."""
-    return _block_diagonal(angular_velocity_dyad(twists[..., :3]))
-
-
-def _block_diagonal(blocks: Array) -> Array:
-    """Set blocks of shape (..., n, 6, 6) along the diagonal of (..., 6 n, 6 n)."""
-    n = blocks.shape[-3]
-    matrix = np.zeros((*blocks.shape[:-3], 6 * n, 6 * n))
-    for i in range(n):
-        matrix[..., 6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = blocks[..., i, :, :]
-    return matrix
-
-
-def transposed(matrix: Array) -> Array:
-    """Swap the last two axes."""
-    return np.swapaxes(matrix, -1, -2)
-
-
-def times(matrix: Array, vector: Array) -> Array:
-    """Multiply matrices (..., m, n) and vectors (..., n)."""
-    product: Array = (matrix @ vector[..., None])[..., 0]
-    return product
-
-
-def solve(matrix: Array, vector: Array) -> Array:
-    """Solve for vectors (..., n) with regular matrices (..., n, n)."""
-    return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)

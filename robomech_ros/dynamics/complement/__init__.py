@@ -1,0 +1,1 @@
+"""Bodies under constraints of any kind, by the natural orthogonal complement."""
