@@ -11,6 +11,7 @@ from robomech_ros.robots import chain_from_dh, load_robot
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from counted_search import CountedSearch
 from independent_search import multi_start, turn_difference
 
 _FIRST = {"123": 0, "234": 1, "345": 2, "456": 3}
@@ -85,3 +86,9 @@ def pose_errors():
 def search_everywhere():
     """Give the oracle: distinct regular solutions from many random starts."""
     return multi_start
+
+
+@pytest.fixture
+def counted_search(monkeypatch):
+    """Count the work of searches for joint values, which take a second for every look at it."""
+    return CountedSearch(monkeypatch)

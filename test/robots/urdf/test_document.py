@@ -1,9 +1,8 @@
 """URDF: how it becomes a chain, and every kind of broken or hostile document."""
 
-import time
-
 import numpy as np
 import pytest
+from counting import lines_executed
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
@@ -377,9 +376,8 @@ LAUGHS = """<?xml version="1.0"?><!DOCTYPE lolz [<!ENTITY lol "lol">
     ],
 )
 def test_hostile_documents_are_refused_at_once(text, expected):
-    start = time.thread_time()
-    refused(text, expected, "URDF string")
-    assert time.thread_time() - start < 5.0
+    # Whatever they hold, it is less work than reading the largest document that is allowed.
+    assert lines_executed(refused, text, expected, "URDF string") < 1_000_000
 
 
 def test_hostile_files(tmp_path):

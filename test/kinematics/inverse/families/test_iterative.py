@@ -7,12 +7,17 @@ import pytest
 
 from robomech_ros._kernels.inverse.iterative import layout as iterative_layout
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.inverse.families.iterative import iterative_data, task_data
+from robomech_ros.kinematics.inverse.families.iterative import (
+    ITERATIVE_RESTARTS,
+    iterative_data,
+    task_data,
+)
 from robomech_ros.kinematics.inverse.iterative_search import (
+    REACH_ATTEMPTS,
     iterative_search,
     least_orientation_error,
 )
-from robomech_ros.kinematics.inverse.reach import reach_gap
+from robomech_ros.kinematics.inverse.reach import REACH_STARTS, reach_gap
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots import chain_from_dh, load_robot
 
@@ -129,14 +134,15 @@ def test_most_solutions_of_a_general_arm_are_found(search_everywhere, apart, nam
 
 
 @pytest.mark.parametrize("name", ["panda", "general6r", "scara", "planar3r"])
-def test_hopeless_targets_end_in_bounded_time(name):
+def test_hopeless_targets_end_after_one_search_inside_and_one_beyond_the_limits(
+    counted_search, name
+):
     chain = load_robot(name)
-    inverse_kinematics(chain, forward_kinematics(chain, chain.midrange()))
     T = np.eye(4)
     T[:3, 3] = [9.0, 0.0, 0.0]
-    start = time.thread_time()
     result = inverse_kinematics(chain, T)
-    assert time.thread_time() - start < 0.5
+    assert counted_search.attempts <= 2 * ITERATIVE_RESTARTS
+    assert 0 < counted_search.starts <= 2 * REACH_STARTS
     assert not len(result) and result.status.name == "OUT_OF_REACH"
 
 
@@ -277,20 +283,16 @@ def test_no_time_is_left_for_a_reason():
     )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ten", "general6r", "panda", "gen3", "iiwa14", "vx300"])
-def test_a_timeout_is_kept_to_five_milliseconds(name):
-    """Processor time of this thread, since other processes take their share of the clock."""
+def test_a_timeout_is_kept_to_a_few_looks_at_the_clock(counted_search, name):
     chain = ten_joints() if name == "ten" else load_robot(name)
     T = forward_kinematics(chain, random_postures(chain, 20, 12))
     T[:, :3, 3] *= 1.5
     T[:, :3, :3] = T[::-1, :3, :3]
-    inverse_kinematics(chain, T[0])
-    for timeout in (1e-3, 5e-3, 2e-2):
-        over = []
+    for timeout in (1, 5, 20):
         for target in T:
-            start = time.thread_time()
+            counted_search.forget()
             inverse_kinematics(chain, target, timeout=timeout)
-            over.append(time.thread_time() - start - timeout)
-        assert np.median(over) < 5e-3
-        assert np.percentile(over, 90) < 8e-3
+            assert counted_search.looks <= timeout + 4
+            assert counted_search.most_attempts <= REACH_ATTEMPTS
+            assert counted_search.starts <= 2 * REACH_STARTS
