@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
+    from robomech_ros.dynamics.chain_dynamics import ChainDynamics
     from robomech_ros.dynamics.complement.constrained_bodies import ConstrainedBodies
     from robomech_ros.dynamics.complement.reactions import (
         ConstraintReactions,
@@ -108,16 +109,19 @@ if TYPE_CHECKING:
     )
     from robomech_ros.dynamics.simulation.controlled_arm import ControlledArm, ControlledMotion
     from robomech_ros.dynamics.simulation.simulate import Simulation, simulate
+    from robomech_ros.dynamics.systems import DynamicSystem
 
 __all__ = [
     "ALGORITHMS",
     "METHODS",
     "BaseParameters",
+    "ChainDynamics",
     "ConsistentFit",
     "ConstrainedBodies",
     "ConstraintReactions",
     "ControlledArm",
     "ControlledMotion",
+    "DynamicSystem",
     "ForwardDerivatives",
     "Identification",
     "InverseDerivatives",
@@ -179,6 +183,8 @@ _MODULES = {
     "ALGORITHMS": "formulations.complexity",
     "METHODS": "forward",
     "BaseParameters": "identification.regressor",
+    "ChainDynamics": "chain_dynamics",
+    "DynamicSystem": "systems",
     "ConsistentFit": "identification.consistent_fit",
     "ConstrainedBodies": "complement.constrained_bodies",
     "ConstraintReactions": "complement.reactions",

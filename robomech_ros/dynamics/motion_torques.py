@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.inverse import inverse_dynamics
+from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
@@ -21,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TorqueSummary:
-    """Efforts of n joints along a motion.
+    """Efforts of n drives along a motion.
 
     Attributes
     ----------
@@ -72,7 +71,7 @@ class TorqueSummary:
 
 
 def torque_summary(
-    chain: SerialChain,
+    chain: SerialChain | DynamicSystem,
     times: ArrayLike,
     q: ArrayLike,
     qd: ArrayLike,
@@ -81,16 +80,18 @@ def torque_summary(
     gravity: ArrayLike = (0.0, 0.0, -9.81),
     tip_wrench: ArrayLike | None = None,
 ) -> TorqueSummary:
-    """Summarise the efforts along a sampled motion, by :func:`inverse_dynamics`: without friction.
+    """Summarise the efforts along a sampled motion, by inverse dynamics: without friction.
 
     Parameters
     ----------
-    chain : SerialChain
+    chain : SerialChain or DynamicSystem
         Of n joints, with bodies.
-    times : array_like, shape (m,)
-        Instants (s), not decreasing, m >= 1; what lies between them is not seen.
-    q, qd, qdd : array_like, shape (m, n)
-        Positions (rad or m), rates and accelerations.
+    times : array_like, shape (k,)
+        Instants (s), not decreasing, k >= 1; what lies between them is not seen.
+    q : array_like, shape (k, n)
+        Positions of all joints (rad or m).
+    qd, qdd : array_like, shape (k, m)
+        Rates and accelerations of the drives, which all joints of a chain have.
     gravity, tip_wrench
         As for :func:`inverse_dynamics`.
 
@@ -98,22 +99,23 @@ def torque_summary(
     ------
     WrongSizeError, NonFiniteError, BadValueError, MissingInertiaError
     """
-    check_chain(chain)
+    system = dynamic_system(chain)
+    drives = len(system.drive_names)
     instants, rates = real_array("times", times), real_array("qd", qd)
     if instants.ndim != 1 or not len(instants):
         raise WrongSizeError("times", instants.shape, "(m,) with at least one instant")
     if not np.isfinite(instants).all():
         raise NonFiniteError("times", instants)
-    if rates.shape != (len(instants), chain.n):
-        raise WrongSizeError("qd", rates.shape, (len(instants), chain.n))
+    if rates.shape != (len(instants), drives):
+        raise WrongSizeError("qd", rates.shape, (len(instants), drives))
     if not (np.diff(instants) >= 0.0).all():
         raise BadValueError("times", instants.tolist()[:5], "instants that do not decrease")
-    effort = inverse_dynamics(chain, q, rates, qdd, gravity=gravity, tip_wrench=tip_wrench)
+    effort = system.inverse(q, rates, qdd, gravity=gravity, tip_wrench=tip_wrench)
     size, power = np.abs(effort), effort * rates
     peak = size.argmax(axis=0)
     span = float(instants[-1] - instants[0])
-    columns = np.arange(chain.n)
-    limit = np.where(np.isnan(chain.effort), np.inf, chain.effort)
+    columns = np.arange(drives)
+    limit = np.where(np.isnan(system.effort), np.inf, system.effort)
     beyond = size > limit
     first = np.where(beyond.any(axis=0), instants[beyond.argmax(axis=0)], np.nan)
     # Against the peak, whose square may overflow.

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.dynamics.complement.stacking import transposed
 from robomech_ros.dynamics.formulations.orthogonal_complement import natural_orthogonal_complement
+from robomech_ros.dynamics.posed_bodies import reflected_inertias
 from robomech_ros.kinetostatics.reduced_jacobians import planar_rows
 from robomech_ros.robots.chain import SerialChain
 
@@ -96,7 +97,7 @@ def planar_orthogonal_complement(
     model = natural_orthogonal_complement(chain, q, qd)
     rows = np.kron(np.eye(chain.n), plane)
     return PlanarComplement(
-        rotors=model.rotors,
+        rotors=reflected_inertias(chain),
         T=rows @ model.T,
         T_dot=rows @ model.T_dot,
         M=rows @ model.M @ rows.T,

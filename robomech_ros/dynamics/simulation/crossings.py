@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics.matrices import mass_matrix
+from robomech_ros.dynamics.systems import DynamicSystem
 from robomech_ros.errors import BadValueError
-from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number
 
 __all__ = ["Event", "bounced", "first_crossing", "limit_events", "note_events"]
@@ -23,28 +22,45 @@ Crossing = Callable[[Array], float]
 _PARTS = 8
 
 
-def limit_events(chain: SerialChain) -> Iterator[Crossing]:
+def limit_events(system: DynamicSystem) -> Iterator[Crossing]:
     """Give, for the lower and upper limit of each joint, how far inside it a state is."""
-    for i in range(chain.n):
-        yield partial(_inside, i, 1.0, float(chain.lower[i]))
-        yield partial(_inside, i, -1.0, float(chain.upper[i]))
+    for i in range(len(system.joint_names)):
+        yield partial(_inside, i, 1.0, float(system.lower[i]))
+        yield partial(_inside, i, -1.0, float(system.upper[i]))
 
 
 def _inside(joint: int, sign: float, limit: float, state: Array) -> float:
     return float(sign * (state[joint] - limit))
 
 
-def bounced(chain: SerialChain, state: Array, joint: int, side: int, restitution: float) -> Array:
-    """Turn the rate of a joint at its limit; the others take what the blow gives them."""
-    n = chain.n
+def bounced(
+    system: DynamicSystem, q: Array, state: Array, limit: tuple[int, int], restitution: float
+) -> Array:
+    """Turn the rate of a joint at its limit; the others take what the blow gives them.
+
+    Parameters
+    ----------
+    system : DynamicSystem
+        Of n joints, m of them with drives.
+    q : ndarray, shape (n,)
+        Where the joints are (rad or m).
+    state : ndarray, shape (2 m + 2,)
+        Of the drives.
+    limit : tuple of int
+        The joint, and 0 at its lower or 1 at its upper limit.
+    restitution : float
+        Part of its rate that the joint keeps.
+    """
+    joint, side = limit
+    m = len(system.drive_names)
     state = state.copy()
-    q, qd = state[:n].copy(), state[n : 2 * n].copy()
-    state[joint] = (chain.lower, chain.upper)[side][joint]
-    M = mass_matrix(chain, q)
-    response = np.linalg.solve(M, np.eye(n)[joint])
-    change = -(1.0 + restitution) * qd[joint] / response[joint] * response
-    state[n : 2 * n] = qd + change
-    state[-1] += 0.5 * (qd @ M @ qd - (qd + change) @ M @ (qd + change))
+    rates = state[m : 2 * m].copy()
+    state[:m][system.drives_at == joint] = (system.lower, system.upper)[side][joint]
+    M, row = system.mass_matrix(q), system.complement(q)[joint]
+    response = np.linalg.solve(M, row)
+    change = -(1.0 + restitution) * (row @ rates) / (row @ response) * response
+    state[m : 2 * m] = rates + change
+    state[-1] += 0.5 * (rates @ M @ rates - (rates + change) @ M @ (rates + change))
     return state
 
 

@@ -1,4 +1,4 @@
-"""The equations of motion of a chain, as an integrator asks for them."""
+"""The equations of motion of a system, as an integrator asks for them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -6,13 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
-from robomech_ros.dynamics.friction import friction_model
-from robomech_ros.dynamics.model import dynamic_model, surroundings
+from robomech_ros.dynamics.systems import CompiledForward, DynamicSystem, LostPostureError
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.kinetostatics.jacobians import jacobian
-from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 
 __all__ = ["EquationsOfMotion", "RunAwayError", "Torque"]
@@ -20,26 +15,26 @@ __all__ = ["EquationsOfMotion", "RunAwayError", "Torque"]
 Array = NDArray[np.float64]
 Torque = Callable[[float, Array, Array], ArrayLike]
 
-_forward_one = direct(forward_dynamics_one)
-
 # Squares and quotients of what is larger overflow in the solvers.
 _LARGEST_RATE = 1e100
 
 
 class RunAwayError(Exception):
-    """The state, or what acts on it, is no longer finite."""
+    """The state, or what acts on it, is no longer finite, or the posture is lost; it says so."""
 
 
 @dataclass(frozen=True, eq=False)
 class EquationsOfMotion:
-    """What moves a chain; a state is q, qd, work and heat.
+    """What moves a system; a state is the values and rates of its m drives, work and heat.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with the bodies that they move.
+    system : DynamicSystem
+        Of n joints, m of them with drives.
+    start : ndarray, shape (n,)
+        Where it starts (rad or m); the posture is followed from there.
     torque : callable
-        ``torque(t, q, qd)`` of the drives (N m or N).
+        ``torque(t, q, qd)`` of the drives (N m or N), for all joints.
     gravity : array_like, shape (3,)
         In the axes of the base (m/s^2).
     tip_wrench : ndarray, shape (6,), or None
@@ -48,68 +43,106 @@ class EquationsOfMotion:
         Rate within which dry friction goes over from one direction to the other (rad/s or m/s).
     """
 
-    chain: SerialChain
+    system: DynamicSystem
+    start: Array
     torque: Torque
     gravity: ArrayLike
     tip_wrench: Array | None
     rest_rate: float
-    _model: Array = field(init=False, repr=False)
-    _around: Array = field(init=False, repr=False)
-    _friction: Array = field(init=False, repr=False)
+    _forward: CompiledForward = field(init=False, repr=False)
+    _followed: list[Array] = field(init=False, repr=False)
+    _rough: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        around = surroundings((self.chain.n,), self.gravity, self.tip_wrench)
-        object.__setattr__(self, "_model", dynamic_model(self.chain))
-        object.__setattr__(self, "_around", around)
-        object.__setattr__(self, "_friction", friction_model(self.chain))
+        forward = self.system.compiled_forward(self.gravity, self.tip_wrench)
+        object.__setattr__(self, "_forward", forward)
+        object.__setattr__(self, "_followed", [self.start])
+        object.__setattr__(self, "_rough", bool(self.system.friction_rows.any()))
 
-    def friction_torque(self, qd: Array) -> Array:
-        """Give the torques that friction takes at rates (n,)."""
-        viscous, coulomb, excess, decay = self._friction
+    @property
+    def m(self) -> int:
+        """Number of drives."""
+        return len(self.system.drive_names)
+
+    def posture(self, values: Array) -> Array:
+        """Give all joints (n,) for values of the drives (m,), near where they were last.
+
+        Raises
+        ------
+        RunAwayError
+            The assembly mode ends before.
+        """
+        try:
+            self._followed[0] = self.system.posture(values, self._followed[0])
+        except LostPostureError as error:
+            raise RunAwayError(str(error)) from None
+        return self._followed[0]
+
+    def all_joints(self, state: Array) -> Array:
+        """Give values and rates of all joints, work and heat, (2 n + 2,), of a state (2 m + 2,)."""
+        m = self.m
+        q = self.posture(state[:m].copy())
+        qd = self.system.joint_rates(q, state[m : 2 * m].copy())
+        return np.concatenate((q, qd, state[2 * m :]))
+
+    def friction_torque(self, q: Array, rates: Array) -> Array:
+        """Give the efforts (m,) that the friction of all joints takes at rates (m,)."""
+        if not self._rough:
+            return np.zeros_like(rates)
+        viscous, coulomb, excess, decay = self.system.friction_rows
+        N = self.system.complement(q)
+        qd = N @ rates
         dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 26.0) ** 2))
-        torque: Array = viscous * qd + dry * np.tanh(qd / self.rest_rate)
+        torque: Array = N.T @ (viscous * qd + dry * np.tanh(qd / self.rest_rate))
         return torque
 
-    def requested_torque(self, t: float, q: Array, qd: Array) -> Array:
-        """Give the torques (n,) that are asked of the drives, finite or not."""
+    def requested_torque(self, t: float, q: Array, rates: Array) -> Array:
+        """Give the torques (m,) that are asked of the drives, finite or not."""
+        qd = self.system.joint_rates(q, rates)
         tau = np.ascontiguousarray(real_array("torque", self.torque(t, q, qd)))
-        if tau.shape != q.shape:
-            raise WrongSizeError("torque", tau.shape, q.shape)
+        if tau.shape != rates.shape:
+            raise WrongSizeError("torque", tau.shape, rates.shape)
         return tau
 
-    def drive_torque(self, t: float, q: Array, qd: Array) -> Array:
-        """Give the torques (n,) of the drives.
+    def drive_torque(self, t: float, q: Array, rates: Array) -> Array:
+        """Give the torques (m,) of the drives.
 
         Raises
         ------
         RunAwayError
             One is not finite.
         """
-        tau = self.requested_torque(t, q, qd)
+        tau = self.requested_torque(t, q, rates)
         if not np.isfinite(tau).all():
-            raise RunAwayError(f"the torque at {t:.6g} s is not finite")
+            raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
         return tau
 
+    def tip_power(self, q: Array, rates: Array) -> float:
+        """Give the power of the wrench on the tip (W)."""
+        if self.tip_wrench is None:
+            return 0.0
+        return float(self.tip_wrench @ self.system.tip_twist(q, rates))
+
     def rates(self, t: float, state: Array) -> Array:
-        """Give the derivative of a state (2 n + 2,) by time.
+        """Give the derivative of a state (2 m + 2,) by time.
 
         Raises
         ------
         RunAwayError
-            It, or the state, is too large or not finite.
+            It, or the state, is too large or not finite, or no posture belongs to it.
         """
-        n = self.chain.n
-        q, qd = state[:n].copy(), state[n : 2 * n].copy()
+        m = self.m
         if not np.isfinite(state).all():
-            raise RunAwayError(f"the state at {t:.6g} s is not finite")
-        tau, lost = self.drive_torque(t, q, qd), self.friction_torque(qd)
-        qdd = np.empty(n)
-        if _forward_one(self._model, q, qd, tau - lost, self._around, qdd):
-            raise RunAwayError(f"the accelerations at {t:.6g} s are not finite")
-        power, loss = tau @ qd, lost @ qd
-        if self.tip_wrench is not None:
-            power += self.tip_wrench @ (jacobian(self.chain, q) @ qd)
-        rates = np.concatenate((qd, qdd, [power, loss]))
-        if not np.abs(rates).max() <= _LARGEST_RATE:
-            raise RunAwayError(f"accelerations or powers at {t:.6g} s exceed {_LARGEST_RATE:g}")
-        return rates
+            raise RunAwayError(f"the motion ran away: the state at {t:.6g} s is not finite")
+        q, rates = self.posture(state[:m].copy()), state[m : 2 * m].copy()
+        tau, lost = self.drive_torque(t, q, rates), self.friction_torque(q, rates)
+        accelerations = np.empty(m)
+        if self._forward(q, rates, tau - lost, accelerations):
+            why = f"the accelerations at {t:.6g} s are not finite"
+            raise RunAwayError(f"the motion ran away: {why}")
+        power, loss = tau @ rates + self.tip_power(q, rates), lost @ rates
+        derivative = np.concatenate((rates, accelerations, [power, loss]))
+        if not np.abs(derivative).max() <= _LARGEST_RATE:
+            why = f"accelerations or powers at {t:.6g} s exceed {_LARGEST_RATE:g}"
+            raise RunAwayError(f"the motion ran away: {why}")
+        return derivative

@@ -98,22 +98,22 @@ class Integration:
         self._motion, self._choice = motion, choice
         self._at_limits, self._restitution = at_limits, restitution
         self._watched, self._record = list(watched), record
-        self._bounds = [] if at_limits == "ignore" else list(limit_events(motion.chain))
+        self._bounds = [] if at_limits == "ignore" else list(limit_events(motion.system))
         self._bounces = 0
         self.seen: list[tuple[float, int]] = []
 
     def run(self, state: Array, duration: float) -> str:
-        """Step from a state (2 n + 2,) for a duration (s); returns why it ended.
+        """Step from a state (2 m + 2,) for a duration (s); returns why it ended.
 
         Raises
         ------
         BadValueError
             The start is outside the position limits, or an event is no finite number.
         """
-        n = self._motion.chain.n
-        self._record.add(0.0, state, None)
-        if any(crossing(state) < 0.0 for crossing in self._bounds):
-            raise BadValueError("q0", state[:n].tolist(), "values within the position limits")
+        start, n = self._motion.all_joints(state), len(self._motion.start)
+        self._record.add(0.0, start, None)
+        if any(crossing(start) < 0.0 for crossing in self._bounds):
+            raise BadValueError("q0", start[:n].tolist(), "values within the position limits")
         try:
             solver = self._choice.solver(self._motion, 0.0, state, duration)
             for _ in range(MOST_STEPS):
@@ -125,7 +125,7 @@ class Integration:
                 if after is not None:
                     solver = self._choice.solver(self._motion, *after, duration)
         except RunAwayError as error:
-            return f"the motion ran away: {error}"
+            return str(error)
         return f"{MOST_STEPS} steps did not reach the end"
 
     def _step(self, solver: Any) -> tuple[str, tuple[float, Array] | None]:
@@ -138,14 +138,18 @@ class Integration:
         after : tuple of float and ndarray, or None
             Time and state from which a new solver goes on after a bounce.
         """
-        n = self._motion.chain.n
-        before, y_before = solver.t, solver.y.copy()
+        n, seen = len(self._motion.start), self._motion.all_joints
+        before, y_before = solver.t, seen(solver.y)
         message = solver.step()
         if solver.status == "failed":
             return f"the integration failed at {before:.6g} s: {message}", None
-        dense = solver.dense_output()
-        y_after = solver.y
-        _refuse_run_away(solver.t, y_after, n)
+        inside = solver.dense_output()
+        _refuse_run_away(solver.t, solver.y, self._motion.m)
+        y_after = seen(solver.y)
+
+        def dense(t: float) -> Array:
+            return seen(inside(t))
+
         hits = first_crossing(self._bounds, dense, (before, y_before), (solver.t, y_after))
         end, crossing = min(hits, default=(solver.t, -1))
         ended = note_events(self._watched, dense, before, end, n, self.seen)
@@ -153,29 +157,32 @@ class Integration:
             self._record.add(ended[0], dense(ended[0]), dense)
             return f"event {ended[1]} at {ended[0]:.9g} s", None
         self._record.add(end, dense(end) if hits else y_after, dense)
-        return self._at_limit(end, crossing, dense(end)) if hits else ("", None)
+        return self._at_limit(end, crossing, inside(end)) if hits else ("", None)
 
     def _at_limit(
         self, t: float, crossing: int, state: Array
     ) -> tuple[str, tuple[float, Array] | None]:
         """End the simulation at a limit, or bounce there; gives what :meth:`_step` gives."""
-        chain = self._motion.chain
+        system = self._motion.system
         joint, side = divmod(crossing, 2)
+        name = system.joint_names[joint]
         where = f"its {('lower', 'upper')[side]} limit at {t:.9g} s"
         if self._at_limits == "end":
-            return f"joint '{chain.joint_names[joint]}' came to {where}", None
+            return f"joint '{name}' came to {where}", None
         self._bounces += 1
-        if self._bounces > _MOST_BOUNCES or abs(state[chain.n + joint]) < _REST:
-            return f"joint '{chain.joint_names[joint]}' came to rest at {where}", None
-        return "", (t, bounced(chain, state, joint, side, self._restitution))
+        whole = self._motion.all_joints(state)
+        q, rate = whole[: len(self._motion.start)], whole[len(self._motion.start) + joint]
+        if self._bounces > _MOST_BOUNCES or abs(rate) < _REST:
+            return f"joint '{name}' came to rest at {where}", None
+        return "", (t, bounced(system, q, state, (joint, side), self._restitution))
 
 
-def _refuse_run_away(t: float, state: Array, n: int) -> None:
+def _refuse_run_away(t: float, state: Array, m: int) -> None:
     if not np.isfinite(state).all():
-        raise RunAwayError(f"the state at {t:.6g} s is not finite")
-    fastest = float(np.abs(state[n : 2 * n]).max(initial=0.0))
+        raise RunAwayError(f"the motion ran away: the state at {t:.6g} s is not finite")
+    fastest = float(np.abs(state[m : 2 * m]).max(initial=0.0))
     if fastest > LARGEST_SERVO_RATE:
         raise RunAwayError(
-            f"rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
+            f"the motion ran away: rates of up to {fastest:.3g} rad/s or m/s at {t:.6g} s; "
             f"{LARGEST_SERVO_RATE:g} is the most"
         )

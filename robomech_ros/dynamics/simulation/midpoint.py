@@ -1,13 +1,10 @@
-"""The implicit midpoint rule for a chain, in joint values and momenta: symplectic."""
+"""The implicit midpoint rule for a system, in values and momenta of its drives: symplectic."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics.inverse import gravity_torque
-from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion
 from robomech_ros.errors import RobomechError
-from robomech_ros.kinetostatics.jacobians import jacobian
 
 __all__ = ["MidpointSolver"]
 
@@ -30,11 +27,11 @@ class MidpointSolver:
     Parameters
     ----------
     forces : EquationsOfMotion
-        The chain, and what acts on it.
+        The system, and what acts on it.
     t, end : float
         In s.
-    state : ndarray, shape (2 n + 2,)
-        Joint values and rates, work and heat.
+    state : ndarray, shape (2 m + 2,)
+        Values and rates of the drives, work and heat.
     step : float
         In s; the last one ends at ``end``.
     """
@@ -49,8 +46,8 @@ class MidpointSolver:
     def step(self) -> str | None:
         """Do a step; returns what went wrong, with ``status`` then "failed"."""
         h = min(self.length, self.end - self.t)
-        n = self.forces.chain.n
-        q, qd = self.y[:n].copy(), self.y[n : 2 * n].copy()
+        m = self.forces.m
+        q, qd = self.y[:m].copy(), self.y[m : 2 * m].copy()
         try:
             after = self._after(h, q, qd)
         except (RobomechError, np.linalg.LinAlgError) as error:
@@ -62,7 +59,7 @@ class MidpointSolver:
         q_after, qd_after, power, loss = after
         self._from = (self.t, self.y)
         self.t += h
-        gains = self.y[2 * n :] + h * np.array([power, loss])
+        gains = self.y[2 * m :] + h * np.array([power, loss])
         self.y = np.concatenate((q_after, qd_after, gains))
         if self.t >= self.end * (1.0 - 1e-15):
             self.t, self.status = self.end, "finished"
@@ -70,16 +67,18 @@ class MidpointSolver:
 
     def _after(self, h: float, q: Array, qd: Array) -> tuple[Array, Array, float, float] | None:
         """Find the midpoint by iteration: ``q' = M^-1 p`` and ``p' = C^T q' - g + tau`` at it."""
-        chain, wrench = self.forces.chain, self.forces.tip_wrench
-        p = mass_matrix(chain, q) @ qd
+        forces, system = self.forces, self.forces.system
+        gravity, wrench = forces.gravity, forces.tip_wrench
+        p, still = system.mass_matrix(forces.posture(q)) @ qd, np.zeros_like(qd)
         middle, momentum = q + 0.5 * h * qd, p
         reach, size = 1.0 + np.abs(middle).max(), 1.0 + np.abs(p).max()
         for _ in range(_ITERATIONS):
-            rate = _solved(mass_matrix(chain, middle), momentum)
-            tau = self.forces.drive_torque(self.t + 0.5 * h, middle, rate)
-            lost = self.forces.friction_torque(rate)
-            held = gravity_torque(chain, middle, gravity=self.forces.gravity, tip_wrench=wrench)
-            force = coriolis_matrix(chain, middle, rate).T @ rate - held + tau - lost
+            posture = forces.posture(middle)
+            rate = _solved(system.mass_matrix(posture), momentum)
+            tau = forces.drive_torque(self.t + 0.5 * h, posture, rate)
+            lost = forces.friction_torque(posture, rate)
+            held = system.inverse(posture, still, still, gravity=gravity, tip_wrench=wrench)
+            force = system.coriolis_matrix(posture, rate).T @ rate - held + tau - lost
             q_next, p_next = q + 0.5 * h * rate, p + 0.5 * h * force
             change = max(
                 float(np.abs(q_next - middle).max()) / reach,
@@ -89,11 +88,9 @@ class MidpointSolver:
             if not np.isfinite(change):
                 return None
             if change < _ARRIVED:
-                power = float(tau @ rate)
-                if wrench is not None:
-                    power += float(wrench @ (jacobian(chain, middle) @ rate))
+                power = float(tau @ rate) + forces.tip_power(forces.posture(middle), rate)
                 q_after, p_after = q + h * rate, p + h * force
-                qd_after = _solved(mass_matrix(chain, q_after), p_after)
+                qd_after = _solved(system.mass_matrix(forces.posture(q_after)), p_after)
                 return q_after, qd_after, power, float(lost @ rate)
         return None
 

@@ -1,4 +1,4 @@
-"""Simulation: the motion of a chain under given or computed torques."""
+"""Simulation: the motion of a chain or another system under given or computed torques."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
-from robomech_ros.dynamics.forward import forward_dynamics
 from robomech_ros.dynamics.model import GRAVITY, positive_number
 from robomech_ros.dynamics.simulation.crossings import Event
 from robomech_ros.dynamics.simulation.equations_of_motion import EquationsOfMotion, Torque
@@ -21,10 +19,10 @@ from robomech_ros.dynamics.simulation.integration import (
     SolverChoice,
 )
 from robomech_ros.dynamics.simulation.record import Record
-from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
+from robomech_ros.dynamics.systems import DynamicSystem, dynamic_system
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_number
+from robomech_ros.spatial.arrays import as_choice, as_finite, listed, real_array, real_number
 
 __all__ = ["AT_LIMITS", "SOLVERS", "Simulation", "simulate"]
 
@@ -40,7 +38,7 @@ _LEAST_RTOL = 100.0 * float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What a chain did.
+    """What a chain, or another system of n joints, did.
 
     Attributes
     ----------
@@ -58,8 +56,9 @@ class Simulation:
     events : tuple of (float, int)
         Time and number of each of the user's events, in order.
     reason : str
-        ``"finished"``, or why it ended before: at which limit, by which event, or because the
-        numbers ran away.  The last state is the last that was good.
+        ``"finished"``, or why it ended before: at which limit, by which event, because the
+        numbers ran away, or because the assembly mode of a parallel robot ended in a singular
+        posture.  The last state is the last that was good.
     """
 
     t: Array
@@ -75,7 +74,7 @@ class Simulation:
 
 
 def simulate(
-    chain: SerialChain,
+    chain: SerialChain | DynamicSystem,
     q0: ArrayLike,
     qd0: ArrayLike,
     torque: ArrayLike | Torque | None,
@@ -93,16 +92,19 @@ def simulate(
     events: Sequence[Event] = (),
     times: ArrayLike | None = None,
 ) -> Simulation:
-    """Integrate the motion of a chain, with the friction of its drives.
+    """Integrate the motion of a chain or a parallel robot, with the friction of its joints.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with the bodies that they move.
-    q0, qd0 : array_like, shape (n,)
-        Joint values (rad or m) and rates (rad/s or m/s) at the start.
-    torque : array_like of shape (n,), callable, or None
-        Of the drives (N m or N): constant, ``torque(t, q, qd)``, or none.
+    chain : SerialChain or DynamicSystem
+        Of n joints, with the bodies that they move; m of them have drives, all of a chain.  Loops
+        of a parallel robot (``ParallelDynamics``) are closed in every state.
+    q0 : array_like, shape (n,)
+        Joint values (rad or m) at the start.
+    qd0 : array_like, shape (m,)
+        Rates of the drives (rad/s or m/s) at the start.
+    torque : array_like of shape (m,), callable, or None
+        Of the drives (N m or N): constant, ``torque(t, q, qd)`` with all joints, or none.
     duration : float
         In s, up to 1e6; no more than 200,000 steps are done.
     gravity, tip_wrench
@@ -136,7 +138,7 @@ def simulate(
 
     Raises
     ------
-    MissingInertiaError, BadValueError, WrongSizeError, NonFiniteError
+    MissingInertiaError, BadValueError, NonFiniteError, WrongSizeError, NonFiniteError
         As for :func:`forward_dynamics`, for the start; or a number or a function is not what it
         has to be.  Motions that run away, with rates above 1e6 rad/s or m/s, raise nothing.
 
@@ -160,7 +162,8 @@ def simulate(
     >>> round(float(run.t[-1]), 6), run.reason, run.drift < 1e-4
     (0.5, 'finished', True)
     """
-    q, qd = _start(chain, q0, "q0"), _start(chain, qd0, "qd0")
+    system = dynamic_system(chain)
+    q, rates = system.checked_posture(q0, "q0"), _of_drives(system, qd0, "qd0")
     duration = positive_number("duration", duration)
     if duration > _LONGEST:
         raise BadValueError("duration", duration, f"at most {_LONGEST:g} s")
@@ -170,15 +173,15 @@ def simulate(
     if not 0.0 <= part <= 1.0:
         raise BadValueError("restitution", restitution, "a number from 0 to 1")
     wrench = None if tip_wrench is None else as_finite("tip_wrench", tip_wrench, (6,))
-    drives, slow = _as_torque(chain, torque), positive_number("rest_rate", rest_rate)
-    motion = EquationsOfMotion(chain, drives, gravity, wrench, slow)
+    drives, slow = _as_torque(system, torque), positive_number("rest_rate", rest_rate)
+    motion = EquationsOfMotion(system, q, drives, gravity, wrench, slow)
     # A wrong start is refused; what goes wrong later is the reason of the end.
-    first = motion.requested_torque(0.0, q, qd)
-    forward_dynamics(chain, q, qd, first, gravity=gravity, tip_wrench=wrench)
+    first = motion.requested_torque(0.0, q, rates)
+    system.forward(q, rates, first, gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
     record = Record(_as_times(times, duration))
     integration = Integration(motion, choice, limits, part, watched, record)
-    state = np.concatenate((q, qd, [0.0, 0.0]))
+    state = np.concatenate((q[system.drives_at], rates, [0.0, 0.0]))
     # What overflows is found in the states.
     with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
         # LSODA warns of what the reason says.
@@ -193,12 +196,12 @@ def _simulation(
     motion: EquationsOfMotion, record: Record, integration: Integration, reason: str
 ) -> Simulation:
     seen = tuple(integration.seen)
-    chain, n = motion.chain, motion.chain.n
+    system, n = motion.system, len(motion.start)
     rows = np.array(record.states).reshape(-1, 2 * n + 2)
     q, qd = rows[:, :n].copy(), rows[:, n : 2 * n].copy()
     work, heat = rows[:, -2].copy(), rows[:, -1].copy()
-    kinetic = kinetic_energy(chain, q, qd)
-    potential = potential_energy(chain, q, gravity=motion.gravity)
+    kinetic = system.kinetic_energy(q, qd[:, system.drives_at])
+    potential = system.potential_energy(q, gravity=motion.gravity)
     left = kinetic + potential - work + heat
     drift = float(np.abs(left - left[0]).max()) if len(left) else 0.0
     return Simulation(
@@ -216,22 +219,25 @@ def _choice(method: str, step: object, duration: float, rtol: object, atol: obje
     return SolverChoice(kind, longest, relative, absolute)
 
 
-def _start(chain: SerialChain, value: ArrayLike, what: str) -> Array:
-    check_chain(chain)
-    array = as_joint_values(chain, value, what)
-    if array.ndim != 1:
-        raise WrongSizeError(what, array.shape, f"({chain.n},)")
-    if not np.isfinite(array).all():
-        raise_not_finite(chain, array, what)
+def _of_drives(system: DynamicSystem, value: ArrayLike, what: str) -> Array:
+    m = len(system.drive_names)
+    array = np.ascontiguousarray(real_array(what, value))
+    if array.shape != (m,):
+        raise WrongSizeError(what, array.shape, f"({m},)")
+    for joint, number in zip(system.drive_names, array.tolist(), strict=True):
+        if not np.isfinite(number):
+            raise NonFiniteError(f"{what} of joint '{joint}'", number)
     return array
 
 
-def _as_torque(chain: SerialChain, torque: ArrayLike | Torque | None) -> Torque:
+def _as_torque(system: DynamicSystem, torque: ArrayLike | Torque | None) -> Torque:
     if isinstance(torque, type):
         raise BadValueError("torque", torque, "an array of real numbers, or a function")
     if callable(torque):
         return torque
-    constant = np.zeros(chain.n) if torque is None else _start(chain, torque, "torque")
+    constant = np.zeros(len(system.drive_names))
+    if torque is not None:
+        constant = _of_drives(system, torque, "torque")
     return lambda t, q, qd: constant
 
 

@@ -1,0 +1,191 @@
+"""A serial chain as one of the systems that can be simulated and asked for their efforts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics.forward import forward_dynamics_one
+from robomech_ros.dynamics.energy import kinetic_energy, potential_energy
+from robomech_ros.dynamics.forward import forward_dynamics
+from robomech_ros.dynamics.friction import friction_model
+from robomech_ros.dynamics.inverse import inverse_dynamics
+from robomech_ros.dynamics.matrices import coriolis_matrix, mass_matrix
+from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
+from robomech_ros.dynamics.payload import with_payload
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.kinematics.joint_values import as_joint_values, check_chain, raise_not_finite
+from robomech_ros.kinetostatics.jacobians import jacobian
+from robomech_ros.robots.bodies import Body
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["ChainDynamics"]
+
+Array = NDArray[np.float64]
+
+_forward_one = direct(forward_dynamics_one)
+
+
+@dataclass(frozen=True, eq=False)
+class ChainDynamics:
+    """A serial chain by the names of :class:`DynamicSystem`: every joint has a drive.
+
+    Its methods are the functions of :mod:`robomech_ros.dynamics`.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+
+    Raises
+    ------
+    BadValueError
+        Not a chain.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.3.
+
+    Examples
+    --------
+    >>> from robomech_ros.dynamics import ChainDynamics, gravity_torque
+    >>> from robomech_ros.robots import load_robot
+    >>> puma = load_robot("puma560")
+    >>> system, q, still = ChainDynamics(puma), puma.midrange(), [0.0] * 6
+    >>> bool((system.inverse(q, still, still) == gravity_torque(puma, q)).all())
+    True
+    """
+
+    chain: SerialChain
+
+    def __post_init__(self) -> None:
+        check_chain(self.chain)
+
+    @property
+    def name(self) -> str:
+        """The robot."""
+        return self.chain.name
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """All joints."""
+        return self.chain.joint_names
+
+    @property
+    def drive_names(self) -> tuple[str, ...]:
+        """All joints."""
+        return self.chain.joint_names
+
+    @property
+    def drives_at(self) -> NDArray[np.int64]:
+        """Where the drives are among the joints: everywhere."""
+        return np.arange(self.chain.n)
+
+    @property
+    def lower(self) -> Array:
+        """Lower position limits (rad or m), shape (n,)."""
+        return self.chain.lower
+
+    @property
+    def upper(self) -> Array:
+        """Upper position limits (rad or m), shape (n,)."""
+        return self.chain.upper
+
+    @property
+    def effort(self) -> Array:
+        """Limits of the drives (N m or N), shape (n,)."""
+        return self.chain.effort
+
+    @property
+    def friction_rows(self) -> Array:
+        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
+        return friction_model(self.chain)
+
+    def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
+        """Give joint values (n,) that are finite, or raise an error."""
+        array = as_joint_values(self.chain, q, what)
+        if array.ndim != 1:
+            raise WrongSizeError(what, array.shape, f"({self.chain.n},)")
+        if not np.isfinite(array).all():
+            raise_not_finite(self.chain, array, what)
+        return array
+
+    def posture(self, values: Array, near: Array) -> Array:
+        """Give the values: no joint follows from others."""
+        return values
+
+    def complement(self, q: Array) -> Array:
+        """Give the unit matrix (n, n)."""
+        return np.eye(self.chain.n)
+
+    def joint_rates(self, q: Array, rates: Array) -> Array:
+        """Give the rates."""
+        return rates
+
+    def tip_twist(self, q: Array, rates: Array) -> Array:
+        """Give the twist [omega; v] (6,) of the tip in the base."""
+        return np.asarray(jacobian(self.chain, q) @ rates)
+
+    def inverse(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        gravity: ArrayLike = GRAVITY,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute :func:`inverse_dynamics`."""
+        return inverse_dynamics(
+            self.chain, q, rates, accelerations, gravity=gravity, tip_wrench=tip_wrench
+        )
+
+    def forward(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        efforts: ArrayLike,
+        *,
+        gravity: ArrayLike = GRAVITY,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute :func:`forward_dynamics`."""
+        return forward_dynamics(
+            self.chain, q, rates, efforts, gravity=gravity, tip_wrench=tip_wrench
+        )
+
+    def compiled_forward(
+        self, gravity: ArrayLike, tip_wrench: ArrayLike | None
+    ) -> Callable[[Array, Array, Array, Array], int]:
+        """Give :meth:`forward` of single states without checks: accelerations into the last."""
+        model = dynamic_model(self.chain)
+        around = surroundings((self.chain.n,), gravity, tip_wrench)
+
+        def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
+            return int(_forward_one(model, q, rates, efforts, around, out))
+
+        return forward
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """Compute :func:`mass_matrix`."""
+        return mass_matrix(self.chain, q)
+
+    def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute :func:`coriolis_matrix`."""
+        return coriolis_matrix(self.chain, q, rates)
+
+    def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute :func:`kinetic_energy`."""
+        return kinetic_energy(self.chain, q, rates)
+
+    def potential_energy(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
+        """Compute :func:`potential_energy`."""
+        return potential_energy(self.chain, q, gravity=gravity)
+
+    def with_payload(self, payload: Body) -> ChainDynamics:
+        """Give the chain that carries a load: :func:`with_payload`."""
+        return ChainDynamics(with_payload(self.chain, payload))

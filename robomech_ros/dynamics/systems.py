@@ -1,0 +1,163 @@
+"""What can be simulated and asked for its efforts: a chain, or anything that says as much."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.dynamics.chain_dynamics import ChainDynamics
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots.bodies import Body
+from robomech_ros.robots.chain import SerialChain
+
+__all__ = ["CompiledForward", "DynamicSystem", "LostPostureError", "dynamic_system"]
+
+Array = NDArray[np.float64]
+# From q (n,), rates and efforts (m,) to accelerations (m,), written to the last: not 0 for none.
+CompiledForward = Callable[[Array, Array, Array, Array], int]
+
+
+class LostPostureError(Exception):
+    """No posture in the same assembly mode belongs to values of the drives; it says why."""
+
+
+class DynamicSystem(Protocol):
+    """Bodies with n joints, of which m have drives, whose rates determine all others.
+
+    Of a chain all joints are driven, ``m = n`` (:class:`ChainDynamics`); of a parallel robot some
+    (``ParallelDynamics``).  Joint values q, shape (..., n), close all loops; rates, accelerations
+    and efforts, shape (..., m), are those of the drives.
+    """
+
+    @property
+    def name(self) -> str:
+        """The robot."""
+        ...
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """All n joints."""
+        ...
+
+    @property
+    def drive_names(self) -> tuple[str, ...]:
+        """The m joints with drives."""
+        ...
+
+    @property
+    def drives_at(self) -> NDArray[np.int64]:
+        """Where these are among the joints, shape (m,)."""
+        ...
+
+    @property
+    def lower(self) -> Array:
+        """Lower position limits (rad or m), shape (n,)."""
+        ...
+
+    @property
+    def upper(self) -> Array:
+        """Upper position limits (rad or m), shape (n,)."""
+        ...
+
+    @property
+    def effort(self) -> Array:
+        """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
+        ...
+
+    @property
+    def friction_rows(self) -> Array:
+        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
+        ...
+
+    def checked_posture(self, q: ArrayLike, what: str) -> Array:
+        """Give joint values (n,) that are finite and close all loops, or raise an error."""
+        ...
+
+    def posture(self, values: Array, near: Array) -> Array:
+        """Give all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
+
+        Raises
+        ------
+        LostPostureError
+            There is none.
+        """
+        ...
+
+    def complement(self, q: Array) -> Array:
+        """Give N (..., n, m), from the rates of the drives to those of all joints."""
+        ...
+
+    def joint_rates(self, q: Array, rates: Array) -> Array:
+        """Give the rates of all joints (..., n)."""
+        ...
+
+    def tip_twist(self, q: Array, rates: Array) -> Array:
+        """Give the twist [omega; v] (6,) of the tip in the base."""
+        ...
+
+    def inverse(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        gravity: ArrayLike = ...,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the efforts of the drives (..., m) that a motion takes, without friction."""
+        ...
+
+    def forward(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        efforts: ArrayLike,
+        *,
+        gravity: ArrayLike = ...,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the accelerations of the drives (..., m), without friction."""
+        ...
+
+    def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
+        """Give :meth:`forward` of single states without checks."""
+        ...
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """Compute the generalised inertia (..., m, m)."""
+        ...
+
+    def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute C (..., m, m) of which the rate of the inertia less 2 C is skew."""
+        ...
+
+    def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute the kinetic energy, shape () or (...,) (J)."""
+        ...
+
+    def potential_energy(self, q: ArrayLike, *, gravity: ArrayLike = ...) -> Array:
+        """Compute the potential energy, shape () or (...,) (J)."""
+        ...
+
+    def with_payload(self, payload: Body) -> DynamicSystem:
+        """Give the system that carries a load, seen in the frame of the tip."""
+        ...
+
+
+def dynamic_system(robot: Any) -> DynamicSystem:
+    """Give what was given, with a chain as a system.
+
+    Raises
+    ------
+    BadValueError
+        Neither a chain nor a system.
+    """
+    if isinstance(robot, SerialChain):
+        return ChainDynamics(robot)
+    if not isinstance(robot, type) and hasattr(robot, "compiled_forward"):
+        system: DynamicSystem = robot
+        return system
+    raise BadValueError("chain", robot, "a SerialChain, or a system such as ParallelDynamics")
