@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,6 +13,9 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import actuated, angle_limits, positive, translation_only
 from robomech_ros.parallel.limbs import Limb, postures
+from robomech_ros.parallel.mechanism.delta_limbs import delta_limbs
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import nearest_first
 
@@ -18,6 +24,8 @@ __all__ = ["Delta"]
 Array = NDArray[np.float64]
 
 _FAMILY = "delta"
+# Angles of all arms among which the one to begin with is found.
+_TRIED = 33
 
 
 class Delta:
@@ -34,6 +42,9 @@ class Delta:
         Of the limbs about z, which points up (rad); -90, 30 and 150 degrees by default.
     limits : array_like, shape (2,) or (3, 2), optional
         Of the arms' angles, downwards from the horizontal (rad).
+    drive_limits : mapping, optional
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
+        m, and s; N m or N).
     name : str, optional
         What it is called.
 
@@ -66,6 +77,7 @@ class Delta:
         *,
         azimuths: ArrayLike | None = None,
         limits: ArrayLike | None = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "delta",
     ) -> None:
         self.name = name
@@ -80,7 +92,19 @@ class Delta:
         if min(abs(around[i] - around[i - 1]) for i in range(3)) < 1e-6:
             raise BadValueError("azimuths", self.azimuths.tolist(), "three different angles (rad)")
         self.limits = angle_limits(limits, 3)
+        self.drive_limits = checked_drive_limits(drive_limits, 3)
         self._geometry = np.array([self.base_radius, self.platform_radius, self.arm, self.forearm])
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """All joints of the robot, passive ones included, in one model: three limbs R U U."""
+        limbs = delta_limbs(self.name, self._geometry, self.azimuths, self.limits)
+        limbs = with_drive_limits(limbs, self.drive_limits)
+        angles = np.linspace(self.limits.min(), self.limits.max(), _TRIED)
+        poses = [self.direct(np.full(3, angle)).poses[:1] for angle in angles]
+        return Mechanism(
+            limbs, name=self.name, direct=self.direct, home_poses=np.concatenate(poses)
+        )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the arms that hold the platform in a place: up to eight.

@@ -40,22 +40,26 @@ ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 
 # Of each type: its class, the keys that it needs, and those it may have.
 TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
-    "stewart_gough": (StewartGough, ("base_points", "platform_points"), ("strokes",)),
+    "stewart_gough": (
+        StewartGough,
+        ("base_points", "platform_points"),
+        ("strokes", "drive_limits"),
+    ),
     "delta": (
         Delta,
         ("base_radius", "platform_radius", "arm", "forearm"),
-        ("azimuths", "limits"),
+        ("azimuths", "limits", "drive_limits"),
     ),
-    "planar_3rpr": (Planar3RPR, ("base_points", "platform_points"), ("strokes",)),
+    "planar_3rpr": (Planar3RPR, ("base_points", "platform_points"), ("strokes", "drive_limits")),
     "planar_3rrr": (
         Planar3RRR,
         ("base_points", "platform_points", "proximal", "distal"),
-        ("limits",),
+        ("limits", "drive_limits"),
     ),
     "spherical_3rrr": (
         Spherical3RRR,
         ("base_axes", "middle_axes", "platform_axes"),
-        ("distal", "limits"),
+        ("distal", "limits", "drive_limits"),
     ),
 }
 _HEAD = ("kind", "name", "source", "type")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,6 +19,10 @@ from robomech_ros.parallel.arguments import (
     positive,
 )
 from robomech_ros.parallel.limbs import planar_limb, postures
+from robomech_ros.parallel.mechanism.home_poses import planar_homes
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.planar_limbs import folding_limbs, sliding_limbs
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
@@ -70,6 +77,9 @@ class Planar3RPR(_Planar):
         Anchors in the frames of base and platform (m).
     strokes : array_like, shape (2,) or (3, 2), optional
         Least and greatest length of all legs or of each (m).
+    drive_limits : mapping, optional
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
+        m, and s; N m or N).
     name : str, optional
         What it is called.
 
@@ -99,10 +109,21 @@ class Planar3RPR(_Planar):
         platform_points: ArrayLike,
         *,
         strokes: ArrayLike | None = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "planar_3rpr",
     ) -> None:
         super().__init__(base_points, platform_points, name)
         self.strokes = checked_strokes(strokes, 3)
+        self.drive_limits = checked_drive_limits(drive_limits, 3)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """All joints of the robot, passive ones included, in one model: three limbs R P R."""
+        a, b = self.base_points, self.platform_points
+        limbs = sliding_limbs(self.name, a, b, self.strokes)
+        limbs = with_drive_limits(limbs, self.drive_limits)
+        homes = planar_homes(a, b)
+        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=homes)
 
     def inverse(self, T: ArrayLike) -> Array:
         """Find the leg lengths (3,) for a pose (m), also where they are outside the strokes.
@@ -162,6 +183,9 @@ class Planar3RRR(_Planar):
         Lengths of the driven links and of those behind them (m).
     limits : array_like, shape (2,) or (3, 2), optional
         Of the driven joints, from the x axis (rad).
+    drive_limits : mapping, optional
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
+        m, and s; N m or N).
     name : str, optional
         What it is called.
 
@@ -186,12 +210,23 @@ class Planar3RRR(_Planar):
         distal: ArrayLike,
         *,
         limits: ArrayLike | None = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "planar_3rrr",
     ) -> None:
         super().__init__(base_points, platform_points, name)
         self.proximal = _link_lengths("proximal", proximal)
         self.distal = _link_lengths("distal", distal)
         self.limits = angle_limits(limits, 3)
+        self.drive_limits = checked_drive_limits(drive_limits, 3)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """All joints of the robot, passive ones included, in one model: three limbs R R R."""
+        a, b = self.base_points, self.platform_points
+        limbs = folding_limbs(self.name, a, b, self.proximal, self.distal, self.limits)
+        limbs = with_drive_limits(limbs, self.drive_limits)
+        homes = planar_homes(a, b)
+        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=homes)
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the driven joints that hold a pose: up to eight.

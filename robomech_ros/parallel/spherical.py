@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -14,6 +17,10 @@ from robomech_ros.parallel.arguments import (
     unit_axes,
 )
 from robomech_ros.parallel.limbs import postures, turning_limb
+from robomech_ros.parallel.mechanism.home_poses import spherical_homes
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.spherical_limbs import spherical_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
 from robomech_ros.spatial.arrays import as_finite
@@ -43,6 +50,9 @@ class Spherical3RRR:
         Angle :math:`\alpha_i` between middle and platform axis (rad); right angles by default.
     limits : array_like, shape (2,) or (3, 2), optional
         Of the drives (rad).
+    drive_limits : mapping, optional
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
+        m, and s; N m or N).
     name : str, optional
         What it is called.
 
@@ -67,6 +77,7 @@ class Spherical3RRR:
         distal: ArrayLike = np.pi / 2,
         *,
         limits: ArrayLike | None = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "spherical_3rrr",
     ) -> None:
         self.name = name
@@ -84,6 +95,21 @@ class Spherical3RRR:
         if np.linalg.norm(pairs, axis=1).min() < _LEAST_ARC:
             raise BadValueError("platform_axes", platform_axes, "axes of different directions")
         self.limits = angle_limits(limits, 3)
+        self.drive_limits = checked_drive_limits(drive_limits, 3)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """All joints of the robot, passive ones included, in one model: three limbs R R R."""
+        limbs = spherical_limbs(
+            self.name,
+            self.base_axes,
+            self.middle_axes,
+            self.platform_axes,
+            self.distal,
+            self.limits,
+        )
+        limbs = with_drive_limits(limbs, self.drive_limits)
+        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=spherical_homes())
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the drives that hold an orientation: up to eight.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +14,10 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
+from robomech_ros.parallel.mechanism.home_poses import platform_home
+from robomech_ros.parallel.mechanism.legs import extending_legs
+from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.platform_geometry import (
     SINGULAR_ARCHITECTURE,
     ScaledPlatform,
@@ -45,6 +50,9 @@ class StewartGough:
         Anchors :math:`b_i` in the frame of the platform (m).
     strokes : array_like, shape (2,) or (6, 2), optional
         Least and greatest length of all legs or of each (m).
+    drive_limits : mapping, optional
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
+        m, and s; N m or N).
     name : str, optional
         What it is called.
 
@@ -79,12 +87,14 @@ class StewartGough:
         platform_points: ArrayLike,
         *,
         strokes: ArrayLike | None = None,
+        drive_limits: Mapping[str, ArrayLike] | None = None,
         name: str = "platform",
     ) -> None:
         self.name = name
         self.base_points = checked_points("base_points", base_points, 6, 3)
         self.platform_points = checked_points("platform_points", platform_points, 6, 3)
         self.strokes = checked_strokes(strokes, 6)
+        self.drive_limits = checked_drive_limits(drive_limits, 6)
         self._scaled = ScaledPlatform.of(self.base_points, self.platform_points)
         # Best ratio of least to greatest singular value of the Jacobian over many poses.
         self.conditioning = best_conditioning(self._scaled)
@@ -102,6 +112,14 @@ class StewartGough:
         if self.strokes is not None:
             typical = (self._scaled.scale * self.strokes.mean(axis=1)) ** 2
         return start_system(self._scaled.a, self._scaled.b, typical)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """All joints of the robot, passive ones included, in one model: six limbs U P S."""
+        home = platform_home(self.base_points, self.platform_points, self.strokes)
+        legs = extending_legs(self.name, self.base_points, self.platform_points, self.strokes, home)
+        legs = with_drive_limits(legs, self.drive_limits)
+        return Mechanism(legs, name=self.name, direct=self.direct, home_poses=home[None])
 
     def inverse(self, T: ArrayLike) -> Array:
         r"""Find the leg lengths for a pose: :math:`L_i = |p + R b_i - a_i|`.

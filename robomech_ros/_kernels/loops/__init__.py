@@ -1,0 +1,1 @@
+"""Several chains that carry one platform: their loops closed, their rates and accelerations."""

@@ -1,0 +1,181 @@
+"""Rates of a platform and of all joints of the chains that carry it.
+
+Chain i moves the platform with ``J_p p + J_a a = t - d``, p and a the rates of its passive and
+actuated joints, t the twist of the platform and d what the chain itself contributes.  With
+``J_p = Q [R; 0]`` the rows of Q' below R, the wrenches that do no work on passive joints, leave
+``K t = J a + ...``, the book's equation, six columns for the robot; then R gives p, chain by chain.
+
+Chains are packed one after another, n_i + 1 rows each (see :mod:`..chain.serial`); ``starts`` has
+where the joints of each begin, and their number at its end; ``drives`` of each joint the number of
+its drive, or -1.  Lengths are multiplied by ``scale``, so that all entries are of order one.
+"""
+
+import math
+
+from robomech_ros._kernels.chain.serial import OK, jacobian_body
+from robomech_ros._kernels.compiling.jit import lean
+
+__all__ = ["FREE", "NOT_FINITE", "REGULAR", "SINGULAR", "factors", "loop_errors", "solve"]
+
+# Status: the drives do not hold the platform; joints of one limb move by themselves; no numbers.
+REGULAR, SINGULAR, FREE, NOT_FINITE = 0, 1, 2, 3
+# Least part of a column that is independent of those before it.
+_INDEPENDENT = 1e-10
+
+
+@lean
+def _triangulate(A, B, rows, columns, width):
+    """Bring A (rows, columns) to an upper triangle by reflections, and apply them to B.
+
+    Returns the least part of a column of A that is independent of those before it.
+    """
+    least = math.inf if columns <= rows else 0.0
+    for c in range(min(columns, rows)):
+        above, below = 0.0, 0.0
+        for r in range(c):
+            above += A[r, c] * A[r, c]
+        for r in range(c, rows):
+            below += A[r, c] * A[r, c]
+        size = math.sqrt(below)
+        if not size > 0.0:
+            return 0.0
+        least = min(least, size / math.sqrt(above + below))
+        head = A[c, c]
+        first = head + size if head > 0.0 else head - size
+        factor = 1.0 / (size * abs(first))
+        A[c, c] = first
+        for j in range(c + 1, columns):
+            dot = 0.0
+            for r in range(c, rows):
+                dot += A[r, c] * A[r, j]
+            dot *= factor
+            for r in range(c, rows):
+                A[r, j] -= dot * A[r, c]
+        for j in range(width):
+            dot = 0.0
+            for r in range(c, rows):
+                dot += A[r, c] * B[r, j]
+            dot *= factor
+            for r in range(c, rows):
+                B[r, j] -= dot * A[r, c]
+        A[c, c] = head - first
+    return least
+
+
+@lean
+def factors(packed, starts, drives, q, scale, J, T, R, Q):
+    """Write of each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6).
+
+    Returns a status; lengths in J are scaled.
+    """
+    status = REGULAR
+    for i in range(starts.size - 1):
+        s, e = starts[i], starts[i + 1]
+        if jacobian_body(packed[s + i : e + i + 1], q[s:e], J[i], T[i]) != OK:
+            return NOT_FINITE
+        k = 0
+        for j in range(e - s):
+            for r in range(3, 6):
+                J[i, r, j] *= scale
+            if drives[s + j] < 0:
+                for r in range(6):
+                    R[i, r, k] = J[i, r, j]
+                k += 1
+        for r in range(6):
+            for j in range(6):
+                Q[i, r, j] = 1.0 if r == j else 0.0
+        if _triangulate(R[i], Q[i], 6, k, 6) < _INDEPENDENT:
+            status = FREE
+    return status
+
+
+@lean
+def solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t):
+    """Solve for all joint rates qd (n, c) and twists t (6, c) of the platform.
+
+    Given are the rates of the drives (m, c), and D (limbs, 6, c) with lengths in m, overwritten.
+    A (6 limbs, 6) and B (6 limbs, c) are working space.  Returns a status.
+    """
+    width, count = rates.shape[1], 0
+    for i in range(starts.size - 1):
+        s, e = starts[i], starts[i + 1]
+        for c in range(width):
+            for r in range(3, 6):
+                D[i, r, c] *= scale
+        k = 0
+        for j in range(e - s):
+            a = drives[s + j]
+            if a < 0:
+                k += 1
+                continue
+            for c in range(width):
+                qd[s + j, c] = rates[a, c]
+                for r in range(6):
+                    D[i, r, c] += J[i, r, j] * rates[a, c]
+        for row in range(k, 6):
+            for j in range(6):
+                A[count, j] = Q[i, row, j]
+            for c in range(width):
+                total = 0.0
+                for j in range(6):
+                    total += Q[i, row, j] * D[i, j, c]
+                B[count, c] = total
+            count += 1
+    if _triangulate(A, B, count, 6, width) < _INDEPENDENT:
+        return SINGULAR
+    for c in range(width):
+        for r in range(5, -1, -1):
+            value = B[r, c]
+            for j in range(r + 1, 6):
+                value -= A[r, j] * t[j, c]
+            t[r, c] = value / A[r, r]
+    for i in range(starts.size - 1):
+        _passive(starts[i], starts[i + 1], drives, R[i], Q[i], D[i], t, qd)
+    for c in range(width):
+        for r in range(3, 6):
+            t[r, c] /= scale
+    return REGULAR
+
+
+@lean
+def _passive(start, end, drives, R, Q, D, t, qd):
+    """Write the rates of the passive joints of one limb, from the last to the first."""
+    for c in range(t.shape[1]):
+        k = 0
+        for j in range(start, end):
+            if drives[j] < 0:
+                k += 1
+        row = k
+        for j in range(end - 1, start - 1, -1):
+            if drives[j] >= 0:
+                continue
+            row -= 1
+            value = 0.0
+            for m in range(6):
+                value += Q[row, m] * (t[m, c] - D[m, c])
+            # The rates of the joints behind this one are known.
+            column = k
+            for other in range(end - 1, j, -1):
+                if drives[other] < 0:
+                    column -= 1
+                    value -= R[row, column] * qd[other, c]
+            qd[j, c] = value / R[row, row]
+
+
+@lean
+def loop_errors(T, scale, D):
+    """Write the twist (limbs, 6, 1) by which the end of each limb is off that of the first.
+
+    Angular first: sine of the angle along the axis, and m.  Returns the largest, lengths scaled.
+    """
+    largest = 0.0
+    for i in range(T.shape[0]):
+        for r in range(3):
+            j, k = (r + 1) % 3, (r + 2) % 3
+            total = 0.0
+            for c in range(3):
+                total += T[0, j, c] * T[i, k, c] - T[0, k, c] * T[i, j, c]
+            D[i, r, 0] = 0.5 * total
+            D[i, 3 + r, 0] = T[i, r, 3] - T[0, r, 3]
+            largest = max(largest, abs(D[i, r, 0]), abs(D[i, 3 + r, 0]) * scale)
+    return largest

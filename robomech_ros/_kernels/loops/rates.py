@@ -1,0 +1,90 @@
+"""Rates and accelerations of all joints for those of the drives, and the natural complement."""
+
+import numpy as np
+
+from robomech_ros._kernels.chain.jacobian_rates import rate_body
+from robomech_ros._kernels.chain.serial import OK, forward_body
+from robomech_ros._kernels.compiling.jit import (
+    IIN1,
+    IN2,
+    IN3,
+    OUT3,
+    OUT4,
+    f8,
+    i8,
+    kernel,
+)
+from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR, factors, solve
+
+__all__ = ["accelerations", "limb_poses", "rates"]
+
+
+@kernel(i8(IN2, IIN1, IN2, OUT4))
+def limb_poses(packed, starts, q, poses):
+    """Write the pose of the end of each limb (b, limbs, 4, 4) for q (b, n)."""
+    for b in range(q.shape[0]):
+        for i in range(starts.size - 1):
+            s, e = starts[i], starts[i + 1]
+            if forward_body(packed[s + i : e + i + 1], q[b, s:e], poses[b, i]) != OK:
+                return NOT_FINITE
+    return REGULAR
+
+
+@kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN3, OUT3, OUT3))
+def rates(packed, starts, drives, scale, q, given, out, twists):
+    """Write rates of all joints (b, n, c) and twists (b, 6, c), for those of the drives (b, m, c).
+
+    Returns a status; where it is not regular, rows from the first such one on are undefined.
+    """
+    limbs, width, n = starts.size - 1, given.shape[2], 1
+    for i in range(limbs):
+        n = max(n, starts[i + 1] - starts[i])
+    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
+    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
+    A, B = np.empty((6 * limbs, 6)), np.empty((6 * limbs, width))
+    D = np.empty((limbs, 6, width))
+    for b in range(q.shape[0]):
+        status = factors(packed, starts, drives, q[b], scale, J, T, R, Q)
+        if status == REGULAR:
+            D[:] = 0.0
+            status = solve(starts, drives, scale, J, R, Q, given[b], D, A, B, out[b], twists[b])
+        if status != REGULAR:
+            return status
+    return REGULAR
+
+
+@kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN2, IN3, OUT3, OUT3))
+def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
+    """Write accelerations of all joints (b, n, 1) and of the platform (b, 6, 1).
+
+    ``qd`` (b, n) are the rates of all joints, and ``given`` (b, m, 1) the accelerations of the
+    drives.  Returns a status as :func:`rates` does.
+    """
+    limbs, n = starts.size - 1, 1
+    for i in range(limbs):
+        n = max(n, starts[i + 1] - starts[i])
+    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
+    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
+    A, B, D = np.empty((6 * limbs, 6)), np.empty((6 * limbs, 1)), np.empty((limbs, 6, 1))
+    changes, own = np.empty((6, n)), np.empty(n)
+    for b in range(q.shape[0]):
+        status = factors(packed, starts, drives, q[b], scale, J, T, R, Q)
+        if status == REGULAR:
+            for i in range(limbs):
+                s, e = starts[i], starts[i + 1]
+                for j in range(n):
+                    own[j] = qd[b, s + j] if j < e - s else 0.0
+                    # Of a narrower limb the columns behind its own are not used.
+                    for r in range(6):
+                        J[i, r, j] = J[i, r, j] if j < e - s else 0.0
+                rate_body(J[i], own, changes)
+                for r in range(6):
+                    D[i, r, 0] = 0.0
+                    for j in range(e - s):
+                        D[i, r, 0] += changes[r, j] * qd[b, s + j]
+                for r in range(3, 6):
+                    D[i, r, 0] /= scale
+            status = solve(starts, drives, scale, J, R, Q, given[b], D, A, B, out[b], twists[b])
+        if status != REGULAR:
+            return status
+    return REGULAR

@@ -1,0 +1,92 @@
+"""Limbs of the Delta robot: a driven arm, and a forearm between two universal joints.
+
+A forearm of two parallel rods and one of two universal joints with parallel axes let the platform
+translate in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.parallel.delta import delta_angles
+from robomech_ros.parallel.arguments import translation_only
+from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
+from robomech_ros.parallel.mechanism.planar_limbs import one_or_two
+from robomech_ros.spatial.poses import assembled
+
+__all__ = ["delta_limbs"]
+
+Array = NDArray[np.float64]
+
+_HALF = 0.5 * math.pi
+
+
+def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> list[Limb]:
+    """Make the limbs R U U.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot.
+    geometry : ndarray, shape (4,)
+        Radius of base and platform, arm and forearm (m).
+    azimuths : ndarray, shape (3,)
+        Of the limbs about z (rad).
+    limits : ndarray, shape (3, 2)
+        Of the arms, downwards from the horizontal (rad).
+    """
+    base, platform, arm, forearm = geometry.tolist()
+    limbs = []
+    for i, azimuth in enumerate(azimuths.tolist()):
+        leg = f"leg{i + 1}"
+        r = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        across = np.array([-r[1], r[0], 0.0])
+        elbow = (base + arm) * r
+        ankle = elbow - [0.0, 0.0, forearm]
+        low, high = limits[i].tolist()
+        # Where all joints are at zero the arm is level and the forearm hangs down.
+        axes = [
+            Axis(f"{leg}_base", f"{leg}_arm", across, base * r, limits=(low, high)),
+            Axis(f"{leg}_elbow_swing", f"{leg}_elbow_cross", across, elbow),
+            Axis(f"{leg}_elbow_tilt", f"{leg}_forearm", r, elbow, limits=(-_HALF, _HALF)),
+            Axis(f"{leg}_platform_tilt", f"{leg}_platform_cross", r, ankle, limits=(-_HALF, _HALF)),
+            Axis(f"{leg}_platform_swing", f"{leg}_stud", across, ankle),
+        ]
+        T = assembled(np.eye(3), ankle - platform * r)
+        tip = "platform" if i == 0 else f"{leg}_platform"
+        chain = chain_of_axes(name, axes, T, tip)
+        limbs.append(Limb(chain, (f"{leg}_base",), _Solver(geometry, azimuths, i)))
+    return limbs
+
+
+class _Solver:
+    def __init__(self, geometry: Array, azimuths: Array, limb: int) -> None:
+        self.geometry, self.azimuths, self.limb = geometry, azimuths, limb
+
+    def __call__(self, T: Array, drives: Array | None) -> LimbBranches:
+        point, angles, excess = translation_only(T), np.empty((3, 2)), np.empty(3)
+        if drives is not None:
+            return self._folded(point, drives)
+        if delta_angles(self.geometry, self.azimuths, point, angles, excess) < 0:
+            return LimbBranches(np.empty((0, 5)), (), continuum=True)
+        if excess[self.limb]:
+            return LimbBranches(np.empty((0, 5)), (), float(excess[self.limb]))
+        return self._folded(point, angles[self.limb])
+
+    def _folded(self, point: Array, arms: Array) -> LimbBranches:
+        base, platform, arm, _ = self.geometry.tolist()
+        azimuth = float(self.azimuths[self.limb])
+        r = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        rows = []
+        for q in arms.tolist():
+            elbow = (base + arm * math.cos(q)) * r - [0.0, 0.0, arm * math.sin(q)]
+            way = point + platform * r - elbow
+            out, down = float(way @ r), -float(way[2])
+            swing = math.atan2(-out, down)
+            tilt = math.atan2(way[1] * r[0] - way[0] * r[1], math.hypot(out, down))
+            turn = math.atan2(math.sin(swing - q), math.cos(swing - q))
+            rows.append([q, turn, tilt, -tilt, -swing])
+        return one_or_two(np.array(rows))

@@ -1,0 +1,93 @@
+"""Legs that extend between a universal joint on the base and a spherical one on the platform."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
+from robomech_ros.spatial.poses import assembled
+
+__all__ = ["extending_legs"]
+
+Array = NDArray[np.float64]
+
+_HALF = 0.5 * math.pi
+
+
+def extending_legs(
+    name: str, base_points: Array, platform_points: Array, strokes: Array | None, home: Array
+) -> list[Limb]:
+    """Make the limbs U P S of a platform on legs that extend.
+
+    Their passive joints are at zero where the platform is at home.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot.
+    base_points, platform_points : ndarray, shape (k, 3)
+        In the frames of base and platform (m).
+    strokes : ndarray, shape (k, 2), or None
+        Least and greatest lengths (m).
+    home : ndarray, shape (4, 4)
+        ``T_base_platform`` (m), in which no leg has length 0.
+    """
+    return [
+        _leg(name, i, a, b, (0.0, math.inf) if strokes is None else tuple(strokes[i]), home)
+        for i, (a, b) in enumerate(zip(base_points, platform_points, strict=True))
+    ]
+
+
+def _leg(name: str, i: int, a: Array, b: Array, stroke: tuple[float, ...], home: Array) -> Limb:
+    along = home[:3, :3] @ b + home[:3, 3] - a
+    F = _upright(along / np.linalg.norm(along))
+    leg, R_home = f"leg{i + 1}", home[:3, :3]
+    axes = [
+        Axis(f"{leg}_base_x", f"{leg}_base_cross", F[:, 0], a),
+        Axis(f"{leg}_base_y", f"{leg}_cylinder", F[:, 1], a, limits=(-_HALF, _HALF)),
+        Axis(f"{leg}_length", f"{leg}_rod", F[:, 2], a, True, (stroke[0], stroke[1])),
+        Axis(f"{leg}_platform_x", f"{leg}_platform_cross", F[:, 0], a),
+        Axis(f"{leg}_platform_y", f"{leg}_platform_ring", F[:, 1], a, limits=(-_HALF, _HALF)),
+        Axis(f"{leg}_platform_z", f"{leg}_platform_stud", F[:, 2], a),
+    ]
+    T = assembled(R_home, a - R_home @ b)
+    tip = "platform" if i == 0 else f"{leg}_platform"
+    chain = chain_of_axes(name, axes, T, tip)
+    B = F.T @ R_home
+
+    def solve(T: Array, _: Array | None) -> LimbBranches:
+        way = F.T @ (T[:3, :3] @ b + T[:3, 3] - a)
+        length = float(np.linalg.norm(way))
+        if length == 0.0:
+            return LimbBranches(np.empty((0, 6)), (), continuum=True)
+        x, y = _cardan(way / length)[:2]
+        leg_turned = F @ _turned(x, y)
+        S = leg_turned.T @ T[:3, :3] @ B.T
+        u, v, z = _cardan(S[:, 2], S[0])
+        return LimbBranches(np.array([[x, y, length, u, v, z]]), ("0",))
+
+    return Limb(chain, (f"{leg}_length",), solve)
+
+
+def _upright(z: Array) -> Array:
+    """Give axes (3, 3), one a column, of which x is horizontal."""
+    x = np.cross((0.0, 0.0, 1.0), z) if abs(z[2]) < 0.999999 else np.array([0.0, 1.0, 0.0])
+    y = np.cross(z, x / np.linalg.norm(x))
+    y /= np.linalg.norm(y)
+    return np.stack((np.cross(y, z), y, z), axis=1)
+
+
+def _cardan(z: Array, row: Array | None = None) -> tuple[float, float, float]:
+    """Give angles of turns about x, y and z, from the third column and the first row."""
+    x = math.atan2(-z[1], z[2]) if math.hypot(z[1], z[2]) > 0.0 else 0.0
+    y = math.atan2(z[0], math.hypot(z[1], z[2]))
+    return x, y, 0.0 if row is None else math.atan2(-row[1], row[0])
+
+
+def _turned(x: float, y: float) -> Array:
+    """Turn about x, then about the new y."""
+    cx, sx, cy, sy = math.cos(x), math.sin(x), math.cos(y), math.sin(y)
+    return np.array([[cy, 0.0, sy], [sx * sy, cx, -sx * cy], [-cx * sy, sx, cx * cy]])

@@ -1,0 +1,231 @@
+"""A limb of a mechanism: a chain from the base to the platform, and how it is solved for a pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, UnknownJointError
+from robomech_ros.kinematics import Status, inverse_kinematics
+from robomech_ros.robots import LinkFrame, SerialChain
+from robomech_ros.robots.chain_layout import pack_chain
+from robomech_ros.robots.joint import turn_of_z
+from robomech_ros.robots.limit_arrays import limit_arrays
+from robomech_ros.spatial.arrays import listed
+from robomech_ros.spatial.poses import assembled, rigid_inverse
+
+__all__ = [
+    "Axis",
+    "Limb",
+    "LimbBranches",
+    "chain_of_axes",
+    "checked_drive_limits",
+    "with_drive_limits",
+]
+
+Array = NDArray[np.float64]
+
+# Errors (m, rad) of a pose that a chain holds.
+_HELD = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LimbBranches:
+    """All joints of one limb for a pose of the platform, limits disregarded.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        rad or m.
+    names : tuple of str
+        Of the branches.
+    excess : float
+        By how much the limb misses the pose (m or rad), 0 where it does not.
+    continuum : bool
+        Whether its joints can move while the platform stays; q may then be empty.
+    """
+
+    q: Array
+    names: tuple[str, ...]
+    excess: float = 0.0
+    continuum: bool = False
+
+
+Solver = Callable[[Array, Array | None], LimbBranches]
+
+
+@dataclass(frozen=True, eq=False)
+class Limb:
+    """A chain from the base to the platform, its joint to the platform included.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        From the base to a link that is fixed to the platform.
+    actuated : sequence of str
+        The joints that have a drive; the others are passive.
+    solver : callable, optional
+        Gives :class:`LimbBranches` for a pose (4, 4) of the platform, and positions of the drives
+        of the limb where they are known, else None: with them also where every position of a
+        drive holds the pose.  By default the inverse kinematics of the chain.
+
+    Raises
+    ------
+    BadValueError, UnknownJointError
+        Not a chain, or a drive of a joint that it does not have.
+    """
+
+    chain: SerialChain
+    actuated: Sequence[str]
+    solver: Solver | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.chain, SerialChain):
+            raise BadValueError("chain of the limb", self.chain, "a SerialChain")
+        names = listed("actuated", self.actuated, "names of joints")
+        for name in names:
+            if name not in self.chain.joint_names:
+                raise UnknownJointError(name, self.chain.joint_names)
+        object.__setattr__(self, "actuated", names)
+
+    @property
+    def passive(self) -> tuple[str, ...]:
+        """The joints without a drive."""
+        return tuple(name for name in self.chain.joint_names if name not in self.actuated)
+
+    def branches(self, T: Array, drives: Array | None = None) -> LimbBranches:
+        """Find all joints of the limb for a pose (4, 4) of the platform (m).
+
+        Where the positions of its drives are known, branches may be left out that have others.
+        """
+        return (self.solver or self._by_chain)(T, drives)
+
+    def _by_chain(self, T: Array, drives: Array | None) -> LimbBranches:
+        found = inverse_kinematics(self.chain, T, respect_limits=False)
+        if found.status == Status.SINGULAR_CONTINUUM:
+            return LimbBranches(found.q, tuple(map(str, range(1, len(found.q) + 1))), 0.0, True)
+        held = (found.position_error <= _HELD) & (found.orientation_error <= _HELD)
+        if held.any():
+            names = tuple(map(str, range(1, int(held.sum()) + 1)))
+            return LimbBranches(found.q[held], names)
+        nothing = np.empty((0, self.chain.n))
+        misses = np.maximum(found.position_error, found.orientation_error)
+        return LimbBranches(nothing, (), float(misses.min(initial=np.inf)))
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A joint of a limb, where all joints of the limb are at zero.
+
+    Parameters
+    ----------
+    name, link : str
+        Of the joint, and of the link that it moves.
+    direction, point : ndarray, shape (3,)
+        Unit vector, and a point on the axis, in the base (m).
+    slides : bool
+        Whether it is prismatic.
+    limits : tuple of float
+        Least and greatest position (rad or m).
+    """
+
+    name: str
+    link: str
+    direction: Array
+    point: Array
+    slides: bool = False
+    limits: tuple[float, float] = (-np.inf, np.inf)
+
+
+def chain_of_axes(name: str, axes: Sequence[Axis], T: Array, tip: str) -> SerialChain:
+    """Make a chain from the axes of its joints and the pose of its tip, all joints at zero.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot.
+    axes : sequence of Axis
+        From the base on.
+    T : ndarray, shape (4, 4)
+        ``T_base_tip`` (m).
+    tip : str
+        The last link.
+    """
+    frames = np.array([assembled(turn_of_z(one.direction)[:3, :3], one.point) for one in axes])
+    steps = [frames[0]]
+    steps += [rigid_inverse(a) @ b for a, b in zip(frames, [*frames[1:], T], strict=True)]
+    types = np.array([one.slides for one in axes], np.int64)
+    links = ["base_link", *(one.link for one in axes)]
+    along = [
+        LinkFrame(link, i, np.eye(4), links[i - 1] if i else "") for i, link in enumerate(links)
+    ]
+    along.append(LinkFrame(tip, len(axes), steps[-1], links[-1]))
+    nothing = np.full(len(axes), np.nan)
+    return SerialChain(
+        name=name,
+        base="base_link",
+        tip=tip,
+        joint_names=tuple(one.name for one in axes),
+        types=types,
+        packed=pack_chain(np.array(steps), types),
+        lower=np.array([one.limits[0] for one in axes]),
+        upper=np.array([one.limits[1] for one in axes]),
+        velocity=nothing,
+        acceleration=nothing,
+        jerk=nothing,
+        effort=nothing,
+        frames=tuple(along),
+    )
+
+
+_DRIVE_LIMITS = ("velocity", "acceleration", "jerk", "effort")
+
+
+def checked_drive_limits(
+    limits: Mapping[str, ArrayLike] | ArrayLike | None, count: int
+) -> dict[str, Array]:
+    """Read the limits of drives, one number for all of them or one for each; NaN where none is.
+
+    Parameters
+    ----------
+    limits : mapping or None
+        Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` (rad or m, and s; N m or N).
+    count : int
+        Number of drives.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Another key, or values that are no limits.
+    """
+    if limits is not None and not isinstance(limits, Mapping):
+        expected = "a mapping with keys among " + ", ".join(_DRIVE_LIMITS)
+        raise BadValueError("drive_limits", limits, expected)
+    for key in limits or {}:
+        if key not in _DRIVE_LIMITS:
+            raise BadValueError("key of drive_limits", key, "one of " + ", ".join(_DRIVE_LIMITS))
+    found = limit_arrays(limits, count)
+    for key in _DRIVE_LIMITS:
+        if (found[key] <= 0.0).any():
+            raise BadValueError(f"{key} of drive_limits", found[key].tolist(), "more than 0")
+    return {key: found[key] for key in _DRIVE_LIMITS}
+
+
+def with_drive_limits(limbs: Sequence[Limb], limits: Mapping[str, Array]) -> list[Limb]:
+    """Give the drives of limbs, counted limb by limb, their limits (m,)."""
+    found, drive = [], 0
+    for limb in limbs:
+        chain, index = limb.chain, []
+        for name in limb.chain.joint_names:
+            index.append(drive if name in limb.actuated else -1)
+            drive += name in limb.actuated
+        passive = np.array(index) < 0
+        of_joints: dict[str, Any] = {
+            key: np.where(passive, np.nan, row[index]) for key, row in limits.items()
+        }
+        found.append(replace(limb, chain=replace(chain, **of_joints)))
+    return found

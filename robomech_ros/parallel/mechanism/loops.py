@@ -1,0 +1,141 @@
+"""The loops of a mechanism as the kernels read them, and calls of the kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros._kernels.loops import closing, rates
+from robomech_ros._kernels.loops.factors import FREE, NOT_FINITE
+from robomech_ros.errors import BadValueError, NonFiniteError
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.mechanism.result import ClosedPosture
+from robomech_ros.robots import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["Loops"]
+
+Array = NDArray[np.float64]
+
+# Loops that are this far from closed (rad, m over the size) were not closed to begin with.
+_OPEN = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """Chains from one base to one platform.
+
+    Parameters
+    ----------
+    packed : ndarray, shape (n + limbs, 13)
+        The chains, one after another, as :class:`robomech_ros.robots.SerialChain` packs them.
+    starts : ndarray of int, shape (limbs + 1,)
+        The first joint of each chain, and the number of all joints.
+    drives : ndarray of int, shape (n,)
+        Of each joint the number of its drive, or -1.
+    size : float
+        The longest constant offset (m), 1 where there is none.
+    weights : ndarray, shape (n,)
+        1 for joints that turn, 1 / size for those that slide.
+    """
+
+    packed: Array
+    starts: NDArray[np.int64]
+    drives: NDArray[np.int64]
+    size: float
+    weights: Array
+
+    @classmethod
+    def of(cls, chains: Sequence[SerialChain], driven: NDArray[np.int64]) -> Loops:
+        """Lay out chains, of which the joints of the given numbers are driven."""
+        packed = np.concatenate([chain.packed for chain in chains])
+        starts = np.cumsum([0, *(chain.n for chain in chains)])
+        drives = np.full(starts[-1], -1)
+        drives[driven] = np.arange(len(driven))
+        size = float(np.linalg.norm(packed[:, 10:], axis=1).max()) or 1.0
+        slides = np.concatenate([chain.types for chain in chains]) == PRISMATIC
+        return cls(packed, starts, drives, size, np.where(slides, 1.0 / size, 1.0))
+
+    def limb_poses(self, q: Array) -> Array:
+        """Give where each limb of postures (..., n) holds the platform, (..., limbs, 4, 4)."""
+        out = np.empty((*q.shape[:-1], len(self.starts) - 1, 4, 4))
+        flat = out.reshape(-1, *out.shape[-3:])
+        if rates.limb_poses(self.packed, self.starts, _flat(q, q.shape[:-1], q.shape[-1:]), flat):
+            raise NonFiniteError("pose of the platform", out)
+        return out
+
+    def rates(self, q: Array, given: Array) -> tuple[Array, Array]:
+        """Give rates of joints (..., n, c) and twists (..., 6, c) for those of drives."""
+        lead = np.broadcast_shapes(q.shape[:-1], given.shape[:-2])
+        tail = given.shape[-2:]
+        out = np.empty((*lead, q.shape[-1], tail[1]))
+        twists = np.empty((*lead, 6, tail[1]))
+        status = rates.rates(
+            self.packed,
+            self.starts,
+            self.drives,
+            1.0 / self.size,
+            _flat(q, lead, q.shape[-1:]),
+            _flat(given, lead, tail),
+            out.reshape(-1, *out.shape[-2:]),
+            twists.reshape(-1, 6, tail[1]),
+        )
+        _refuse(status, q)
+        return out, twists
+
+    def accelerations(self, q: Array, qd: Array, given: Array) -> tuple[Array, Array]:
+        """Give accelerations of joints (..., n) and platform (..., 6) for those of drives."""
+        lead = np.broadcast_shapes(q.shape[:-1], qd.shape[:-1], given.shape[:-1])
+        out, platform = np.empty((*lead, q.shape[-1])), np.empty((*lead, 6))
+        status = rates.accelerations(
+            self.packed,
+            self.starts,
+            self.drives,
+            1.0 / self.size,
+            _flat(q, lead, q.shape[-1:]),
+            _flat(qd, lead, q.shape[-1:]),
+            _flat(given, lead, given.shape[-1:])[..., None],
+            out.reshape(-1, q.shape[-1], 1),
+            platform.reshape(-1, 6, 1),
+        )
+        _refuse(status, q)
+        return out, platform
+
+    def close(self, target: Array, near: Array) -> ClosedPosture:
+        """Move the drives (m,) of a posture (n,) to a target, all joints following."""
+        q, report = near.copy(), np.empty(2)
+        status = closing.close(
+            self.packed,
+            self.starts,
+            self.drives,
+            1.0 / self.size,
+            self.weights,
+            target,
+            q,
+            report,
+        )
+        part, error = report.tolist()
+        if status == 0:
+            return ClosedPosture(q, Code.NONE, 1.0, error)
+        if part == 0.0 and error > _OPEN:
+            reason = f"the loops of the posture given are open by {error:.3g} rad or of the size"
+            return ClosedPosture(q, Code.NOT_CONVERGED, 0.0, error, reason)
+        reason = f"a singular posture is in the way, after {part:.3g} of it: assembly modes meet"
+        return ClosedPosture(q, Code.SINGULAR, part, error, f"{reason} there")
+
+
+def _flat(array: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
+    return np.ascontiguousarray(np.broadcast_to(array, (*lead, *tail)).reshape(-1, *tail))
+
+
+def _refuse(status: int, q: Array) -> None:
+    if status == NOT_FINITE:
+        raise NonFiniteError("pose of the platform", q)
+    if status:
+        expected = "one in which the drives hold the platform"
+        if status == FREE:
+            expected = "one in which no limb can move by itself"
+        raise BadValueError("posture", q.tolist(), f"{expected}: it is singular")

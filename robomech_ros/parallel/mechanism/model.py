@@ -1,0 +1,430 @@
+"""The model of a parallel robot that nodes, dynamics, trajectories and the view use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.parallel.arguments import actuated as checked_drives
+from robomech_ros.parallel.arguments import platform_poses
+from robomech_ros.parallel.mechanism.limb import Limb
+from robomech_ros.parallel.mechanism.loops import Loops
+from robomech_ros.parallel.mechanism.postures import limb_postures
+from robomech_ros.parallel.mechanism.result import AssemblyModes, ClosedPosture, MechanismPostures
+from robomech_ros.parallel.mechanism.tree import tree_of_limbs
+from robomech_ros.parallel.result import DirectKinematicsResult
+from robomech_ros.robots import RobotDescription, urdf_from_description
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import as_finite, listed
+
+__all__ = ["Mechanism"]
+
+Array = NDArray[np.float64]
+
+
+class Mechanism:
+    """Limbs that carry one platform: chains with actuated and passive joints, and closed loops.
+
+    Joints are counted limb by limb, from the base to the platform.  In the tree of links the
+    first limb ends at the platform; every other one ends in a link of its own, which is where the
+    platform is as long as the loops are closed.
+
+    Parameters
+    ----------
+    limbs : sequence of Limb
+        Two or more, from the same base link.
+    name : str, optional
+        What it is called.
+    direct : callable
+        Gives the poses of the platform, a DirectKinematicsResult, for positions of the drives and
+        the pose nearest to which they are sorted, or None.
+    home_poses : array_like, shape (k, 4, 4)
+        Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Limbs that do not fit together.
+
+    Examples
+    --------
+    >>> from robomech_ros.parallel import load_parallel
+    >>> mechanism = load_parallel("hexapod").mechanism
+    >>> len(mechanism.joint_names), mechanism.dof, mechanism.actuated[:2]
+    (36, 6, ('leg1_length', 'leg2_length'))
+    """
+
+    def __init__(
+        self,
+        limbs: Sequence[Limb],
+        *,
+        name: str = "mechanism",
+        direct: Callable[[Array, Array | None], DirectKinematicsResult],
+        home_poses: ArrayLike,
+    ) -> None:
+        self.name = name
+        self.limbs: tuple[Limb, ...] = _checked_limbs(limbs)
+        chains = [limb.chain for limb in self.limbs]
+        self.base_link = chains[0].base
+        self.platform_link = chains[0].tip
+        self.joint_names = tuple(name for chain in chains for name in chain.joint_names)
+        driven = {name for limb in self.limbs for name in limb.actuated}
+        self.actuated = tuple(name for name in self.joint_names if name in driven)
+        self.passive = tuple(name for name in self.joint_names if name not in driven)
+        self.n, self.dof = len(self.joint_names), len(self.actuated)
+        for limit in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
+            setattr(self, limit, np.concatenate([getattr(chain, limit) for chain in chains]))
+        self.types = np.concatenate([chain.types for chain in chains])
+        self.units = tuple(unit for chain in chains for unit in chain.units)
+        # Where the drives stand among all joints.
+        self.drive_index = np.flatnonzero([name in driven for name in self.joint_names])
+        self.loops = Loops.of(chains, self.drive_index)
+        # The longest constant offset in it (m).
+        self.size = self.loops.size
+        self._direct = direct
+        self._home_poses = platform_poses(home_poses)
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+
+    @cached_property
+    def description(self) -> RobotDescription:
+        """The tree of links and joints, without its loops."""
+        return tree_of_limbs(self.name, [limb.chain for limb in self.limbs])
+
+    def urdf(self) -> str:
+        """Write the tree as a URDF.
+
+        Returns
+        -------
+        str
+            The document.  The last link of each limb but the first has no body: it is where the
+            platform is.
+        """
+        return urdf_from_description(self.description)
+
+    def pose(self, q: ArrayLike) -> Array:
+        """Compute the pose of the platform, by the joints of the first limb.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        return np.ascontiguousarray(self.limb_poses(q)[..., 0, :, :])
+
+    def limb_poses(self, q: ArrayLike) -> Array:
+        """Compute where each limb holds the platform: the same pose where all loops are closed.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., limbs, 4, 4)
+            In the base (m).
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        return self.loops.limb_poses(self._all_joints("q", q))
+
+    def loop_errors(self, q: ArrayLike) -> Array:
+        """Measure how far each limb holds the platform from where the first one does.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (..., limbs, 2)
+            Distance (m) and angle (rad); 0 for the first limb.
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not n finite numbers.
+        """
+        poses = self.limb_poses(q)
+        away = poses - poses[..., :1, :, :]
+        distance = np.linalg.norm(away[..., :3, 3], axis=-1)
+        # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
+        chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
+        return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
+
+    def postures(
+        self, T: ArrayLike, *, seed: ArrayLike | None = None, ignore_limits: bool = False
+    ) -> MechanismPostures:
+        """Find all joints that hold the platform in a pose, in all branches of all limbs.
+
+        Parameters
+        ----------
+        T : array_like, shape (4, 4)
+            ``T_base_platform`` (m), one that the platform can take.
+        seed : array_like, shape (n,), optional
+            All joints (rad or m): the nearest posture comes first.
+        ignore_limits : bool, optional
+            Also give postures outside the limits of joints.
+
+        Returns
+        -------
+        MechanismPostures
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not a pose, or one that no such platform can have.
+        """
+        pose = platform_poses(T)
+        if pose.shape != (4, 4):
+            raise WrongSizeError("pose", pose.shape, (4, 4))
+        near = None if seed is None else checked_drives("seed", seed, self.n)
+        return limb_postures(self.limbs, pose, near, ignore_limits)
+
+    def direct(self, actuated: ArrayLike, *, seed: ArrayLike | None = None) -> AssemblyModes:
+        """Find all poses of the platform for positions of the drives, and all joints of each.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (m,)
+            Of the drives (rad or m).
+        seed : array_like, shape (4, 4) or (n,), optional
+            A pose, or all joints: the nearest mode comes first.
+
+        Returns
+        -------
+        AssemblyModes
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not m positions of drives.
+        """
+        given = checked_drives("actuated", actuated, self.dof)
+        near = None
+        if seed is not None:
+            near = self.pose(seed) if np.shape(seed) == (self.n,) else platform_poses(seed, "seed")
+        found = self._direct(given, near)
+        rows = [self._of_mode(pose, given) for pose in found.poses]
+        q = np.array(rows).reshape(-1, self.n)
+        fields = ("poses", "multiplicity", "complete", "family", "status", "reason", "errors")
+        return AssemblyModes(**{key: getattr(found, key) for key in fields}, q=q)
+
+    def _of_mode(self, pose: Array, drives: Array) -> Array:
+        """Give all joints (n,) of a pose for which the drives are known."""
+        q = np.empty(self.n)
+        for limb, start in zip(self.limbs, self.loops.starts, strict=False):
+            own = slice(start, start + limb.chain.n)
+            index = self.loops.drives[own]
+            known = drives[index[index >= 0]]
+            rows = limb.branches(pose, known).q
+            off = np.abs(rows[:, index >= 0] - known)
+            turns = limb.chain.types[index >= 0] != PRISMATIC
+            off = np.where(turns, np.abs(np.remainder(off + np.pi, 2.0 * np.pi) - np.pi), off)
+            q[own] = rows[np.argmin(off.max(axis=1, initial=0.0))] if len(rows) else np.nan
+        q[self.drive_index] = drives
+        return q
+
+    def close(self, actuated: ArrayLike, near: ArrayLike) -> ClosedPosture:
+        """Find all joints for positions of the drives, in the assembly mode of a posture near by.
+
+        The drives go from where they are to the given positions on a straight way, in steps
+        after which Newton's iteration contracts as Kantorovich's theorem asks for; the bound
+        itself is estimated, not proved.
+
+        Parameters
+        ----------
+        actuated : array_like, shape (m,)
+            Of the drives (rad or m).
+        near : array_like, shape (n,)
+            All joints (rad or m), loops closed or nearly.
+
+        Returns
+        -------
+        ClosedPosture
+
+        Raises
+        ------
+        WrongSizeError, NonFiniteError
+            Not m and n finite numbers.
+        """
+        target = checked_drives("actuated", actuated, self.dof)
+        return self.loops.close(target, checked_drives("near", near, self.n))
+
+    def rates(self, q: ArrayLike, actuated_rates: ArrayLike) -> tuple[Array, Array]:
+        """Compute the rates of all joints, and the twist of the platform, for rates of the drives.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+        actuated_rates : array_like, shape (..., m)
+            Of the drives (rad/s or m/s).
+
+        Returns
+        -------
+        qd : ndarray, shape (..., n)
+            Of all joints (rad/s or m/s).
+        twist : ndarray, shape (..., 6)
+            [angular velocity; velocity of the platform's origin] in the base (rad/s, m/s).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not numbers of joints and drives, or a posture in which the drives do not determine
+            the motion.
+        """
+        given = as_finite("actuated_rates", actuated_rates, (self.dof,))
+        qd, twist = self.loops.rates(self._all_joints("q", q), given[..., None])
+        return qd[..., 0], twist[..., 0]
+
+    def complement(self, q: ArrayLike) -> Array:
+        """Compute the natural orthogonal complement of the loops: ``qd = N qd_actuated``.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+
+        Returns
+        -------
+        ndarray, shape (..., n, m)
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+
+        References
+        ----------
+        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.2.
+        """
+        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[0]
+
+    def twist_matrix(self, q: ArrayLike) -> Array:
+        """Compute the twist of the platform for rates of the drives, as a matrix.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            All joints (rad or m), loops closed.
+
+        Returns
+        -------
+        ndarray, shape (..., 6, m)
+            Angular rows first, in the base.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+        """
+        return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
+
+    def accelerations(
+        self, q: ArrayLike, qd: ArrayLike, actuated_accelerations: ArrayLike
+    ) -> tuple[Array, Array]:
+        """Compute accelerations of all joints and of the platform, for those of the drives.
+
+        Parameters
+        ----------
+        q, qd : array_like, shape (..., n)
+            All joints, loops closed, and their rates from :meth:`rates` (rad or m, and per s).
+        actuated_accelerations : array_like, shape (..., m)
+            Of the drives (rad/s^2 or m/s^2).
+
+        Returns
+        -------
+        qdd : ndarray, shape (..., n)
+            Of all joints (rad/s^2 or m/s^2).
+        acceleration : ndarray, shape (..., 6)
+            [angular acceleration; acceleration of the platform's origin] in the base.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`rates`.
+        """
+        joints, speeds = self._all_joints("q", q), self._all_joints("qd", qd)
+        given = as_finite("actuated_accelerations", actuated_accelerations, (self.dof,))
+        return self.loops.accelerations(joints, speeds, given)
+
+    def home(self) -> Array:
+        """Give the posture to begin with: of those offered, the one furthest from singular.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            All joints (rad or m).
+        """
+        return self._home.copy()
+
+    @cached_property
+    def _home(self) -> Array:
+        found: Array | None = None
+        best = -1.0
+        for ignore in (False, True):
+            for pose in self._home_poses:
+                for q in self.postures(pose, ignore_limits=ignore).q:
+                    score = self._regularity(q)
+                    if score > best:
+                        best, found = score, np.asarray(q)
+            if found is not None:
+                return found
+        raise BadValueError("home_poses", self._home_poses, "a pose that the limbs reach")
+
+    def _regularity(self, q: Array) -> float:
+        """Give the ratio of least to greatest singular value of the twists of the drives."""
+        try:
+            twists = self.twist_matrix(q) / self.loops.weights[self.drive_index]
+        except BadValueError:
+            return 0.0
+        twists[3:] /= self.size
+        values = np.linalg.svd(twists, compute_uv=False)
+        ratio: float = values[-1] / values[0]
+        return ratio
+
+    def _all_joints(self, what: str, q: ArrayLike) -> Array:
+        array: Array = as_finite(what, q, (self.n,))
+        return array
+
+
+def _checked_limbs(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
+    given = listed("limbs", limbs, "two limbs or more")
+    if len(given) < 2 or not all(isinstance(limb, Limb) for limb in given):
+        raise BadValueError("limbs", limbs, "two limbs or more")
+    bases = {limb.chain.base for limb in given}
+    if len(bases) > 1:
+        raise BadValueError("base links", sorted(bases), "the same for all limbs")
+    for what, names in (
+        ("joint", [name for limb in given for name in limb.chain.joint_names]),
+        ("link", [link for limb in given for link in limb.chain.links[1:]]),
+    ):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise BadValueError(f"{what} names of the limbs", twice[0], "different ones")
+    return given

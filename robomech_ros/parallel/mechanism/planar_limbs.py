@@ -1,0 +1,115 @@
+"""Limbs of planar platforms: R P R and R R R, all axes of turning along z."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.parallel.limbs import planar_limb
+from robomech_ros.parallel.mechanism.limb import Axis, Limb, LimbBranches, chain_of_axes
+from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.poses import assembled
+
+__all__ = ["folding_limbs", "one_or_two", "sliding_limbs"]
+
+Array = NDArray[np.float64]
+
+_X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+_SAME = 1e-7
+
+
+def sliding_limbs(
+    name: str, base_points: Array, platform_points: Array, strokes: Array | None
+) -> list[Limb]:
+    """Make the limbs R P R of points (3, 2), in m; their lengths have drives."""
+    limbs = []
+    for i, (a, b) in enumerate(zip(base_points, platform_points, strict=True)):
+        leg = f"leg{i + 1}"
+        low, high = (0.0, math.inf) if strokes is None else strokes[i].tolist()
+        point = np.array([*a, 0.0])
+        axes = [
+            Axis(f"{leg}_base", f"{leg}_cylinder", _Z, point),
+            Axis(f"{leg}_length", f"{leg}_rod", _X, point, True, (low, high)),
+            Axis(f"{leg}_platform", f"{leg}_stud", _Z, point),
+        ]
+        solver = _Sliding(a, b)
+        limbs.append(Limb(_chain(name, i, axes, a, b), (f"{leg}_length",), solver))
+    return limbs
+
+
+def folding_limbs(
+    name: str,
+    base_points: Array,
+    platform_points: Array,
+    proximal: Array,
+    distal: Array,
+    limits: Array,
+) -> list[Limb]:
+    """Make the limbs R R R of points (3, 2) and links (3,), in m; the first joints have drives."""
+    limbs = []
+    for i, (a, b) in enumerate(zip(base_points, platform_points, strict=True)):
+        leg, one, two = f"leg{i + 1}", float(proximal[i]), float(distal[i])
+        points = [np.array([a[0] + far, a[1], 0.0]) for far in (0.0, one, one + two)]
+        low, high = limits[i].tolist()
+        axes = [
+            Axis(f"{leg}_base", f"{leg}_proximal", _Z, points[0], limits=(low, high)),
+            Axis(f"{leg}_elbow", f"{leg}_distal", _Z, points[1]),
+            Axis(f"{leg}_platform", f"{leg}_stud", _Z, points[2]),
+        ]
+        chain = _chain(name, i, axes, points[2][:2], b)
+        limbs.append(Limb(chain, (f"{leg}_base",), _Folding(a, b, one, two)))
+    return limbs
+
+
+def _chain(name: str, i: int, axes: list[Axis], corner: Array, b: Array) -> SerialChain:
+    """Make the chain whose platform has its point b at a corner, and is not turned."""
+    T = assembled(np.eye(3), np.array([*(corner - b), 0.0]))
+    return chain_of_axes(name, axes, T, "platform" if i == 0 else f"leg{i + 1}_platform")
+
+
+class _Sliding:
+    def __init__(self, a: Array, b: Array) -> None:
+        self.a, self.b = a, b
+
+    def __call__(self, T: Array, _: Array | None) -> LimbBranches:
+        x, y = (T[:2, :2] @ self.b + T[:2, 3] - self.a).tolist()
+        if x == 0.0 and y == 0.0:
+            return LimbBranches(np.empty((0, 3)), (), continuum=True)
+        angle = math.atan2(y, x)
+        turn = _wrapped(math.atan2(T[1, 0], T[0, 0]) - angle)
+        return LimbBranches(np.array([[angle, math.hypot(x, y), turn]]), ("0",))
+
+
+class _Folding:
+    def __init__(self, a: Array, b: Array, proximal: float, distal: float) -> None:
+        self.a, self.b, self.proximal, self.distal = a, b, proximal, distal
+
+    def __call__(self, T: Array, drives: Array | None) -> LimbBranches:
+        x, y = (T[:2, :2] @ self.b + T[:2, 3] - self.a).tolist()
+        found = planar_limb(x, y, self.proximal, self.distal)
+        angles = found.angles if drives is None else drives.tolist()
+        if not angles:
+            return LimbBranches(np.empty((0, 3)), (), found.excess, found.any_angle)
+        rows = []
+        for base in angles:
+            u, v = x - self.proximal * math.cos(base), y - self.proximal * math.sin(base)
+            second = math.atan2(v, u)
+            turn = math.atan2(T[1, 0], T[0, 0])
+            rows.append([base, _wrapped(second - base), _wrapped(turn - second)])
+        return one_or_two(np.array(rows))
+
+
+def one_or_two(rows: Array) -> LimbBranches:
+    """Name the branches - and +, or 0 where both are one, or there is one only."""
+    if len(rows) == 1:
+        return LimbBranches(rows, ("0",))
+    apart = np.abs(np.remainder(rows[1] - rows[0] + np.pi, 2.0 * np.pi) - np.pi)
+    if apart.max() <= _SAME:
+        return LimbBranches(rows[:1], ("0",))
+    return LimbBranches(rows, ("-", "+"))
+
+
+def _wrapped(angle: float) -> float:
+    return math.atan2(math.sin(angle), math.cos(angle))

@@ -1,0 +1,88 @@
+"""Branches of all limbs put together to postures of a mechanism, within limits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.mechanism.limb import Limb, LimbBranches
+from robomech_ros.parallel.mechanism.result import MechanismPostures
+from robomech_ros.robots.chain_layout import PRISMATIC
+
+__all__ = ["limb_postures"]
+
+Array = NDArray[np.float64]
+
+# Rounding of positions at limits (rad or m).
+_WITHIN = 1e-9
+_TURN = 2.0 * math.pi
+
+
+def limb_postures(
+    limbs: Sequence[Limb], T: Array, near: Array | None, ignore_limits: bool
+) -> MechanismPostures:
+    """Solve all limbs for a pose (4, 4) of the platform, and sort by distance from ``near``."""
+    n = sum(limb.chain.n for limb in limbs)
+    found = [limb.branches(T) for limb in limbs]
+    excess = np.array([one.excess for one in found])
+    blocking = [""] * len(limbs)
+
+    def nothing(code: Code, reason: str) -> MechanismPostures:
+        return MechanismPostures(np.empty((0, n)), (), code, reason, excess, tuple(blocking))
+
+    if excess.any():
+        worst = int(np.argmax(excess))
+        unit = "m" if np.any(limbs[worst].chain.packed[:, 10:]) else "rad"
+        reason = f"limb {worst + 1} misses the pose by {excess[worst]:.3g} {unit}"
+        return nothing(Code.OUT_OF_REACH, reason)
+    for i, one in enumerate(found):
+        if not len(one.q):
+            reason = f"joints of limb {i + 1} can move while the platform stays"
+            return nothing(Code.SINGULAR_CONTINUUM, reason)
+    start, choices = 0, []
+    for i, (limb, one) in enumerate(zip(limbs, found, strict=True)):
+        own = None if near is None else near[start : start + limb.chain.n]
+        start += limb.chain.n
+        q, off = _into_limits(limb, one, own)
+        inside = [k for k in range(len(q)) if ignore_limits or not off[k].any()]
+        if not inside:
+            k = int(np.argmin(off.max(axis=1)))
+            joint = int(np.argmax(off[k]))
+            excess[i], blocking[i] = off[k, joint], limb.chain.joint_names[joint]
+        choices.append([(q[k], one.names[k]) for k in inside])
+    if excess.any():
+        worst = int(np.argmax(excess))
+        chain = limbs[worst].chain
+        unit = chain.units[chain.joint_names.index(blocking[worst])]
+        reason = (
+            f"joint '{blocking[worst]}' of limb {worst + 1} would be {excess[worst]:.3g} {unit} "
+            "outside its limits"
+        )
+        return nothing(Code.LIMITS_EXCLUDE_ALL, reason)
+    rows = list(itertools.product(*choices))
+    q = np.array([np.concatenate([joints for joints, _ in row]) for row in rows])
+    names = ["".join(name for _, name in row) for row in rows]
+    if near is not None:
+        order = np.argsort(np.abs(q - near).max(axis=1), kind="stable")
+        q, names = q[order], [names[k] for k in order]
+    return MechanismPostures(q, tuple(names), Code.NONE, "", excess, tuple(blocking))
+
+
+def _into_limits(limb: Limb, found: LimbBranches, near: Array | None) -> tuple[Array, Array]:
+    """Turn joints by whole turns towards ``near`` and into limits; give what is outside, too."""
+    chain = limb.chain
+    q = found.q.copy()
+    turns = chain.types != PRISMATIC
+    if near is not None:
+        q = np.where(turns, q + _TURN * np.round((near - q) / _TURN), q)
+    down = np.where(turns, np.ceil((q - chain.upper - _WITHIN) / _TURN), 0.0)
+    q = q - _TURN * np.where(np.isfinite(down), np.maximum(down, 0.0), 0.0)
+    up = np.where(turns, np.ceil((chain.lower - _WITHIN - q) / _TURN), 0.0)
+    q = q + _TURN * np.where(np.isfinite(up), np.maximum(up, 0.0), 0.0)
+    off = np.maximum(np.maximum(chain.lower - q, q - chain.upper), 0.0)
+    return q, np.where(off <= _WITHIN, 0.0, off)

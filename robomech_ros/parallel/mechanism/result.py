@@ -1,0 +1,87 @@
+"""What a mechanism returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.result import DirectKinematicsResult
+
+__all__ = ["AssemblyModes", "ClosedPosture", "MechanismPostures"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismPostures:
+    """All joints of a mechanism for a pose of its platform, in all branches of its limbs.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        All joints (rad or m), nearest to the seed first if there was one.
+    branches : tuple of str
+        Of each row: the branch of each limb, ``+``, ``-``, ``0`` where both meet, or a number.
+    status : Code
+        ``NONE``, ``OUT_OF_REACH`` where a limb does not reach the pose, ``LIMITS_EXCLUDE_ALL``
+        where limits exclude all branches of a limb, ``SINGULAR_CONTINUUM`` where joints of a limb
+        can move while the platform stays.
+    reason : str
+        Which limb or joint, and by how much; empty where there is nothing to say.
+    excess : ndarray, shape (limbs,)
+        By how much each limb misses the pose (m or rad), or the joint its limit; 0 where none does.
+    blocking : tuple of str
+        The joint of each limb whose limit excludes the pose, empty where none does.
+    """
+
+    q: Array
+    branches: tuple[str, ...]
+    status: Code
+    reason: str
+    excess: Array
+    blocking: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+
+@dataclass(frozen=True, eq=False)
+class AssemblyModes(DirectKinematicsResult):
+    """All poses of the platform for given drives, with all joints of each.
+
+    Parameters
+    ----------
+    q : ndarray, shape (k, n)
+        All joints (rad or m) of each pose, also where they are outside their limits.
+    """
+
+    q: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedPosture:
+    """Where all joints have gone when the drives moved.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n,)
+        All joints (rad or m): for the drives asked for, or as far as the mode could be followed.
+    status : Code
+        ``NONE``; ``SINGULAR`` where a singularity, in which modes meet, is in the way;
+        ``NOT_CONVERGED`` where the loops of the given posture are open.
+    part : float
+        The part of the way of the drives that was gone: 1 at the end.
+    error : float
+        Largest error of a loop: rad, or m over the mechanism's size.
+    reason : str
+        In words; empty where there is nothing to say.
+    """
+
+    q: Array
+    status: Code
+    part: float
+    error: float
+    reason: str = ""
