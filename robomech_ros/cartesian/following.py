@@ -1,4 +1,4 @@
-"""Pose paths followed by the joints of a chain, as far as they can."""
+"""Pose paths followed by the joints of a robot, as far as they can."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robomech_ros.cartesian.arms import serial_arm
 from robomech_ros.cartesian.dead_ends import dead_end
+from robomech_ros.cartesian.followers import ChainFollower, Follower, as_follower
 from robomech_ros.cartesian.path_checks import PathBounds, PathCheck, jump_cut, singular_cut
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import as_joint_values
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.spatial.poses import as_pose
 from robomech_ros.spatial.screws.pose_conversions import pose_error
 from robomech_ros.trajectory import (
@@ -63,11 +63,11 @@ class StopReason:
 
 @dataclass(frozen=True, eq=False)
 class FollowedPath:
-    """A pose path as far as the joints of a chain can follow it.
+    """A pose path as far as the joints of a robot can follow it.
 
     Attributes
     ----------
-    chain : SerialChain
+    robot : Follower
         Of n joints.
     path : PosePath
     start : ndarray, shape (n,)
@@ -78,7 +78,7 @@ class FollowedPath:
         None where the whole path is followed.
     """
 
-    chain: SerialChain
+    robot: Follower
     path: PosePath
     start: Array
     tracking: PathTracking
@@ -96,7 +96,7 @@ class FollowedPath:
 
 
 def follow_path(
-    chain: SerialChain,
+    chain: SerialChain | Follower,
     path: PosePath,
     start: ArrayLike,
     *,
@@ -107,8 +107,8 @@ def follow_path(
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    chain : SerialChain or Follower
+        Of n joints; parallel robots have a follower of their own.
     path : PosePath
         Of its tip in its base.
     start : array_like, shape (n,)
@@ -153,19 +153,17 @@ def follow_path(
     >>> round(followed.fraction, 2), followed.stop.kind.name, followed.stop.index
     (0.16, 'SINGULAR', 0)
     """
-    values = as_joint_values(chain, start, "start")
-    if values.ndim != 1:
-        raise WrongSizeError("start", values.shape, (chain.n,))
-    if not np.isfinite(values).all():
-        raise NonFiniteError("start", values)
-    allowed, most = Limits.of(chain if limits is None else limits), _as_bounds(bounds)
+    robot = as_follower(chain)
+    values = _as_start(robot, start)
+    allowed = robot.limits if limits is None else Limits.of(limits)
+    most = _as_bounds(bounds)
     allowed.check_start(values)
-    tracking = track_path(path, serial_arm(chain), values, limits=allowed)
-    end = dead_end(tracking, chain, allowed)
-    tracking = _cut(tracking if end is None else tracking.cut(end), chain, most)
+    tracking = track_path(path, robot.arm, values, limits=allowed)
+    end = dead_end(tracking, robot, allowed)
+    tracking = _cut(tracking if end is None else tracking.cut(end), robot, most)
     if tracking.status is PathTrackingStatus.COMPLETE:
-        return FollowedPath(chain, path, values, tracking, None)
-    joint = None if tracking.joint is None else chain.joint_names[tracking.joint]
+        return FollowedPath(robot, path, values, tracking, None)
+    joint = None if tracking.joint is None else robot.limits.joint_names[tracking.joint]
     index = 0
     if tracking.path is not None:
         index = _on_the_way_to(path, tracking.reached)
@@ -175,7 +173,7 @@ def follow_path(
         else f"before waypoints[{index}], {tracking.reason}"
     )
     stop = StopReason(index, joint, tracking.status, text)
-    return FollowedPath(chain, path, values, tracking, stop)
+    return FollowedPath(robot, path, values, tracking, stop)
 
 
 def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
@@ -205,7 +203,8 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     poses = _as_poses(waypoints)
     if followed.stop is None:
         return 1.0
-    start = forward_kinematics(followed.chain, followed.start)
+    timed = followed.start[None, list(followed.robot.timed)]
+    start = followed.robot.tip_poses(timed, followed.start)[0]
     errors = pose_error(poses, np.concatenate([start[None], poses[:-1]]))
     turns, ways = (np.linalg.norm(part, axis=1) for part in (errors[:, :3], errors[:, 3:]))
     ends = np.concatenate([[0.0], np.cumsum(np.hypot(ways, followed.path.radius * turns))])
@@ -213,6 +212,20 @@ def waypoint_fraction(followed: FollowedPath, waypoints: ArrayLike) -> float:
     passed = int(np.searchsorted(ends[1:-1], reached, side="right"))
     part = (reached - ends[passed]) / (ends[passed + 1] - ends[passed])
     return float((passed + np.clip(part, 0.0, 1.0)) / len(poses))
+
+
+def _as_start(robot: Follower, start: ArrayLike) -> Array:
+    """Check joint values (n,)."""
+    n = len(robot.limits.joint_names)
+    if isinstance(robot, ChainFollower):
+        values = as_joint_values(robot.chain, start, "start")
+    else:
+        values = as_finite("start", start, (n,))
+    if values.ndim != 1:
+        raise WrongSizeError("start", values.shape, (n,))
+    if not np.isfinite(values).all():
+        raise NonFiniteError("start", values)
+    return values
 
 
 def _as_bounds(bounds: PathBounds | None) -> PathBounds:
@@ -230,11 +243,11 @@ def _as_poses(waypoints: ArrayLike) -> Array:
     return np.asarray(waypoints, dtype=np.float64)
 
 
-def _cut(tracking: PathTracking, chain: SerialChain, bounds: PathBounds) -> PathTracking:
+def _cut(tracking: PathTracking, robot: Follower, bounds: PathBounds) -> PathTracking:
     """End a tracking where it is singular, jumps, or breaks a check first."""
     own: tuple[tuple[PathCheck, float], ...] = (
-        (lambda joints: singular_cut(chain, joints, bounds), 0.0),
-        (lambda joints: jump_cut(chain, joints, bounds), bounds.step),
+        (lambda joints: singular_cut(robot, joints, bounds), 0.0),
+        (lambda joints: jump_cut(robot, joints, bounds), bounds.step),
     )
     for check, reach in (*own, *((one, 0.0) for one in bounds.checks)):
         if tracking.path is None:

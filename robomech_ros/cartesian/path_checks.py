@@ -10,13 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero
-from robomech_ros.cartesian.dead_ends import singular_part
+from robomech_ros.cartesian.followers import Follower
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import check_chain
-from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import listed
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
@@ -77,14 +74,13 @@ class PathBounds:
             raise BadValueError("step", self.step, "a finite distance (m)")
 
 
-def singular_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+def singular_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> PathCut | None:
     """Find where the condition number rises over its bound."""
     if not math.isfinite(bounds.condition):
         return None
-    scale = np.repeat([1.0, 1.0 / arm_size(chain)], 3)[:, None]
 
     def over(q: Array) -> NDArray[np.bool_]:
-        singular = np.linalg.svd(scale * jacobian(chain, q), compute_uv=False)
+        singular = robot.singular_values(q)
         above: NDArray[np.bool_] = singular[:, 0] > bounds.condition * singular[:, -1]
         return above
 
@@ -92,23 +88,25 @@ def singular_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> P
     if s is None:
         return None
     text = f"the condition number rises over {bounds.condition:.6g}: too near to a singularity"
-    part = singular_part(chain, joints.until(s)) if s > 0.0 else ""
+    part = robot.singular_part(joints.until(s)) if s > 0.0 else ""
     text += f", {part.replace(' is ', ' is nearly ')}" if part else ""
     return PathCut(s, PathTrackingStatus.SINGULAR, text)
 
 
-def jump_cut(chain: SerialChain, joints: JointPath, bounds: PathBounds) -> PathCut | None:
+def jump_cut(robot: Follower, joints: JointPath, bounds: PathBounds) -> PathCut | None:
     """Find where a joint moves too far between neighbouring poses."""
-    largest = np.where(chain.types == PRISMATIC, bounds.prismatic_jump, bounds.revolute_jump)
+    names, units = robot.limits.joint_names, robot.limits.units
+    slides = np.array(units) == "m"
+    largest = np.where(slides, bounds.prismatic_jump, bounds.revolute_jump)
     places, moves = _moves(joints, max(math.ceil(joints.length / bounds.step), 1))
     far = np.flatnonzero((moves > largest).any(axis=1))
     if not len(far):
         return None
     k = int(far[0])
     joint = int(np.argmax(moves[k] / largest))
-    unit = chain.units[joint]
+    unit = units[joint]
     text = (
-        f"joint '{chain.joint_names[joint]}' would move by {moves[k, joint]:.3g} {unit} in "
+        f"joint '{names[joint]}' would move by {moves[k, joint]:.3g} {unit} in "
         f"{places[k + 1] - places[k]:.3g} m, over the threshold of a jump, "
         f"{largest[joint]:.3g} {unit}"
     )

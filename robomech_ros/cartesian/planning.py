@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
+from robomech_ros.cartesian.followers import Follower
 from robomech_ros.cartesian.following import FollowedPath, StopReason, follow_path
 from robomech_ros.cartesian.path_checks import PathBounds
 from robomech_ros.cartesian.sampling import Sampling, in_steps
@@ -53,7 +54,7 @@ class CartesianPlan:
 
     @property
     def samples(self) -> Waypoints | None:
-        """States of the joints as a trajectory message takes them; None where there are none."""
+        """States of the timed joints, as messages take them; None where there are none."""
         return None if self.sampled is None else self.sampled.waypoints
 
     @property
@@ -68,7 +69,7 @@ class CartesianPlan:
 
 
 def plan_along(
-    chain: SerialChain,
+    chain: SerialChain | Follower,
     path: PosePath,
     start: ArrayLike,
     *,
@@ -84,8 +85,8 @@ def plan_along(
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints.
+    chain : SerialChain or Follower
+        Of n joints; parallel robots have a follower of their own.
     path : PosePath
         Of its tip in its base, such as `path_through` makes it.
     start : array_like, shape (n,)
@@ -173,16 +174,18 @@ def plan_followed(
     if not isinstance(followed, FollowedPath):
         raise BadValueError("followed", followed, "a FollowedPath")
     fine = _as_sampling(sampling)
-    joints, latest = followed.joints, list[PathMotion]()
-    if joints is None:
+    if followed.joints is None:
         return None
-    start = joints.derivatives(0.0)[0]
-    allowed = Limits.of(followed.chain if limits is None else limits)
+    robot, latest = followed.robot, list[PathMotion]()
+    timed = list(robot.timed)
+    tracking = replace(followed.tracking, path=followed.joints.only(timed))
+    start = followed.joints.derivatives(0.0)[0]
+    allowed = (robot.limits if limits is None else Limits.of(limits)).only(timed)
 
     def planner(tightened: Limits) -> PathMotion:
         motion = along_joint_path(
             followed.path,
-            followed.tracking,
+            tracking,
             limits=tightened,
             profile=profile,
             speeds=speeds,
@@ -193,14 +196,14 @@ def plan_followed(
 
     plan = sampled_to_fit(
         lambda period: sampled_motion(
-            planner, start, allowed, period=period, max_points=fine.max_points
+            planner, start[timed], allowed, period=period, max_points=fine.max_points
         ),
         lambda: latest[0].duration,
         usual_period=fine.period,
         max_points=fine.max_points,
         max_duration=fine.max_duration,
     )
-    return in_steps(followed.chain, plan, fine, allowed)
+    return in_steps(lambda q: robot.tip_poses(q, start), plan, fine, allowed)
 
 
 def _as_sampling(sampling: Sampling | None) -> Sampling:

@@ -1,18 +1,19 @@
 """How finely a motion of the tip is sampled, and how long it may be."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robomech_ros.cartesian.arguments import above_zero, whole_number
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics import tip_poses
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, SampledPlan, discretise, verify
 
 __all__ = ["Sampling", "in_steps"]
 
+Array = NDArray[np.float64]
 # A little finer than wanted: the fastest part may lie between two points.
 _FINER = 0.95
 
@@ -53,9 +54,18 @@ class Sampling:
 
 
 def in_steps(
-    chain: SerialChain, plan: SampledPlan, sampling: Sampling, limits: Limits
+    tip_poses: Callable[[Array], Array], plan: SampledPlan, sampling: Sampling, limits: Limits
 ) -> SampledPlan:
     """Sample a plan finer where its points are farther apart than `max_step`.
+
+    Parameters
+    ----------
+    tip_poses : callable
+        Gives poses (m, 4, 4) of the positions (m, n) of a plan.
+    plan : SampledPlan
+    sampling : Sampling
+    limits : Limits
+        Of the n joints.
 
     Raises
     ------
@@ -66,7 +76,7 @@ def in_steps(
     if math.isinf(step):
         return plan
     points = plan.waypoints
-    places = tip_poses(chain, points.positions)[:, :3, 3]
+    places = tip_poses(points.positions)[:, :3, 3]
     apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
     if apart.max(initial=0.0) <= step:
         return plan

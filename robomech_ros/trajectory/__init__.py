@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
     from robomech_ros.trajectory.limits import JointLimits, Limits
     from robomech_ros.trajectory.paths.arc_length import ArcLength, ByArcLength, arc_length
-    from robomech_ros.trajectory.paths.arms import Arm, SerialArm
+    from robomech_ros.trajectory.paths.arms import Arm, JoinedArms, SerialArm
     from robomech_ros.trajectory.paths.blends import blended_polyline
     from robomech_ros.trajectory.paths.closed_form import (
         arc_about,
@@ -98,6 +98,7 @@ __all__ = [
     "FrenetSerret",
     "FunctionCurve",
     "JerkLimited",
+    "JoinedArms",
     "JointLimits",
     "JointMotion",
     "JointPath",
@@ -194,6 +195,7 @@ _MODULES = {
     "FrenetSerret": "paths.frenet",
     "FunctionCurve": "paths.curve",
     "JerkLimited": "profiles.jerk_limited",
+    "JoinedArms": "paths.arms",
     "JointLimits": "limits",
     "JointMotion": "paths.joint_path",
     "JointPath": "paths.joint_path",

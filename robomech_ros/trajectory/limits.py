@@ -203,6 +203,15 @@ class Limits:
             jerk=self.jerk * jerk,
         )
 
+    def only(self, joints: Sequence[int]) -> Limits:
+        """Give the limits of some joints, by their numbers."""
+        if list(joints) == list(range(len(self.joint_names))):
+            return self
+        kept = list(joints)
+        arrays = {name: getattr(self, name)[kept] for name in (*RATES, "lower", "upper")}
+        names, units = ([row[k] for k in kept] for row in (self.joint_names, self.units))
+        return Limits(tuple(names), **arrays, units=tuple(units))
+
     def require(self, *rates: Rate) -> None:
         """Raise `MissingLimitsError` with the names of the joints that lack one of `rates`."""
         if self._missing:

@@ -1,4 +1,4 @@
-"""What tracking needs of an arm, and serial arms made from three functions."""
+"""What tracking needs of an arm, serial arms made from three functions, and arms joined."""
 
 from __future__ import annotations
 
@@ -13,7 +13,16 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.trajectory.sample import FloatArray
 
-__all__ = ["Arm", "SerialArm", "as_arm", "as_near", "checked_array"]
+__all__ = [
+    "Arm",
+    "JoinedArms",
+    "SerialArm",
+    "Tracked",
+    "as_arm",
+    "as_near",
+    "as_tracked",
+    "checked_array",
+]
 
 _METHODS = ("forward", "inverse", "jacobian", "jacobian_rate")
 
@@ -103,6 +112,48 @@ class SerialArm:
         return np.concatenate([angular, linear], axis=1).T
 
 
+@dataclass(frozen=True, eq=False)
+class JoinedArms:
+    """Arms that hold one tool together, as the limbs of a parallel robot hold its platform.
+
+    Their joint values (n,) are those of one arm after the other.
+
+    Attributes
+    ----------
+    arms : tuple of Arm
+        All give the pose of the same tool in the same base.
+    joints : tuple of int
+        How many joints each has.
+    inverse : callable
+        All joint values (n,) for a pose (4, 4), nearest to given ones (n,), the second argument;
+        None if there are none.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        No arms, something that is no arm, or not one number of joints for each.
+    """
+
+    arms: tuple[Arm, ...]
+    joints: tuple[int, ...]
+    inverse: Callable[[FloatArray, FloatArray], npt.ArrayLike | None]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "arms", tuple(as_arm(arm) for arm in self.arms))
+        if not self.arms:
+            raise BadValueError("arms", (), "at least one arm")
+        if len(self.joints) != len(self.arms):
+            raise WrongSizeError("joints", len(self.joints), len(self.arms))
+
+    def shares(self, q: FloatArray) -> list[tuple[Arm, FloatArray]]:
+        """Give each arm with its own joint values of all (n,)."""
+        ends = np.cumsum(self.joints)[:-1]
+        return list(zip(self.arms, np.split(q, ends), strict=True))
+
+
+Tracked = Arm | JoinedArms
+
+
 def checked_array(what: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """Check what an arm returned: finite numbers of exactly one shape."""
     array = as_finite(what, value, ())
@@ -119,10 +170,18 @@ def as_arm(value: object) -> Arm:
     return value  # type: ignore[return-value]
 
 
-def as_near(arm: Arm, value: npt.ArrayLike) -> FloatArray:
+def as_tracked(value: object) -> Tracked:
+    """Check that a value is an arm or joined arms, or raise BadValueError."""
+    return value if isinstance(value, JoinedArms) else as_arm(value)
+
+
+def as_near(arm: Tracked, value: npt.ArrayLike) -> FloatArray:
     """Check joint values (n,) of the arm."""
     q = as_finite("near", value, ())
     if q.ndim != 1 or not len(q):
         raise WrongSizeError("near", q.shape, "(n,) with at least one joint")
-    checked_array("jacobian", arm.jacobian(q), (6, len(q)))
+    if isinstance(arm, JoinedArms) and len(q) != sum(arm.joints):
+        raise WrongSizeError("near", q.shape, (sum(arm.joints),))
+    for one, own in arm.shares(q) if isinstance(arm, JoinedArms) else [(arm, q)]:
+        checked_array("jacobian", one.jacobian(own), (6, len(own)))
     return q.copy()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,6 +69,14 @@ class JointPath:
             Not coordinates from 0 to `length`.
         """
         return np.stack(self.pieces.sample(as_parameters("s", s, 0.0, self.length)))
+
+    def only(self, joints: Sequence[int]) -> JointPath:
+        """Give the path of some joints, by their numbers."""
+        if list(joints) == list(range(self.joints)):
+            return self
+        pieces = self.pieces
+        kept = PiecewisePolynomial(pieces.breaks, pieces.coefficients[:, :, list(joints)])
+        return JointPath(kept, self.stops)
 
     def until(self, s: float) -> JointPath:
         """Give the part from the start up to a coordinate (m), above 0 and at most `length`."""

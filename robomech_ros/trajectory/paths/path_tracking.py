@@ -12,7 +12,12 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.trajectory.curves.interpolation import interpolant
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.limits import JointLimits, Limits
-from robomech_ros.trajectory.paths.arms import Arm, as_arm, as_near, checked_array
+from robomech_ros.trajectory.paths.arms import (
+    Tracked,
+    as_near,
+    as_tracked,
+    checked_array,
+)
 from robomech_ros.trajectory.paths.curve_arguments import as_positive
 from robomech_ros.trajectory.paths.joint_path import JointPath
 from robomech_ros.trajectory.paths.path_cuts import limit_cut
@@ -57,7 +62,7 @@ _DERIVATIVES = ("q", "first", "second")
 
 def track_path(
     path: PosePath,
-    arm: Arm,
+    arm: Tracked,
     near: npt.ArrayLike,
     *,
     limits: JointLimits | Any = None,
@@ -82,8 +87,9 @@ def track_path(
     Parameters
     ----------
     path : PosePath
-    arm : Arm
-        Of any number of joints; a redundant one moves with the least joint rates.
+    arm : Arm or JoinedArms
+        Of any number of joints; a redundant one moves with the least joint rates.  Joined arms
+        follow the path together, such as the limbs of a parallel robot.
     near : array_like, shape (n,)
         Joint values (rad or m) that choose the branch at the start of the path.
     limits : JointLimits, optional
@@ -115,7 +121,7 @@ def track_path(
     """
     if not isinstance(path, PosePath):
         raise BadValueError("path", path, "a PosePath")
-    q = as_near(as_arm(arm), near)
+    q = as_near(as_tracked(arm), near)
     allowed = as_positive("tolerance", tolerance)
     if allowed < LEAST_TOLERANCE:
         raise BadValueError("tolerance", allowed, f"at least {LEAST_TOLERANCE:g}")
@@ -141,7 +147,7 @@ def _limits_of(limits: JointLimits | Any, joints: int) -> Limits:
 
 def _tracked(
     path: PosePath,
-    arm: Arm,
+    arm: Tracked,
     begin: FloatArray,
     bounds: tuple[float, float],
     limits: Limits | None,
@@ -172,7 +178,7 @@ class _Nodes(NamedTuple):
 
 def _followed(
     path: PosePath,
-    arm: Arm,
+    arm: Tracked,
     q: FloatArray,
     part: tuple[float, float],
     tolerance: float,
@@ -203,7 +209,7 @@ def _followed(
 
 
 def _stepped(
-    path: PosePath, arm: Arm, here: Posture, step: tuple[float, float]
+    path: PosePath, arm: Tracked, here: Posture, step: tuple[float, float]
 ) -> tuple[Posture | None, float]:
     """Posture at the end of a step, and the error of the pose in the middle (rad, m)."""
     h = step[1] - step[0]
@@ -211,7 +217,7 @@ def _stepped(
     middle, end = (PoseSample(*(value[k] for value in places)) for k in range(2))
     guess = here.q + h * (here.first + 0.5 * h * here.second)
     there = _reached(arm, guess, end)
-    if there is not None and is_redundant(guess):
+    if there is not None and is_redundant(arm, guess):
         # The pose leaves the spare joints where they are predicted: once more, by both ends.
         guess = (
             here.q
@@ -229,7 +235,7 @@ def _stepped(
     return there, float(np.abs(pose_deviation(arm, between, middle.pose)).max())
 
 
-def _reached(arm: Arm, guess: FloatArray, place: PoseSample) -> Posture | None:
+def _reached(arm: Tracked, guess: FloatArray, place: PoseSample) -> Posture | None:
     """Posture at a place of the path from predicted joint values; None where there is none."""
     q = corrected(arm, guess, place.pose) if np.isfinite(guess).all() else None
     return None if q is None else posture(arm, q, place)
@@ -260,7 +266,7 @@ def _assembled(path: PosePath, parts: list[_Nodes]) -> JointPath | None:
 
 
 def _cut_short(
-    path: PosePath, arm: Arm, parts: list[_Nodes], limit: float, limits: Limits | None
+    path: PosePath, arm: Tracked, parts: list[_Nodes], limit: float, limits: Limits | None
 ) -> PathTracking:
     """Say why a path is not followed to its end."""
     reached, here = parts[-1].at[-1], parts[-1].postures[-1]
@@ -287,7 +293,9 @@ def _cut_short(
     return PathTracking(_assembled(path, parts), reached, status, reason, path.length, joint, jump)
 
 
-def _start(path: PosePath, arm: Arm, near: FloatArray, limits: Limits | None) -> FloatArray | None:
+def _start(
+    path: PosePath, arm: Tracked, near: FloatArray, limits: Limits | None
+) -> FloatArray | None:
     """Joint values at the start of the path: near themselves if they are there."""
     pose = path.sample(0.0).pose
     if np.abs(pose_deviation(arm, near, pose)).max() < AT_START:
@@ -299,7 +307,7 @@ def _start(path: PosePath, arm: Arm, near: FloatArray, limits: Limits | None) ->
 
 
 def _nearest(
-    arm: Arm, pose: FloatArray, near: FloatArray, limits: Limits | None
+    arm: Tracked, pose: FloatArray, near: FloatArray, limits: Limits | None
 ) -> FloatArray | None:
     """Ask the arm for joint values at a pose, near others that are put within the limits."""
     seed = near if limits is None else np.clip(near, limits.lower, limits.upper)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.spatial.cross_product import axial_vector
-from robomech_ros.trajectory.paths.arms import Arm, checked_array
+from robomech_ros.trajectory.paths.arms import JoinedArms, Tracked, checked_array
 from robomech_ros.trajectory.paths.pose_path import PoseSample
 from robomech_ros.trajectory.sample import FloatArray
 
@@ -25,6 +25,7 @@ CORRECTED = 1e-11
 ON_PATH = 1e-9
 # Newton steps for a posture from a predicted one; those that go well need two or three.
 CORRECTIONS = 10
+_ROWS = ("q", "first", "second")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,8 @@ class Posture:
     q, first, second : ndarray, shape (n,)
         Joint values (rad or m) and derivatives with respect to the path coordinate.
     condition : float
-        Condition number of the Jacobian, infinite where it is singular.
+        Condition number of the Jacobian, infinite where it is singular; of joined arms the largest
+        one.
     """
 
     q: FloatArray
@@ -45,7 +47,7 @@ class Posture:
     condition: float
 
 
-def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
+def posture(arm: Tracked, q: FloatArray, place: PoseSample) -> Posture:
     """Find the derivatives of joint values that are on a path.
 
     q' = J^-1 t' and q'' = J^-1 (t'' - J' q').  For an arm of fewer than six joints, on a path that
@@ -55,7 +57,7 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
 
     Parameters
     ----------
-    arm : Arm
+    arm : Arm or JoinedArms
     q : ndarray, shape (n,)
         Joint values at the pose.
     place : PoseSample
@@ -69,31 +71,35 @@ def posture(arm: Arm, q: FloatArray, place: PoseSample) -> Posture:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
+    if isinstance(arm, JoinedArms):
+        parts = [posture(one, own, place) for one, own in arm.shares(q)]
+        q, first, second = (np.concatenate([getattr(one, name) for one in parts]) for name in _ROWS)
+        return Posture(q, first, second, max(one.condition for one in parts))
     J = checked_array("jacobian", arm.jacobian(q), (6, len(q)))
     singular = np.linalg.svd(J, compute_uv=False)
     first = _solved(J, place.twist)
     rate = checked_array("jacobian_rate", arm.jacobian_rate(q, first), (6, len(q)))
     second = _solved(J, place.twist_rate - rate @ first)
-    if is_redundant(q):
+    if is_redundant(arm, q):
         spare = rate.T @ _solved(J.T, first)
         second += spare - _solved(J, J @ spare)
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else np.inf
     return Posture(q, first, second, condition)
 
 
-def is_redundant(q: FloatArray) -> bool:
-    """Whether there are more joints than a pose has freedoms."""
-    return len(q) > 6
+def is_redundant(arm: Tracked, q: FloatArray) -> bool:
+    """Whether an arm with joint values (n,) has more joints than a pose has freedoms."""
+    return max(arm.joints) > 6 if isinstance(arm, JoinedArms) else len(q) > 6
 
 
-def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
+def corrected(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     """Correct joint values to a pose by Newton steps.
 
     The error of the orientation is the axial vector of the rotation that is left, e sin(phi).
 
     Parameters
     ----------
-    arm : Arm
+    arm : Arm or JoinedArms
     q : ndarray, shape (n,)
         Near a posture for the pose (rad or m).
     pose : ndarray, shape (4, 4)
@@ -108,6 +114,10 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 11.5.
     """
+    if isinstance(arm, JoinedArms):
+        parts = [corrected(one, own, pose) for one, own in arm.shares(q)]
+        found = [part for part in parts if part is not None]
+        return np.concatenate(found) if len(found) == len(parts) else None
     last = 0.0
     for _ in range(CORRECTIONS):
         error = pose_deviation(arm, q, pose)
@@ -123,11 +133,13 @@ def corrected(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray | None:
     return None
 
 
-def pose_deviation(arm: Arm, q: FloatArray, pose: FloatArray) -> FloatArray:
+def pose_deviation(arm: Tracked, q: FloatArray, pose: FloatArray) -> FloatArray:
     """Rotation left to a pose as e sin(phi), beyond a right angle as e, and distance, (6,).
 
-    In rad and m, in the base frame.
+    In rad and m, in the base frame; of k joined arms one after the other, (6 k,).
     """
+    if isinstance(arm, JoinedArms):
+        return np.concatenate([pose_deviation(one, own, pose) for one, own in arm.shares(q)])
     actual = checked_array("pose of the arm", arm.forward(q), (4, 4))
     left = pose[:3, :3] @ actual[:3, :3].T
     vector = axial_vector(left)
