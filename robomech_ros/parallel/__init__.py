@@ -9,6 +9,22 @@ from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.delta import Delta
+    from robomech_ros.parallel.kinetostatics.conditioning import (
+        dexterity,
+        platform_length,
+        singularity_distances,
+    )
+    from robomech_ros.parallel.kinetostatics.singularities import LoopSingularity, loop_singularity
+    from robomech_ros.parallel.kinetostatics.statics import drive_forces, platform_wrench
+    from robomech_ros.parallel.kinetostatics.velocity_maps import (
+        VelocityMatrices,
+        drive_accelerations,
+        drive_rates,
+        platform_acceleration,
+        platform_twist,
+        velocity_matrices,
+        velocity_matrix_rates,
+    )
     from robomech_ros.parallel.library import ParallelRobot, list_parallel, load_parallel
     from robomech_ros.parallel.mechanism.limb import Limb
     from robomech_ros.parallel.mechanism.model import Mechanism
@@ -30,6 +46,7 @@ __all__ = [
     "FollowedPose",
     "Limb",
     "LimbPostures",
+    "LoopSingularity",
     "Mechanism",
     "MechanismPostures",
     "ParallelRobot",
@@ -37,13 +54,40 @@ __all__ = [
     "Planar3RRR",
     "Spherical3RRR",
     "StewartGough",
+    "VelocityMatrices",
+    "dexterity",
+    "drive_accelerations",
+    "drive_forces",
+    "drive_rates",
     "list_parallel",
     "load_parallel",
+    "loop_singularity",
+    "platform_acceleration",
+    "platform_length",
+    "platform_twist",
+    "platform_wrench",
+    "singularity_distances",
+    "velocity_matrices",
+    "velocity_matrix_rates",
 ]
 
 _MODULES = {
     "AssemblyModes": "mechanism.result",
     "ClosedPosture": "mechanism.result",
+    "VelocityMatrices": "kinetostatics.velocity_maps",
+    "velocity_matrices": "kinetostatics.velocity_maps",
+    "velocity_matrix_rates": "kinetostatics.velocity_maps",
+    "drive_rates": "kinetostatics.velocity_maps",
+    "platform_twist": "kinetostatics.velocity_maps",
+    "drive_accelerations": "kinetostatics.velocity_maps",
+    "platform_acceleration": "kinetostatics.velocity_maps",
+    "drive_forces": "kinetostatics.statics",
+    "platform_wrench": "kinetostatics.statics",
+    "platform_length": "kinetostatics.conditioning",
+    "singularity_distances": "kinetostatics.conditioning",
+    "dexterity": "kinetostatics.conditioning",
+    "LoopSingularity": "kinetostatics.singularities",
+    "loop_singularity": "kinetostatics.singularities",
     "Delta": "delta",
     "DirectKinematicsResult": "result",
     "FollowedPose": "result",

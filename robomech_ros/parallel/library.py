@@ -43,7 +43,7 @@ TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
     "stewart_gough": (
         StewartGough,
         ("base_points", "platform_points"),
-        ("strokes", "drive_limits"),
+        ("strokes", "base_cones", "platform_cones", "drive_limits"),
     ),
     "delta": (
         Delta,

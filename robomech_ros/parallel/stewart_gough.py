@@ -14,6 +14,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.assembly_modes import CONTINUUM, assembly_modes
+from robomech_ros.parallel.joint_cones import checked_cones
 from robomech_ros.parallel.mechanism.home_poses import platform_home
 from robomech_ros.parallel.mechanism.legs import extending_legs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
@@ -53,13 +54,17 @@ class StewartGough:
     drive_limits : mapping, optional
         Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
         m, and s; N m or N).
+    base_cones, platform_cones : mapping, optional
+        How far the joints at the ends of the legs may bend: ``axes`` (3,) or (6, 3), in the base or
+        in the platform, from the anchors along the legs, and ``angles`` from them, one or six
+        (rad, up to pi).  Without them the joints bend freely.
     name : str, optional
         What it is called.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Not six points, or fewer than three different ones; strokes that are none.
+        Not six points, or fewer than three different ones; strokes or cones that are none.
 
     References
     ----------
@@ -88,6 +93,8 @@ class StewartGough:
         *,
         strokes: ArrayLike | None = None,
         drive_limits: Mapping[str, ArrayLike] | None = None,
+        base_cones: object = None,
+        platform_cones: object = None,
         name: str = "platform",
     ) -> None:
         self.name = name
@@ -95,6 +102,8 @@ class StewartGough:
         self.platform_points = checked_points("platform_points", platform_points, 6, 3)
         self.strokes = checked_strokes(strokes, 6)
         self.drive_limits = checked_drive_limits(drive_limits, 6)
+        self.base_cones = checked_cones("base_cones", base_cones)
+        self.platform_cones = checked_cones("platform_cones", platform_cones)
         self._scaled = ScaledPlatform.of(self.base_points, self.platform_points)
         # Best ratio of least to greatest singular value of the Jacobian over many poses.
         self.conditioning = best_conditioning(self._scaled)
@@ -167,6 +176,38 @@ class StewartGough:
         if self.strokes is None:
             return np.zeros_like(given)
         return np.asarray(given - np.clip(given, self.strokes[:, 0], self.strokes[:, 1]))
+
+    def cone_excess(self, T: ArrayLike) -> Array:
+        """Say by how much the joints at the ends of the legs bend beyond their cones in a pose.
+
+        Parameters
+        ----------
+        T : array_like, shape (..., 4, 4)
+            ``T_base_platform`` (m).
+
+        Returns
+        -------
+        ndarray, shape (..., 2, 6)
+            Of the joints on the base, and of those on the platform: rad, 0 inside the cones.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not poses.
+        """
+        return np.maximum(self.cone_margins(platform_poses(T)), 0.0)
+
+    def cone_margins(self, poses: Array) -> Array:
+        """Give the excess of cones (..., 2, 6) with its sign: negative inside, -pi without one."""
+        R = poses[..., :3, :3]
+        legs = poses[..., None, :3, 3] - self.base_points
+        legs = legs + self.platform_points @ np.swapaxes(R, -1, -2)
+        out = np.full((*poses.shape[:-2], 2, 6), -np.pi)
+        if self.base_cones is not None:
+            out[..., 0, :] = self.base_cones.excess(legs)
+        if self.platform_cones is not None:
+            out[..., 1, :] = self.platform_cones.excess(-legs @ R)
+        return out
 
     def direct(self, lengths: ArrayLike, seed: ArrayLike | None = None) -> DirectKinematicsResult:
         """Find all poses that leg lengths allow, its assembly modes: up to forty.

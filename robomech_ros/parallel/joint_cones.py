@@ -1,0 +1,82 @@
+"""How far the joints at the ends of legs may bend: cones about axes of base and platform."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["JointCones", "checked_cones"]
+
+Array = NDArray[np.float64]
+
+_LEGS = 6
+_KEYS = ("angles", "axes")
+_LEAST_AXIS = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class JointCones:
+    """Cones in which the directions of six legs must stay.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (6, 3)
+        Unit vectors from the anchors along the legs where the joints are not bent, those of base
+        joints in the base, those of platform joints in the platform and so towards the base.
+    angles : ndarray, shape (6,)
+        How far each leg may bend from its axis (rad), up to pi.
+    """
+
+    axes: Array
+    angles: Array
+
+    def excess(self, directions: Array) -> Array:
+        """Say by how much legs bend beyond their cones.
+
+        Parameters
+        ----------
+        directions : ndarray, shape (..., 6, 3)
+            Of the legs from the anchors, of any length, in the frame of the axes.
+
+        Returns
+        -------
+        ndarray, shape (..., 6)
+            In rad, negative inside.
+        """
+        along = (directions * self.axes).sum(axis=-1)
+        across = np.linalg.norm(np.cross(self.axes, directions), axis=-1)
+        return np.asarray(np.arctan2(across, along) - self.angles)
+
+
+def checked_cones(what: str, given: object) -> JointCones | None:
+    """Check cones: None, or a mapping with ``axes`` (3,) or (6, 3) and ``angles``, one or six.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+    """
+    if given is None or isinstance(given, JointCones):
+        return given
+    if not isinstance(given, Mapping) or sorted(map(str, given)) != list(_KEYS):
+        raise BadValueError(what, given, "a mapping with the keys 'axes' and 'angles'")
+    axes = _six(f"{what}: axes", given["axes"], (3,))
+    norms = np.linalg.norm(axes, axis=1)
+    if norms.min() < _LEAST_AXIS:
+        raise BadValueError(f"{what}: axes", axes.tolist(), "directions, none of them zero")
+    angles = _six(f"{what}: angles", given["angles"], ())
+    if angles.min() <= 0.0 or angles.max() > np.pi:
+        raise BadValueError(f"{what}: angles", angles.tolist(), "more than 0 rad, up to pi")
+    return JointCones(axes / norms[:, None], angles)
+
+
+def _six(what: str, value: ArrayLike, tail: tuple[int, ...]) -> Array:
+    array = as_finite(what, value, tail)
+    if array.shape not in (tail, (_LEGS, *tail)):
+        raise WrongSizeError(what, array.shape, f"{tail} or {(_LEGS, *tail)}")
+    return np.broadcast_to(array, (_LEGS, *tail)).copy()

@@ -1,0 +1,1 @@
+"""Velocities, accelerations, forces, singularities and workspace of parallel robots."""

@@ -1,0 +1,217 @@
+"""How evenly drives move a platform: distances from singularities, dexterity, and the length."""
+
+from __future__ import annotations
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import RANK
+from robomech_ros.kinetostatics.indices import as_length
+from robomech_ros.parallel.kinetostatics.limb_geometry import (
+    Arcs,
+    Legs,
+    drive_values,
+    limbs_at,
+    motions_of,
+    poses_of,
+)
+from robomech_ros.parallel.kinetostatics.pose_samples import held_poses, size_of
+from robomech_ros.parallel.kinetostatics.square_systems import are_regular
+from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.stewart_gough import StewartGough
+
+__all__ = [
+    "ScaledMatrices",
+    "dexterity",
+    "platform_length",
+    "scaled_matrices",
+    "singularity_distances",
+]
+
+Array = NDArray[np.float64]
+
+_ANGULAR = 3
+_POSES = 2048
+
+
+class ScaledMatrices(NamedTuple):
+    """K and J without units, for poses (...).
+
+    Attributes
+    ----------
+    K : ndarray, shape (..., m, m)
+        Columns of the motions that the platform has, angular ones divided by the length.
+    J : ndarray, shape (..., m)
+        Entries over the greatest that they can be: from -1 to 1, of legs 1.
+    lever : ndarray, shape (m,)
+        These greatest entries (1 or m).
+    length : float
+        In m.
+    """
+
+    K: Array
+    J: Array
+    lever: Array
+    length: float
+
+
+def scaled_matrices(
+    robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None, length: float | None
+) -> ScaledMatrices:
+    """Find K and J without units; arguments as for :func:`singularity_distances`."""
+    poses = poses_of(robot, T)
+    limbs = limbs_at(robot, poses, drive_values(robot, poses, q))
+    metres = platform_length(robot) if length is None else as_length(length)
+    return _scaled(robot, limbs, metres)
+
+
+def _scaled(robot: ParallelRobot, limbs: Legs | Arcs, length: float) -> ScaledMatrices:
+    K, J = limbs.rows()
+    motions = motions_of(robot)
+    scale = [1.0 / length if k < _ANGULAR else 1.0 for k in motions]
+    if max(motions) < _ANGULAR:
+        scale = [1.0] * len(motions)
+    return ScaledMatrices(K[..., list(motions)] * scale, J / limbs.lever, limbs.lever, length)
+
+
+@functools.lru_cache(maxsize=64)
+def platform_length(robot: ParallelRobot) -> float:
+    r"""Find the characteristic length: with it the best conditioned pose is nearest to isotropic.
+
+    It makes the condition number by the Frobenius norm of K, angular columns divided by it, least
+    over 2,048 poses all over the workspace and over all lengths; at a pose the best one is known
+    in closed form.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+
+    Returns
+    -------
+    float
+        In m; 1 where the platform only translates or only turns and no length is needed, and the
+        size of a platform that is singular in every pose.
+
+    Raises
+    ------
+    BadValueError
+        Not a parallel robot.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.
+
+    Examples
+    --------
+    >>> from robomech_ros.parallel import load_parallel, platform_length
+    >>> round(platform_length(load_parallel("hexapod")), 2)
+    0.27
+    """
+    motions = motions_of(robot)
+    if min(motions) >= _ANGULAR or max(motions) < _ANGULAR:
+        return 1.0
+    poses, q = held_poses(robot, _POSES)
+    K = limbs_at(robot, poses, q).rows()[0][..., list(motions)]
+    turning = np.array([k < _ANGULAR for k in motions])
+    regular = are_regular(K)
+    singular_always = isinstance(robot, StewartGough) and robot.always_singular
+    if singular_always or not regular.any():
+        return size_of(robot)
+    K, inverse = K[regular], np.linalg.inv(K[regular])
+    # |K|^2 = a / L^2 + b and |K^-1|^2 = c L^2 + d.
+    a, b = ((K[..., which] ** 2).sum(axis=(1, 2)) for which in (turning, ~turning))
+    c, d = ((inverse[:, which] ** 2).sum(axis=(1, 2)) for which in (turning, ~turning))
+    best = int(np.argmin(np.sqrt(a * c) + np.sqrt(b * d)))
+    return float((a * d / (b * c))[best] ** 0.25)
+
+
+def singularity_distances(
+    robot: ParallelRobot,
+    T: ArrayLike,
+    q: ArrayLike | None = None,
+    *,
+    length: float | None = None,
+) -> Array:
+    """Measure how far poses are from the singularities of both types.
+
+    Parameters
+    ----------
+    robot, T, q
+        As for :func:`velocity_matrices`.
+    length : float, optional
+        What makes linear and angular motions comparable (m); default :func:`platform_length`,
+        which takes some tenths of a second to find and is kept.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        From type 1: the least entry of J over the greatest that it can be, 1 for legs; from
+        type 2: the least singular value of K, angular columns divided by the length.  Both are
+        without unit, and 0 where singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`velocity_matrices`, or the length is not from 1e-9 to 1e9 m.
+
+    See Also
+    --------
+    loop_singularity : what is lost or free there.
+    """
+    found = scaled_matrices(robot, T, q, length)
+    second = np.linalg.svd(found.K, compute_uv=False)[..., -1]
+    return np.stack((np.abs(found.J).min(axis=-1), second), axis=-1)
+
+
+def dexterity(
+    robot: ParallelRobot,
+    T: ArrayLike,
+    q: ArrayLike | None = None,
+    *,
+    length: float | None = None,
+) -> Array | float:
+    """Compute how evenly the drives move the platform: 1 where isotropic, 0 where singular.
+
+    Parameters
+    ----------
+    robot, T, q, length
+        As for :func:`singularity_distances`.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        The reciprocal of the condition number of the map from drive rates to twists, both without
+        units.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`singularity_distances`.
+
+    References
+    ----------
+    Gosselin, Kinematic analysis, optimization and programming of parallel robotic manipulators,
+    thesis, McGill University 1988.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.parallel import dexterity, load_parallel
+    >>> eye = load_parallel("agile_eye")
+    >>> round(dexterity(eye, np.eye(4), eye.inverse(np.eye(4)).q[0]), 6)
+    1.0
+    """
+    found = inverse_condition(scaled_matrices(robot, T, q, length))
+    return float(found) if found.ndim == 0 else found
+
+
+def inverse_condition(found: ScaledMatrices) -> Array:
+    """Give the reciprocal condition number (...) of the map between drives and twists."""
+    values = np.linalg.svd(found.K, compute_uv=False)
+    regular = (np.abs(found.J) > RANK).all(axis=-1) & (values[..., -1] > RANK * values[..., 0])
+    entries = np.where(regular[..., None], found.J, 1.0)
+    values = np.linalg.svd(found.K / entries[..., None], compute_uv=False)
+    return np.where(regular, values[..., -1] / values[..., 0], 0.0)

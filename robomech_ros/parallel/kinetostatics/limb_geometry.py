@@ -1,0 +1,298 @@
+"""Where the limbs of a parallel robot hold its platform, and how these places move.
+
+A limb keeps a point of the platform at a distance from a centre that its drive moves, or extends
+this distance; a limb of the spherical robot keeps an angle between two axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.parallel.arguments import platform_poses, pose_about_z
+from robomech_ros.parallel.delta import Delta
+from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
+from robomech_ros.parallel.spherical import Spherical3RRR
+from robomech_ros.parallel.stewart_gough import StewartGough
+from robomech_ros.spatial.arrays import as_finite, real_array
+from robomech_ros.spatial.poses import assembled
+from robomech_ros.spatial.rotations.axis_angle import matrix_from_axis_angle
+
+__all__ = ["Arcs", "Legs", "drive_values", "drives_of", "limbs_at", "motions_of", "poses_of"]
+
+Array = NDArray[np.float64]
+
+# Columns of a twist [angular; linear] that a platform has.
+_MOTIONS = {
+    StewartGough: (0, 1, 2, 3, 4, 5),
+    Delta: (3, 4, 5),
+    Planar3RPR: (2, 3, 4),
+    Planar3RRR: (2, 3, 4),
+    Spherical3RRR: (0, 1, 2),
+}
+_KNOWN = ", ".join(kind.__name__ for kind in _MOTIONS)
+# By how much drives may miss a pose (of the size), and a pose the motions of its platform.
+_MISS, _OFF = 1e-6, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Legs:
+    """Limbs that keep a distance between a centre and a point of the platform, or drive it.
+
+    Parameters
+    ----------
+    arms : ndarray, shape (..., m, 3)
+        From the platform's origin to its joints (m), zero where it does not turn.
+    legs : ndarray, shape (..., m, 3)
+        From the centres to these joints (m).
+    first, second : ndarray, shape (..., m, 3)
+        Derivatives of the centres by the drives, zero for drives that extend the legs.
+    lever : ndarray, shape (m,)
+        Length of the first derivatives, 1 for drives that extend the legs.
+    """
+
+    arms: Array
+    legs: Array
+    first: Array
+    second: Array
+    lever: Array
+    extends: bool
+
+    def rows(self) -> tuple[Array, Array]:
+        """Give the rows (..., m, 6) of K and the diagonal (..., m) of J."""
+        n = _unit(self.legs)
+        K = np.concatenate((np.cross(self.arms, n), n), axis=-1)
+        return K, np.ones(n.shape[:-1]) if self.extends else (n * self.first).sum(axis=-1)
+
+    def row_rates(self, twist: Array, rates: Array) -> tuple[Array, Array]:
+        """Give the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
+        n = _unit(self.legs)
+        lengths = np.linalg.norm(self.legs, axis=-1, keepdims=True)
+        turned = np.cross(twist[..., None, :3], self.arms)
+        moved = twist[..., None, 3:] + turned - self.first * rates[..., None]
+        dn = (moved - n * (n * moved).sum(axis=-1, keepdims=True)) / lengths
+        dK = np.concatenate((np.cross(turned, n) + np.cross(self.arms, dn), dn), axis=-1)
+        dJ = (dn * self.first).sum(axis=-1) + (n * self.second).sum(axis=-1) * rates
+        return dK, dJ
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """Limbs that keep the angle between an axis of the platform and one that their drive turns.
+
+    Parameters
+    ----------
+    base, middle, platform : ndarray, shape (..., m, 3)
+        Axes of the drives, those between the arcs, and those on the platform: unit vectors.
+    sines : ndarray, shape (m,)
+        Of the angle between middle and platform axes.
+    lever : ndarray, shape (m,)
+        Sine of the angle between base and middle axes.
+    """
+
+    base: Array
+    middle: Array
+    platform: Array
+    sines: Array
+    lever: Array
+
+    def rows(self) -> tuple[Array, Array]:
+        """Give the rows (..., m, 6) of K and the diagonal (..., m) of J."""
+        c = np.cross(self.platform, self.middle) / self.sines[:, None]
+        return np.concatenate((c, np.zeros_like(c)), axis=-1), (self.base * c).sum(axis=-1)
+
+    def row_rates(self, twist: Array, rates: Array) -> tuple[Array, Array]:
+        """Give the time derivatives of both, for twists (..., 6) and drive rates (..., m)."""
+        dv = np.cross(twist[..., None, :3], self.platform)
+        dw = np.cross(self.base, self.middle) * rates[..., None]
+        dc = (np.cross(dv, self.middle) + np.cross(self.platform, dw)) / self.sines[:, None]
+        return np.concatenate((dc, np.zeros_like(dc)), axis=-1), (self.base * dc).sum(axis=-1)
+
+
+def motions_of(robot: ParallelRobot) -> tuple[int, ...]:
+    """Give the columns of a twist [angular; linear] that the platform has.
+
+    Raises
+    ------
+    BadValueError
+        Not a parallel robot.
+    """
+    found = _MOTIONS.get(type(robot))
+    if found is None:
+        raise BadValueError("robot", type(robot).__name__, f"one of {_KNOWN}")
+    return found
+
+
+def drives_of(robot: ParallelRobot) -> int:
+    """Give the number of drives, which is that of the platform's degrees of freedom."""
+    return len(motions_of(robot))
+
+
+def poses_of(robot: ParallelRobot, T: ArrayLike) -> Array:
+    """Give poses (..., 4, 4) that the platform can have as to their kind.
+
+    Parameters
+    ----------
+    T : array_like, shape (..., 4, 4)
+        ``T_base_platform``; also (..., 3), positions for a Delta and x, y and angle for planar
+        robots, and (..., 3, 3), rotations for a spherical one.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses, or with motions that the platform does not have.
+    """
+    motions, given = motions_of(robot), real_array("pose", T)
+    if given.shape[-2:] != (4, 4):
+        given = _short_form(robot, given)
+    poses = platform_poses(given)
+    off = np.concatenate((_turns_off(poses, motions), poses[..., :3, 3]), axis=-1)
+    kept = [k for k in range(6) if k not in motions]
+    worst = float(np.abs(off[..., kept]).max(initial=0.0))
+    if worst > _OFF:
+        why = "a pose of the kind that the platform can have"
+        raise BadValueError("pose, which leaves the platform's motions by", worst, why)
+    return poses
+
+
+def _short_form(robot: ParallelRobot, given: Array) -> Array:
+    if isinstance(robot, Spherical3RRR):
+        R = as_finite("pose", given, (3, 3))
+        return assembled(R, np.zeros(R.shape[:-1]))
+    if isinstance(robot, StewartGough):
+        raise WrongSizeError("pose", given.shape, "(..., 4, 4)")
+    values = as_finite("pose", given, (3,))
+    if isinstance(robot, Delta):
+        return assembled(np.broadcast_to(np.eye(3), (*values.shape[:-1], 3, 3)), values)
+    return pose_about_z(values.reshape(-1, 3)).reshape(*values.shape[:-1], 4, 4)
+
+
+def _turns_off(poses: Array, motions: tuple[int, ...]) -> Array:
+    """Give how far rotations (..., 3) are from those about z, or from none."""
+    off = np.abs(poses[..., :3, :3] - np.eye(3))
+    if 2 in motions:
+        off = off[..., 2, :]
+    return np.repeat(off.reshape(*poses.shape[:-2], -1).max(axis=-1, keepdims=True), 3, axis=-1)
+
+
+def drive_values(robot: ParallelRobot, poses: Array, q: ArrayLike | None) -> Array | None:
+    """Check values of the drives (..., m) for poses, if there are any.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        They are needed, as the limbs have branches, or are not m for each pose.
+    """
+    count = drives_of(robot)
+    if q is None:
+        if isinstance(robot, StewartGough | Planar3RPR):
+            return None
+        raise BadValueError("q", None, "the angles of the drives: limbs have branches in a pose")
+    values = as_finite("q", q, (count,))
+    if values.shape != (*poses.shape[:-2], count):
+        raise WrongSizeError("q", values.shape, (*poses.shape[:-2], count))
+    return values
+
+
+def limbs_at(robot: ParallelRobot, poses: Array, q: Array | None) -> Legs | Arcs:
+    """Find where the limbs hold the platform.
+
+    Parameters
+    ----------
+    poses : ndarray, shape (..., 4, 4)
+        From :func:`poses_of`.
+    q : ndarray, shape (..., m), or None
+        From :func:`drive_values`.
+
+    Raises
+    ------
+    BadValueError
+        Drives that do not hold the platform there, or a leg without length.
+    """
+    at = _AT[type(robot)]
+    found: Legs | Arcs = at(robot, poses, q)
+    return found
+
+
+def _unit(vectors: Array) -> Array:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    if not (lengths > 0.0).all():
+        leg = int(np.argwhere(~(lengths[..., 0] > 0.0))[0][-1]) + 1
+        raise BadValueError(f"length of leg {leg}", 0.0, "legs that are longer than 0 m")
+    return np.asarray(vectors / lengths)
+
+
+def _check_held(q: Array | None, missed: Array, size: float, unit: str) -> None:
+    """Refuse drives that miss a pose (..., m), m or rad."""
+    worst = np.abs(missed)
+    if q is None or not worst.size or worst.max() <= _MISS * size:
+        return
+    index = np.unravel_index(int(worst.argmax()), worst.shape)
+    why = f"one that holds the pose, which is missed by {worst[index]:.3g} {unit}"
+    raise BadValueError(f"drive {int(index[-1]) + 1}", float(q[index]), why)
+
+
+def _embedded(points: Array) -> Array:
+    """Put points or vectors of a plane (..., 2) into space."""
+    return np.concatenate((points, np.zeros((*points.shape[:-1], 1))), axis=-1)
+
+
+def _extending(robot: StewartGough | Planar3RPR, poses: Array, q: Array | None) -> Legs:
+    a, b = robot.base_points, robot.platform_points
+    if a.shape[1] == 2:
+        a, b = _embedded(a), _embedded(b)
+    arms = b @ np.swapaxes(poses[..., :3, :3], -1, -2)
+    legs = poses[..., None, :3, 3] + arms - a
+    if q is not None:
+        size = float(max(np.abs(a).max(), np.abs(b).max()))
+        _check_held(q, np.linalg.norm(legs, axis=-1) - q, size, "m")
+    nothing = np.zeros_like(legs)
+    return Legs(arms, legs, nothing, nothing, np.ones(len(a)), True)
+
+
+def _planar_rrr(robot: Planar3RRR, poses: Array, q: Array) -> Legs:
+    arms = _embedded(robot.platform_points) @ np.swapaxes(poses[..., :3, :3], -1, -2)
+    out = robot.proximal[:, None] * _embedded(np.stack((np.cos(q), np.sin(q)), axis=-1))
+    legs = poses[..., None, :3, 3] + arms - _embedded(robot.base_points) - out
+    size = float((robot.proximal + robot.distal).max())
+    _check_held(q, np.linalg.norm(legs, axis=-1) - robot.distal, size, "m")
+    first = np.stack((-out[..., 1], out[..., 0], out[..., 2]), axis=-1)
+    return Legs(arms, legs, first, -out, robot.proximal, False)
+
+
+def _delta(robot: Delta, poses: Array, q: Array) -> Legs:
+    c, s = np.cos(robot.azimuths), np.sin(robot.azimuths)
+    outward = np.stack((c, s, np.zeros(3)), axis=1)
+    down = np.array([0.0, 0.0, -1.0])
+    arm = robot.arm * (np.cos(q)[..., None] * outward + np.sin(q)[..., None] * down)
+    first = robot.arm * (np.cos(q)[..., None] * down - np.sin(q)[..., None] * outward)
+    inward = (robot.base_radius - robot.platform_radius) * outward
+    legs = poses[..., None, :3, 3] - inward - arm
+    size = robot.arm + robot.forearm
+    _check_held(q, np.linalg.norm(legs, axis=-1) - robot.forearm, size, "m")
+    return Legs(np.zeros_like(legs), legs, first, -arm, np.full(3, robot.arm), False)
+
+
+def _spherical(robot: Spherical3RRR, poses: Array, q: Array) -> Arcs:
+    turns = matrix_from_axis_angle(np.broadcast_to(robot.base_axes, (*q.shape, 3)), q)
+    w = (turns @ robot.middle_axes[:, :, None])[..., 0]
+    v = robot.platform_axes @ np.swapaxes(poses[..., :3, :3], -1, -2)
+    angles = np.arctan2(np.linalg.norm(np.cross(v, w), axis=-1), (v * w).sum(axis=-1))
+    _check_held(q, angles - robot.distal, 1.0, "rad")
+    base = np.broadcast_to(robot.base_axes, w.shape)
+    lever = np.linalg.norm(np.cross(robot.base_axes, robot.middle_axes), axis=1)
+    return Arcs(base, w, v, np.sin(robot.distal), lever)
+
+
+_AT: dict[type, Callable[..., Legs | Arcs]] = {
+    StewartGough: _extending,
+    Planar3RPR: _extending,
+    Planar3RRR: _planar_rrr,
+    Delta: _delta,
+    Spherical3RRR: _spherical,
+}

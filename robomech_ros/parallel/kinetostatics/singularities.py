@@ -1,0 +1,240 @@
+"""Singular poses of parallel robots of both types: what is lost, what is free, and whose limb."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import RANK
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.parallel.kinetostatics.conditioning import (
+    inverse_condition,
+    scaled_matrices,
+)
+from robomech_ros.parallel.kinetostatics.limb_geometry import motions_of, poses_of
+from robomech_ros.parallel.library import ParallelRobot
+from robomech_ros.parallel.stewart_gough import StewartGough
+
+__all__ = ["LoopSingularity", "loop_singularity"]
+
+Array = NDArray[np.float64]
+
+_TWIST, _ANGULAR = 6, 3
+# Least part of a limb in forces that balance each other, of their norm 1.
+_TAKES_PART = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class LoopSingularity:
+    """What the matrices of K t = J qd say of a pose.
+
+    Attributes
+    ----------
+    type : int
+        0 where regular; 1 where J is singular: a limb is at an end of its reach, and the platform
+        has lost motions; 2 where K is: the platform can move with locked drives; 3 where both are.
+    always : bool
+        Whether K is singular in every pose, by the architecture of the robot.
+    distances : ndarray, shape (2,)
+        From both types, as :func:`singularity_distances` has them.
+    singular_values : ndarray, shape (m,)
+        Of K, angular columns divided by the length, largest first.
+    length : float
+        By which they are divided (m).
+    dexterity : float
+        As the function of this name has it.
+    condition_number : float
+        Its reciprocal, infinite where singular.
+    lost_directions : ndarray, shape (r, 6)
+        Twists at the platform's origin that no drive rates give (type 1), as an orthonormal basis
+        after division of their linear part by the length, angular first, in the base.
+    idle_wrenches : ndarray, shape (r, 6)
+        Wrenches on the platform that load no drive (type 1), moment first, orthonormal after
+        division of the moment by the length.
+    self_motions : ndarray, shape (r, m)
+        Rates of drives that do not move the platform (type 1), an orthonormal basis.
+    free_directions : ndarray, shape (s, 6)
+        Twists that the platform can have with locked drives (type 2), as the lost ones.
+    unresisted_wrenches : ndarray, shape (s, 6)
+        Wrenches on the platform that no forces of the drives balance (type 2), as the idle ones.
+    internal_forces : ndarray, shape (s, m)
+        Forces along the limbs that balance each other (type 2), an orthonormal basis.
+    limbs : tuple of tuple of int
+        The limbs, from 1: of type 1 those that are at an end of their reach, of type 2 those whose
+        forces depend on each other.
+    summary : str
+        In words.
+    """
+
+    type: int
+    always: bool
+    distances: Array
+    singular_values: Array
+    length: float
+    dexterity: float
+    condition_number: float
+    lost_directions: Array
+    idle_wrenches: Array
+    self_motions: Array
+    free_directions: Array
+    unresisted_wrenches: Array
+    internal_forces: Array
+    limbs: tuple[tuple[int, ...], tuple[int, ...]]
+    summary: str
+
+    @property
+    def singular(self) -> bool:
+        """Whether the pose is singular, of either type."""
+        return self.type > 0
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What is singular, such as "type 2: limbs 1, 3"; empty where nothing is."""
+        return tuple(
+            f"type {k + 1}: {_named(limbs)}" for k, limbs in enumerate(self.limbs) if limbs
+        )
+
+
+def loop_singularity(
+    robot: ParallelRobot,
+    T: ArrayLike,
+    q: ArrayLike | None = None,
+    *,
+    length: float | None = None,
+) -> LoopSingularity:
+    """Say of which type a pose is singular, what the platform cannot do there or does by itself.
+
+    Types 1, 2 and 3 are the first, second and third kind of Gosselin and Angeles: the end of the
+    reach of a limb, where postures of the limbs meet; a pose that locked drives do not hold, where
+    assembly modes meet; both at once.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+        Of m drives.
+    T : array_like, shape (4, 4)
+        ``T_base_platform``, or a shorter form as for :func:`velocity_matrices`.
+    q : array_like, shape (m,)
+        Angles of the drives there (rad), one of the postures that ``inverse`` finds; robots with
+        legs need none.
+    length : float, optional
+        What makes linear and angular motions comparable (m); default :func:`platform_length`.
+
+    Returns
+    -------
+    LoopSingularity
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`singularity_distances`, or more than one pose.
+
+    See Also
+    --------
+    singularity_distances : the distances alone, for many poses at once.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.  Gosselin and
+    Angeles, Singularity analysis of closed-loop kinematic chains, IEEE Trans. on Robotics and
+    Automation 6(3), 1990, pp. 281-290.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.parallel import Planar3RPR, loop_singularity
+    >>> corners = np.array([[0.0, 1.0], [-0.8, -0.6], [0.8, -0.6]])
+    >>> robot = Planar3RPR(2.0 * corners, corners)
+    >>> found = loop_singularity(robot, [0.0, 0.0, 0.0], length=1.0)
+    >>> found.type, found.kinds
+    (2, ('type 2: limbs 1, 2, 3',))
+    >>> np.abs(found.free_directions).round(6) + 0.0
+    array([[0., 0., 1., 0., 0., 0.]])
+    """
+    poses = poses_of(robot, T)
+    if poses.ndim != 2:
+        raise WrongSizeError("pose", poses.shape, (4, 4))
+    found = scaled_matrices(robot, T, q, length)
+    left, values, right = np.linalg.svd(found.K)
+    at_end = np.flatnonzero(np.abs(found.J) <= RANK)
+    rank = int((values > RANK * values[0]).sum())
+    free, forces = right[rank:], left[:, rank:].T
+    lost = _row_space(found.K[at_end])
+    motions, L = motions_of(robot), found.length
+    if max(motions) < _ANGULAR:
+        L = 1.0
+    takes_part = np.flatnonzero((np.abs(forces) > _TAKES_PART).any(axis=0))
+    limbs = _numbers(at_end), _numbers(takes_part)
+    always = isinstance(robot, StewartGough) and robot.always_singular
+    index = float(inverse_condition(found))
+    return LoopSingularity(
+        type=(1 if len(at_end) else 0) + (2 if rank < len(values) else 0),
+        always=always,
+        distances=np.array([np.abs(found.J).min(), values[-1]]),
+        singular_values=values,
+        length=found.length,
+        dexterity=index,
+        condition_number=1.0 / index if index else math.inf,
+        lost_directions=_twists(lost, motions, L),
+        idle_wrenches=_wrenches(lost, motions, L),
+        self_motions=np.eye(len(values))[at_end],
+        free_directions=_twists(free, motions, L),
+        unresisted_wrenches=_wrenches(free, motions, L),
+        internal_forces=forces,
+        limbs=limbs,
+        summary=_summary(limbs, always, len(lost), len(free)),
+    )
+
+
+def _row_space(rows: Array) -> Array:
+    """Give an orthonormal basis of the space of some rows."""
+    if not len(rows):
+        return rows
+    values, basis = np.linalg.svd(rows, full_matrices=False)[1:]
+    return np.asarray(basis[values > RANK * values[0]])
+
+
+def _twists(scaled: Array, motions: tuple[int, ...], length: float) -> Array:
+    """Give twists (k, 6) of rows (k, m) whose linear part is divided by the length."""
+    out = np.zeros((len(scaled), _TWIST))
+    out[:, list(motions)] = scaled
+    out[:, _ANGULAR:] *= length
+    return out
+
+
+def _wrenches(scaled: Array, motions: tuple[int, ...], length: float) -> Array:
+    """Give wrenches (k, 6) of rows (k, m) whose moment is divided by the length."""
+    out = np.zeros((len(scaled), _TWIST))
+    out[:, list(motions)] = scaled
+    out[:, :_ANGULAR] *= length
+    return out
+
+
+def _numbers(limbs: NDArray[np.int64]) -> tuple[int, ...]:
+    return tuple(int(k) + 1 for k in limbs)
+
+
+def _named(limbs: tuple[int, ...]) -> str:
+    return f"{'limb' if len(limbs) == 1 else 'limbs'} {', '.join(map(str, limbs))}"
+
+
+def _summary(
+    limbs: tuple[tuple[int, ...], tuple[int, ...]], always: bool, lost: int, free: int
+) -> str:
+    """Say in words what is singular."""
+    said = []
+    if limbs[0]:
+        said.append(
+            f"type 1: {_named(limbs[0])} at an end of the reach, {lost} of the motions lost"
+        )
+    if limbs[1]:
+        said.append(
+            f"type 2: forces of {_named(limbs[1])} depend on each other, {free} of the motions "
+            "free with locked drives"
+        )
+    if always:
+        said.append("architecturally singular: type 2 in every pose")
+    return "; ".join(said) or "regular"

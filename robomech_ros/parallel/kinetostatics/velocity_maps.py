@@ -1,0 +1,325 @@
+"""Velocities and accelerations between the drives and the platform: K t = J qd and its rate."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.tolerances import RANK
+from robomech_ros.errors import BadValueError
+from robomech_ros.parallel.kinetostatics.limb_geometry import (
+    Arcs,
+    Legs,
+    drive_values,
+    limbs_at,
+    motions_of,
+    poses_of,
+)
+from robomech_ros.parallel.kinetostatics.square_systems import one_each, solved_columns
+from robomech_ros.parallel.library import ParallelRobot
+
+__all__ = [
+    "VelocityMatrices",
+    "drive_accelerations",
+    "drive_rates",
+    "platform_acceleration",
+    "platform_twist",
+    "velocity_matrices",
+    "velocity_matrix_rates",
+]
+
+Array = NDArray[np.float64]
+
+_TWIST = 6
+# Entries of a twist that are less than this, of the largest, are zero.
+_ROUNDING = 1e-9
+
+
+class VelocityMatrices(NamedTuple):
+    """The matrices of K t = J qd, or their rates.
+
+    Attributes
+    ----------
+    K : ndarray, shape (..., m, 6)
+        Of the platform's twist [angular; linear] at its origin, in the base.
+    J : ndarray, shape (..., m, m)
+        Of the rates of the drives: diagonal, of a limb each.
+    motions : tuple of int
+        Entries of the twist that the platform has, m of them; the others are always zero.
+    """
+
+    K: Array
+    J: Array
+    motions: tuple[int, ...]
+
+
+def velocity_matrices(
+    robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None = None
+) -> VelocityMatrices:
+    r"""Find the matrices of :math:`K t = J \dot q`, a row for each limb.
+
+    ========== ===================================== ===========================
+    robot      row of K                              entry of J
+    ========== ===================================== ===========================
+    leg        :math:`[(R b_i \times n_i)^T, n_i^T]` 1
+    two links  the same, :math:`n_i` of the second   :math:`n_i \cdot c_i'`
+    two arcs   :math:`[(v_i \times w_i)^T, 0]`       :math:`e_i \cdot v_i \times w_i`
+    ========== ===================================== ===========================
+
+    with the directions :math:`n_i` of legs and second links, the derivatives :math:`c_i'` of the
+    joints between the links by the drives, and the axes :math:`e_i, w_i, v_i` of a spherical limb;
+    its row is divided by the sine of its second arc.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+        Of m drives.
+    T : array_like, shape (..., 4, 4)
+        ``T_base_platform``; a Delta also takes positions (..., 3), planar robots x, y and the
+        angle, and a spherical one rotations (..., 3, 3).
+    q : array_like, shape (..., m)
+        Angles of the drives there (rad), one of the postures that ``inverse`` finds; robots with
+        legs need none.
+
+    Returns
+    -------
+    VelocityMatrices
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        Not poses that the platform can have, or drives that do not hold it there: the drive and
+        the amount are named.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.parallel import load_parallel, velocity_matrices
+    >>> robot = load_parallel("delta")
+    >>> K, J, motions = velocity_matrices(robot, [0, 0, -0.9], robot.inverse([0, 0, -0.9]).q[0])
+    >>> np.round(np.linalg.solve(J, K[:, motions] @ [0.0, 0.0, 0.1]), 4)
+    array([-0.2583, -0.2583, -0.2583])
+    """
+    K, J = _limbs(robot, T, q).rows()
+    return VelocityMatrices(K, _diagonal(J), motions_of(robot))
+
+
+def velocity_matrix_rates(
+    robot: ParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+) -> VelocityMatrices:
+    r"""Find the time derivatives of both :func:`velocity_matrices` while the platform moves.
+
+    .. math:: K \dot t + \dot K t = J \ddot q + \dot J \dot q
+
+    Parameters
+    ----------
+    robot, T, q
+        As for :func:`velocity_matrices`.
+    twist : array_like, shape (..., 6)
+        Angular velocity, then velocity of the platform's origin, in the base (rad/s and m/s).
+
+    Returns
+    -------
+    VelocityMatrices
+        NaN where a limb is singular, so that its drive has no rate.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`velocity_matrices`, or a twist that the platform does not have.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.2.1.
+    """
+    limbs = _limbs(robot, T, q)
+    K, J = limbs.rows()
+    t = _twist(robot, "twist", twist, K)
+    dK, dJ = limbs.row_rates(t, _divided(_times(K, t), J, limbs.lever))
+    return VelocityMatrices(dK, _diagonal(dJ), motions_of(robot))
+
+
+def drive_rates(
+    robot: ParallelRobot, T: ArrayLike, twist: ArrayLike, q: ArrayLike | None = None
+) -> Array:
+    r"""Find the rates of the drives for a twist of the platform: :math:`\dot q = J^{-1} K t`.
+
+    Parameters
+    ----------
+    robot, T, q
+        As for :func:`velocity_matrices`.
+    twist : array_like, shape (..., 6)
+        Angular velocity, then velocity of the platform's origin, in the base (rad/s and m/s).
+
+    Returns
+    -------
+    ndarray, shape (..., m)
+        In m/s or rad/s; NaN for a drive whose limb is singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`velocity_matrix_rates`.
+
+    See Also
+    --------
+    platform_twist : the inverse.
+    """
+    limbs = _limbs(robot, T, q)
+    K, J = limbs.rows()
+    return _divided(_times(K, _twist(robot, "twist", twist, K)), J, limbs.lever)
+
+
+def platform_twist(
+    robot: ParallelRobot, T: ArrayLike, rates: ArrayLike, q: ArrayLike | None = None
+) -> Array:
+    r"""Find the platform's twist for rates of the drives: :math:`t = K^{-1} J \dot q`.
+
+    Parameters
+    ----------
+    robot, T, q
+        As for :func:`velocity_matrices`.
+    rates : array_like, shape (..., m)
+        Of the drives (m/s or rad/s).
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        Angular velocity, then velocity of the platform's origin, in the base (rad/s and m/s); NaN
+        where the pose is singular, so that the drives do not determine it.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`velocity_matrices`, or not m rates for each pose.
+
+    See Also
+    --------
+    drive_rates : the inverse.
+    """
+    K, J = _limbs(robot, T, q).rows()
+    return _solved(robot, K, J * _drives("rates", rates, J))
+
+
+def drive_accelerations(
+    robot: ParallelRobot,
+    T: ArrayLike,
+    twist: ArrayLike,
+    twist_rate: ArrayLike,
+    q: ArrayLike | None = None,
+) -> Array:
+    r"""Find the accelerations of the drives for those of the platform.
+
+    .. math:: J \ddot q = K \dot t + \dot K t - \dot J \dot q
+
+    Parameters
+    ----------
+    robot, T, twist, q
+        As for :func:`velocity_matrix_rates`.
+    twist_rate : array_like, shape (..., 6)
+        Angular acceleration, then acceleration of the platform's origin (rad/s^2 and m/s^2).
+
+    Returns
+    -------
+    ndarray, shape (..., m)
+        In m/s^2 or rad/s^2; NaN for a drive whose limb is singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`velocity_matrix_rates`.
+    """
+    limbs = _limbs(robot, T, q)
+    K, J = limbs.rows()
+    t = _twist(robot, "twist", twist, K)
+    dt = _twist(robot, "twist_rate", twist_rate, K)
+    qd = _divided(_times(K, t), J, limbs.lever)
+    dK, dJ = limbs.row_rates(t, qd)
+    return _divided(_times(K, dt) + _times(dK, t) - dJ * qd, J, limbs.lever)
+
+
+def platform_acceleration(
+    robot: ParallelRobot,
+    T: ArrayLike,
+    rates: ArrayLike,
+    accelerations: ArrayLike,
+    q: ArrayLike | None = None,
+) -> Array:
+    r"""Find the platform's acceleration for rates and accelerations of the drives.
+
+    .. math:: K \dot t = J \ddot q + \dot J \dot q - \dot K t
+
+    Parameters
+    ----------
+    robot, T, rates, q
+        As for :func:`platform_twist`.
+    accelerations : array_like, shape (..., m)
+        Of the drives (m/s^2 or rad/s^2).
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        Angular acceleration, then acceleration of the platform's origin (rad/s^2 and m/s^2); NaN
+        where the pose is singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError, NonFiniteError
+        As for :func:`platform_twist`.
+    """
+    limbs = _limbs(robot, T, q)
+    K, J = limbs.rows()
+    qd, qdd = _drives("rates", rates, J), _drives("accelerations", accelerations, J)
+    t = _solved(robot, K, J * qd)
+    dK, dJ = limbs.row_rates(t, qd)
+    return _solved(robot, K, J * qdd + dJ * qd - _times(dK, t))
+
+
+def _limbs(robot: ParallelRobot, T: ArrayLike, q: ArrayLike | None) -> Legs | Arcs:
+    poses = poses_of(robot, T)
+    return limbs_at(robot, poses, drive_values(robot, poses, q))
+
+
+def _diagonal(entries: Array) -> Array:
+    return np.asarray(entries[..., None] * np.eye(entries.shape[-1]))
+
+
+def _times(K: Array, t: Array) -> Array:
+    return np.asarray((K @ t[..., None])[..., 0])
+
+
+def _divided(values: Array, J: Array, lever: Array) -> Array:
+    """Divide by the entries of J; NaN where a limb is singular."""
+    regular = np.abs(J) > RANK * lever
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(regular, values / J, np.nan)
+
+
+def _solved(robot: ParallelRobot, K: Array, values: Array) -> Array:
+    """Solve K t = values for the motions that the platform has; NaN where it is singular."""
+    motions = list(motions_of(robot))
+    out = np.zeros((*values.shape[:-1], _TWIST))
+    out[..., motions] = solved_columns(K[..., motions], values)
+    return out
+
+
+def _twist(robot: ParallelRobot, what: str, twist: ArrayLike, K: Array) -> Array:
+    """Check twists: one for all poses or one for each, only with motions that there are."""
+    t = one_each(what, twist, _TWIST, K[..., 0])
+    motions = motions_of(robot)
+    others = [k for k in range(_TWIST) if k not in motions]
+    worst = float(np.abs(t[..., others]).max(initial=0.0))
+    if worst > _ROUNDING * float(np.abs(t).max(initial=0.0)):
+        why = f"0 except in entries {', '.join(str(k + 1) for k in motions)}: the platform moves so"
+        raise BadValueError(f"{what}, an entry of it", worst, why)
+    return t
+
+
+def _drives(what: str, values: ArrayLike, J: Array) -> Array:
+    return one_each(what, values, J.shape[-1], J)
