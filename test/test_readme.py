@@ -20,6 +20,7 @@ FOREIGN = {
     "std_msgs/msg/String",
     "std_srvs/srv/SetBool",
     "std_srvs/srv/Trigger",
+    "visualization_msgs/msg/MarkerArray",
     "tf2_msgs/msg/TFMessage",
     "trajectory_msgs/msg/JointTrajectory",
 }

@@ -1,5 +1,6 @@
 """The robot seen and moved in a browser; needs viser, which the extra ``view`` installs."""
 
+from robomech_ros.rvs.calibrations import view_calibration, write_calibration
 from robomech_ros.rvs.equations import view_equations
 from robomech_ros.rvs.motion import Choice, Motion, NamedPosture
 from robomech_ros.rvs.opening import ViewUnavailableError, view, write_motion
@@ -10,6 +11,8 @@ __all__ = [
     "NamedPosture",
     "ViewUnavailableError",
     "view",
+    "view_calibration",
     "view_equations",
+    "write_calibration",
     "write_motion",
 ]

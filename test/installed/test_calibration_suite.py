@@ -56,7 +56,8 @@ def test_the_demonstration_finds_the_camera_and_the_wrong_sample(suite, tmp_path
     assert done.returncode == 0, done.stderr
     for words in ("left out: 6", "the truth is ", "everything worked", "it speaks on /tf"):
         assert words in done.stdout
-    written = {"ur5e.yaml", "ur5e.calib", "ur5e.samples", "ur5e_calibration.png"}
+    written = {"ur5e.yaml", "ur5e.calib", "ur5e.samples"}
+    written |= {"ur5e_calibration.png", "ur5e_calibration.html"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == written
     assert (tmp_path / "out" / "ur5e_calibration.png").read_bytes().startswith(b"\x89PNG")
 

@@ -18,6 +18,7 @@ from robomech_ros.calibration import hand_eye, next_best_pose
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.calibration.broadcast import ResultBroadcaster
 from robomech_ros.nodes.calibration.files import load, save
+from robomech_ros.nodes.calibration.markers import CalibrationMarkers
 from robomech_ros.nodes.calibration.messages import (
     encode_next,
     encode_solution,
@@ -82,6 +83,7 @@ class CalibrationNode(Node):
         self._placed: Placed | None = None
         self._listener = FrameListener(self)
         self._broadcaster = ResultBroadcaster(self, self._listener)
+        self._markers = CalibrationMarkers(self)
         self._robot: PoseTrack = TfTrack(self._listener, self._base, self._hand)
         if settings.robot_topic:
             self._robot = TopicTrack(self, settings.robot_topic, self._base)
@@ -126,6 +128,7 @@ class CalibrationNode(Node):
         response.count = len(self._samples)
         response.robot = stamped_pose(robot, self._base)
         response.tracking = stamped_pose(tracking, self._tracking.parent)
+        self._markers.show(self._samples, self._frames)
         return answer(response)
 
     @staticmethod
@@ -143,6 +146,7 @@ class CalibrationNode(Node):
         tracking = poses_from_array(request.tracking, sensor, "tracking", most)
         response.first_index = self._samples.add(robot, tracking, most)
         response.count = len(self._samples)
+        self._markers.show(self._samples, self._frames)
         return answer(response)
 
     @guarded
@@ -154,6 +158,7 @@ class CalibrationNode(Node):
         else:
             self._samples.remove(request.index)
         response.count = len(self._samples)
+        self._markers.show(self._samples, self._frames)
         return answer(response)
 
     @guarded
@@ -179,6 +184,7 @@ class CalibrationNode(Node):
         encode_solution(solution, response)
         encode_next(proposed, chosen, self._base, response)
         self._publish(solution, response)
+        self._markers.show(samples, self._frames)
         self.get_logger().info(response.summary)
         return answer(response)
 

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from robomech_interfaces.srv import SaveCalibration
+from robomech_interfaces.srv import ListSamples, SaveCalibration
+from robomech_ros.calibration import hand_eye
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.demonstration.calibration_task import SERVICES, CalibrationTask
 from robomech_ros.nodes.demonstration.camera import (
     CAMERA,
@@ -29,7 +31,8 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import running_suite
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.calibrations import plot_calibration
-from robomech_ros.robots import SerialChain
+from robomech_ros.robots import SerialChain, load_description
+from robomech_ros.rvs import ViewUnavailableError, write_calibration
 
 __all__ = ["Wanted", "demonstrate_calibration"]
 
@@ -103,6 +106,7 @@ def _session(
             task = CalibrationTask(client, chain, camera, scene, reporter)
             task.run(start, wanted.samples)
             _tell(client, task, chain, reporter, output)
+            reporter.say(_page(client, which, chain, mount, output))
             reporter.say(f"everything worked, in {time.perf_counter() - up:.1f} s")
         except RobomechError:
             print(f"last words of the nodes:\n{suite.last_words()}", file=sys.stderr)
@@ -165,3 +169,19 @@ def _tell(
         title=f"{chain.name}: a camera found with noise, and with one wrong sample",
     )
     reporter.say(f"plot: {picture}")
+
+
+def _page(client: DemoClient, which: Which, chain: SerialChain, mount: str, output: Path) -> str:
+    """Write a page that shows samples and camera; says where, or why there is none."""
+    listed = client.call("calibration/list_samples", ListSamples.Request())
+    robot, tracking = (
+        np.array([matrix_from_pose(pose) for pose in poses.poses])
+        for poses in (listed.robot, listed.tracking)
+    )
+    path = output / f"{chain.name}_calibration.html"
+    result, title = hand_eye(robot, tracking, mount=mount), f"{chain.name}: where is the camera?"
+    try:
+        write_calibration(path, load_description(which.robot), chain, result, tracking, title=title)
+    except ViewUnavailableError as error:
+        return f"no page: {error}"
+    return f"page: {path}"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import (
+    ListSamples,
     PlanJoint,
     SaveCalibration,
     SolveCalibration,
@@ -43,6 +44,7 @@ SERVICES: dict[str, Any] = {
     "trajectory_planner/plan_joint": PlanJoint,
     "calibration/take_sample": TakeSample,
     "calibration/solve": SolveCalibration,
+    "calibration/list_samples": ListSamples,
     "calibration/save": SaveCalibration,
 }
 # Samples before the first solution, and before a mistake that the others can tell.

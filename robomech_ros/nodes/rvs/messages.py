@@ -36,7 +36,10 @@ _KINDS = {
     Marker.CYLINDER: "cylinder",
     Marker.LINE_STRIP: "lines",
     Marker.LINE_LIST: "lines",
+    Marker.TEXT_VIEW_FACING: "text",
 }
+# Of a marker's text; more would cover the page.
+_LONGEST_TEXT = 200
 _LINEAR_THEN_ANGULAR = ("linear", "angular")
 # What is so whenever nobody commands limits nothing.
 _SILENT = (ServoStatus.NO_WARNING, ServoStatus.STALE_COMMAND)
@@ -115,7 +118,7 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     """
     kind = _KINDS.get(marker.type)
     if kind is None:
-        expected = "an arrow, a cube, a sphere, a cylinder or lines"
+        expected = "an arrow, a cube, a sphere, a cylinder, lines or a text"
         raise BadValueError("type of the marker", marker.type, expected)
     link = model.link_of(marker.header.frame_id or model.base_frame)
     if link not in model.description.links:
@@ -135,7 +138,9 @@ def seen_marker(model: RobotModel, marker: Marker) -> SeenMarker:
     if farthest > _FARTHEST:
         raise BadValueError("marker", farthest, f"coordinates and sizes up to {_FARTHEST:g} m")
     shade = tuple(np.clip((colour.r, colour.g, colour.b, colour.a), 0.0, 1.0).tolist())
-    return SeenMarker(f"{marker.ns}/{marker.id}", link, kind, pose, measures, points, shade)
+    text = marker.text[:_LONGEST_TEXT] if kind == "text" else ""
+    name = f"{marker.ns}/{marker.id}"
+    return SeenMarker(name, link, kind, pose, measures, points, shade, text)
 
 
 def _points(marker: Marker, kind: str) -> Array:

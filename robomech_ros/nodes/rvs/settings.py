@@ -36,7 +36,7 @@ class RvsSettings(RobotSettings):
     )
     servo: str = parameter("servo", "Name of the servo, by which the robot is jogged")
     marker_topics: tuple[str, ...] = parameter(
-        ("kinematics/markers",),
+        ("kinematics/markers", "calibration/markers"),
         "Topics of visualization_msgs/MarkerArray that the page shows where that is wanted",
     )
     jog_silence: float = parameter(

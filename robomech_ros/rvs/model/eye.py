@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 
-__all__ = ["ASPECT", "FIELD", "Eye", "fitted_eye", "seen_points"]
+__all__ = ["ASPECT", "FIELD", "Eye", "fitted_eye", "marker_points", "seen_points"]
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,32 @@ def seen_points(seen: SeenRobot, joint_names: Sequence[str], postures: Iterable[
         poses = seen.tree.link_poses(dict(zip(joint_names, q.tolist(), strict=True)))
         points += [at @ poses[link][:3, :3].T + poses[link][:3, 3] for link, at in corners]
     return np.vstack(points) if points else np.zeros((1, 3))
+
+
+def marker_points(
+    seen: SeenRobot, markers: Iterable[SeenMarker], positions: Mapping[str, float]
+) -> Array:
+    """Give where markers are, and the ends of their lines.
+
+    Parameters
+    ----------
+    seen : SeenRobot
+    markers : iterable of SeenMarker
+    positions : mapping of str to float
+        Of the joints (rad or m).
+
+    Returns
+    -------
+    ndarray, shape (k, 3)
+        In the root (m).
+    """
+    poses = seen.tree.link_poses(positions)
+    points = [np.empty((0, 3))]
+    for marker in markers:
+        T = poses[marker.link] @ marker.pose
+        ends = marker.points if len(marker.points) else np.zeros((1, 3))
+        points.append(ends @ T[:3, :3].T + T[:3, 3])
+    return np.vstack(points)
 
 
 def fitted_eye(

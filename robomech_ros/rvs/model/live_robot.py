@@ -27,16 +27,18 @@ class SeenMarker:
         One of a kind among those that are shown together.
     link : str
         In whose frame it is.
-    kind : {"sphere", "box", "cylinder", "arrow", "lines"}
+    kind : {"sphere", "box", "cylinder", "arrow", "lines", "text"}
     pose : ndarray, shape (4, 4)
         In the frame of the link (m).
     measures : tuple of three float
         Diameters, or lengths of edges (m); of lines the first is the width, of arrows the
-        diameters of shaft and head and the length of the head.
+        diameters of shaft and head and the length of the head, of a text the last is its height.
     points : ndarray, shape (m, 3)
         Ends of an arrow, or pairs of ends of lines, in the frame of the pose (m).
     colour : tuple of four float
         Red, green, blue and alpha from 0 to 1.
+    text : str, optional
+        What is written.
     """
 
     name: str
@@ -46,6 +48,7 @@ class SeenMarker:
     measures: tuple[float, float, float]
     points: Array
     colour: tuple[float, float, float, float]
+    text: str = ""
 
 
 @dataclass(frozen=True)

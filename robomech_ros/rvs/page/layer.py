@@ -84,6 +84,8 @@ class Place:
     separate : callable
         Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
         then on; gives the nodes of the robot and of the goal.
+    path : callable
+        Gives the name of the node of a link.
     """
 
     server: Any
@@ -101,6 +103,7 @@ class Place:
     kept: dict[str, Any]
     reveal: Callable[[bool], None]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
+    path: Callable[[str], str]
 
     @property
     def chain(self) -> SerialChain:

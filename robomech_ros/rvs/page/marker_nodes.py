@@ -40,6 +40,10 @@ class MarkerNodes:
     def _add(self, path: str, marker: SeenMarker) -> Any:
         colour = tuple(round(255 * part) for part in marker.colour[:3])
         where = placed(marker.pose)
+        if marker.kind == "text":
+            # Of one size on the screen: what is far away is read, too.
+            place = where["position"]
+            return self._scene.add_label(path, marker.text, position=place, anchor="bottom-left")
         if marker.kind == "lines":
             ends = marker.points.reshape(-1, 2, 3)
             width = marker.measures[0]

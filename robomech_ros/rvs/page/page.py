@@ -118,8 +118,10 @@ class RobotPage:
             kept=self._kept,
             reveal=self._reveal,
             separate=self._stage.separate,
+            path=self._stage.path,
         )
         self._layers = [make(place) for make in self._makers]
+        self._stage.show(arm, ())
 
     # What browsers ask for, on threads of the server.
 

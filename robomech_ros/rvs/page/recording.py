@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from robomech_ros.robots import RobotDescription
-from robomech_ros.rvs.model.eye import seen_points
+from robomech_ros.rvs.model.eye import marker_points, seen_points
 from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
+from robomech_ros.rvs.model.live_robot import SeenMarker
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Choice, Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
+from robomech_ros.rvs.page.marker_nodes import MarkerNodes
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.stage import BASE, add_base
 from robomech_ros.rvs.page.surroundings import add_surroundings, place_eye
@@ -33,27 +38,53 @@ _SWATCH = (
 )
 
 
-def record_motion(path: Path, description: RobotDescription, motion: Motion, title: str) -> Path:
-    """Write a motion as a page; parameters and errors are those of ``write_motion``."""
-    path.write_text(motion_page(description, motion, title), encoding="utf-8")
+def record_motion(
+    path: Path,
+    description: RobotDescription,
+    motion: Motion,
+    title: str,
+    *,
+    markers: Sequence[SeenMarker] = (),
+    notes: Sequence[str] = (),
+) -> Path:
+    """Write a motion as a page; parameters and errors are those of :func:`motion_page`."""
+    page = motion_page(description, motion, title, markers=markers, notes=notes)
+    path.write_text(page, encoding="utf-8")
     return path
 
 
-def motion_page(description: RobotDescription, motion: Motion, title: str) -> str:
-    """Give the page that plays a motion, as HTML; parameters are those of ``write_motion``."""
+def motion_page(
+    description: RobotDescription,
+    motion: Motion,
+    title: str,
+    *,
+    markers: Sequence[SeenMarker] = (),
+    notes: Sequence[str] = (),
+) -> str:
+    """Give the page that plays a motion, as HTML.
+
+    Parameters
+    ----------
+    description, motion, title : RobotDescription, Motion, str
+        As for ``write_motion``.
+    markers : sequence of SeenMarker, optional
+        Drawn beside the robot.
+    notes : sequence of str, optional
+        Written under the title.
+    """
     seen = seen_robot(description)
     server = guarded_server("127.0.0.1", 0, title)
     try:
-        page = _recorded(server.viser, seen, motion)
+        page = _recorded(server.viser, seen, motion, markers)
     finally:
         server.close()
     head = f"<title>{html.escape(title)}</title>"
-    legend = _legend(motion, seen, title)
+    legend = _legend(motion, seen, title, notes)
     begin, tag, rest = page.rpartition("</body>")
     return f"{begin}{legend}{tag}{rest}".replace("<title>Viser</title>", head, 1)
 
 
-def _recorded(server: Any, seen: SeenRobot, motion: Motion) -> str:
+def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[SeenMarker]) -> str:
     chain = motion.chain
     add_surroundings(server, seen.reach)
     robot = RobotNodes(server.scene, seen)
@@ -62,8 +93,11 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion) -> str:
     ghosts = GhostNodes(server.scene, BASE, drawn, Ghosts(drawn, seen.shapes), seen.reach)
     times, q = motion.sampled(RATE)
     others = [posture.q for choice in motion.choices for posture in choice.others]
-    place_eye(server, seen_points(seen, chain.joint_names, [*q[::EVERY], q[-1], *others]))
-    robot.move(dict(zip(chain.joint_names, q[0].tolist(), strict=True)))
+    at_first = dict(zip(chain.joint_names, q[0].tolist(), strict=True))
+    robot_points = seen_points(seen, chain.joint_names, [*q[::EVERY], q[-1], *others])
+    place_eye(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
+    MarkerNodes(server.scene, robot.path).show("markers", markers)
+    robot.move(at_first)
     recording = server.get_scene_serializer()
     waiting = list(motion.choices)
     for k, (time, posture) in enumerate(zip(times.tolist(), q, strict=True)):
@@ -82,8 +116,8 @@ def _ghosts(choice: Choice) -> list[Ghost]:
     ]
 
 
-def _legend(motion: Motion, seen: SeenRobot, title: str) -> str:
-    lines = [f"<b>{html.escape(title)}</b>"]
+def _legend(motion: Motion, seen: SeenRobot, title: str, notes: Sequence[str]) -> str:
+    lines = [f"<b>{html.escape(title)}</b>", *map(html.escape, notes)]
     for choice in motion.choices:
         taken = f": {choice.taken}" if choice.taken else ""
         after = choice.time - float(motion.times[0])

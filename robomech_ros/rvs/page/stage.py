@@ -80,6 +80,10 @@ class Stage:
             self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)
         return self._robot, self._arm
 
+    def path(self, link: str) -> str:
+        """Give the name of the node of a link of the robot."""
+        return self._robot.path(link)
+
     def switch(self, what: str, shown: bool) -> None:
         """Show a part of the scene, or not."""
         if what == "ghosts":

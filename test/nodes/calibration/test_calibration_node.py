@@ -13,6 +13,7 @@ from hand_eye_cells import samples
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import RemoveSample, SolveCalibration
@@ -269,12 +270,16 @@ def test_the_result_is_latched_on_tf_static(stage):
     assert stage.do("solve").published
 
 
-def wait_until_heard(stage, frame):
-    """Wait until the node has a frame in its tree."""
-    deadline = time.monotonic() + 30.0
-    while frame not in stage.node._listener.tree:
+def wait_until(true):
+    deadline = time.monotonic() + 60.0
+    while not true():
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+def wait_until_heard(stage, frame):
+    """Wait until the node has a frame in its tree."""
+    wait_until(lambda: frame in stage.node._listener.tree)
 
 
 def fixed(stage, *edges):
@@ -456,3 +461,29 @@ def test_frames_come_from_the_robot_where_none_are_given(graph):
     assert "the parameter tracking_base_frame" in answer.summary
     taken = stage.ask("take_sample")
     assert (taken.error_code, "tracking_base_frame is ''" in taken.error_msg) == (109, True)
+
+
+def test_samples_and_their_result_are_seen_by_viewers(stage):
+    heard = []
+    stage.graph.client.create_subscription(
+        MarkerArray, "calibration/markers", heard.append, LATCHED
+    )
+    robot, tracking, _, _ = samples(np.random.default_rng(3), 8, camera=NOISE)
+    tracking[2] = tracking[2] @ pose_exponential([0.5, 0.0, 0.3, 0.2, 0.1, 0.0])
+    stage.add(robot, tracking)
+    wait_until(lambda: heard and len(heard[-1].markers) > 8)
+    balls = {one.ns: one for one in heard[-1].markers if one.type == Marker.SPHERE}
+    assert set(balls) == {f"sample_{k}" for k in range(8)}
+    stage.do("solve")
+    found = hand_eye(robot, tracking)
+    wait_until(lambda: "uncertainty" in {one.ns for one in heard[-1].markers})
+    drawn = {one.ns: one for one in heard[-1].markers}
+    assert heard[-1].markers[0].action == Marker.DELETEALL
+    assert drawn["uncertainty"].header.frame_id == "hand"
+    np.testing.assert_allclose(
+        matrix_from_pose(drawn["uncertainty"].pose)[:3, 3], found.sensor[:3, 3], atol=1e-9
+    )
+    assert drawn["left_out_2"].text == "2: left out"
+    assert drawn["sample_2"].color.r > 3 * drawn["sample_2"].color.g
+    stage.do("remove_sample", index=RemoveSample.Request.ALL)
+    wait_until(lambda: len(heard[-1].markers) == 1)

@@ -1,0 +1,65 @@
+"""What a calibration looks like, as markers for viewers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from geometry_msgs.msg import Point
+from rclpy.node import Node
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robomech_ros.nodes.calibration.samples import Frames, Samples
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.rvs.model.live_robot import SeenMarker
+from robomech_ros.rvs.model.seen_calibration import calibration_markers, sample_markers
+
+__all__ = ["CalibrationMarkers"]
+
+_KINDS = {
+    "box": Marker.CUBE,
+    "sphere": Marker.SPHERE,
+    "lines": Marker.LINE_LIST,
+    "text": Marker.TEXT_VIEW_FACING,
+}
+
+
+class CalibrationMarkers:
+    """Publishes ``~/markers``: the samples, and what was found from them.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the publisher.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.create_publisher(MarkerArray, "~/markers", LATCHED)
+
+    def show(self, samples: Samples, frames: Frames) -> None:
+        """Show the samples, with the result where it is that of these very samples."""
+        base, hand, solution = frames.base, frames.hand, samples.solved
+        if solution is None:
+            drawn = sample_markers(samples.robot, samples.tracking, base)
+        else:
+            drawn = calibration_markers(solution.result, solution.tracking, base, hand)
+        self._publisher.publish(_message(drawn, base))
+
+
+def _message(drawn: Sequence[SeenMarker], base: str) -> MarkerArray:
+    """Make one message of what replaces all that was shown before."""
+    clear = Marker(action=Marker.DELETEALL)
+    clear.header.frame_id = base
+    return MarkerArray(markers=[clear, *(_marker(one) for one in drawn)])
+
+
+def _marker(drawn: SeenMarker) -> Any:
+    marker = Marker(ns=drawn.name, type=_KINDS[drawn.kind], action=Marker.ADD, text=drawn.text)
+    marker.header.frame_id = drawn.link
+    marker.pose = pose_from_matrix(drawn.pose)
+    marker.scale.x, marker.scale.y, marker.scale.z = drawn.measures
+    colour = marker.color
+    colour.r, colour.g, colour.b, colour.a = drawn.colour
+    marker.points = [Point(x=x, y=y, z=z) for x, y, z in drawn.points.tolist()]
+    return marker

@@ -1,0 +1,77 @@
+"""A hand-eye calibration: its samples, the sensor, and how well it is known."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.calibration import HandEyeResult
+from robomech_ros.rvs.model.eye import marker_points, seen_points
+from robomech_ros.rvs.model.seen_calibration import calibration_facts, calibration_markers
+from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.fact_table import fact_table
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Place
+from robomech_ros.rvs.page.marker_nodes import MarkerNodes
+from robomech_ros.rvs.page.surroundings import place_eye
+
+__all__ = ["CalibrationLayer"]
+
+ORDER = 5.7
+SOURCE = "calibration"
+
+
+class CalibrationLayer:
+    """The layer.
+
+    Parameters
+    ----------
+    place : Place
+    result : HandEyeResult
+    tracking : ndarray, shape (n, 4, 4)
+        ``T_sensor_target`` of its samples (m).
+    """
+
+    def __init__(self, place: Place, result: HandEyeResult, tracking: NDArray[np.float64]) -> None:
+        self._place, self._result = place, result
+        chain = place.chain
+        self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
+        self._nodes = MarkerNodes(place.server.scene, place.path)
+        self._shown = True
+        self._nodes.show(SOURCE, self._markers)
+        # They would cover what is small.
+        for what in ("ghosts", "gizmo"):
+            place.switch(what, False)
+        # Where the last sample was taken, if the arm gets there.
+        place.arm.drag(result.robot_poses[-1])
+        place.arm.release()
+        place_eye(place.server, self._points())
+
+    def show(self) -> None:
+        """Do nothing: what is drawn moves with the links."""
+
+    def controls(self, client: object) -> Controls:
+        """Give a browser the folder "Calibration"."""
+        folder = Folder(client.gui, "Calibration", ORDER, expanded=True)  # type: ignore[attr-defined]
+        with folder:
+            folder.checkbox("shown", self._shown, self._turn)
+            folder.text().content = fact_table("calibration", calibration_facts(self._result))
+        return folder
+
+    def close(self) -> None:
+        """Do nothing: nothing runs."""
+
+    def _turn(self, shown: bool) -> None:
+        def turned() -> None:
+            self._shown = shown is True
+            self._nodes.show(SOURCE, self._markers if self._shown else ())
+
+        self._place.run((self, "shown"), turned)
+
+    def _points(self) -> NDArray[np.float64]:
+        arm, seen = self._place.arm, self._place.seen
+        names = arm.chain.joint_names
+        at = dict(zip(names, arm.q.tolist(), strict=True))
+        return np.vstack(
+            [seen_points(seen, names, [arm.q]), marker_points(seen, self._markers, at)]
+        )
