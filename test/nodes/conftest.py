@@ -2,6 +2,7 @@
 
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,15 @@ class Graph:
             return wait_for(client.call_async(request))
         finally:
             self.client.destroy_client(client)
+
+    def call_until(
+        self, kind: Any, service: str, request: Any, accept: Callable[[Any], bool]
+    ) -> Any:
+        """Call a service again and again until an answer is accepted; gives that."""
+        deadline = time.monotonic() + TIMEOUT
+        while not accept(answer := self.call(kind, service, request)):
+            assert time.monotonic() < deadline, answer
+        return answer
 
     def start_call(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service without waiting; returns the future of its answer."""

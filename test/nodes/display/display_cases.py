@@ -1,7 +1,6 @@
 """Somebody who listens to tf, and somebody else who publishes frames, by Pinocchio."""
 
 import threading
-import time
 
 import numpy as np
 import pinocchio
@@ -9,6 +8,7 @@ from geometry_msgs.msg import TransformStamped
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
@@ -20,8 +20,6 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ALL_LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # What the other one's frames are lifted by (m), so that one can see whose they are.
 LIFT = 1e-3
-# How long a message may be under way, s.
-SETTLING = 0.2
 # An arm of one joint with two fingers, of which one follows, and a pad that follows that.
 GRIPPER = """<robot name="gripper"><link name="base"/><link name="arm"/><link name="left"/>
   <link name="right"/><link name="pad"/><link name="tool0"/>
@@ -113,7 +111,7 @@ class Listener:
     """Keeps what tf says and what nodes log."""
 
     def __init__(self, client):
-        self._news = threading.Condition()
+        self._news, self._clock = threading.Condition(), client.get_clock()
         self.moving, self.fixed, self.logs, self.states = [], [], [], []
         for kind, topic, into, qos in (
             (TFMessage, "/tf", self.moving, 100),
@@ -147,18 +145,22 @@ class Listener:
 
         self.until(said)
 
-    def frames(self, seconds=0.3):
-        """Collect frames for a time: child to all transforms, beside the fixed ones."""
-        # What is on its way may still come; that nothing comes after it can only be waited for.
-        time.sleep(SETTLING)
-        with self._news:
-            self.moving.clear()
-        time.sleep(seconds)
-        with self._news:
-            heard = [entry for message in self.moving for entry in message.transforms]
+    def frames(self, messages=30):
+        """Collect frames of later instants than now: child to all transforms, but fixed ones."""
+        now, first = self._clock.now(), len(self.moving)
+
+        def later():
+            heard = (
+                [entry for entry in m.transforms if instant(entry) > now]
+                for m in self.moving[first:]
+            )
+            return [entries for entries in heard if entries]
+
+        self.until(lambda: len(later()) >= messages)
         found = {}
-        for entry in heard:
-            found.setdefault(entry.child_frame_id, []).append(entry)
+        for entries in later():
+            for entry in entries:
+                found.setdefault(entry.child_frame_id, []).append(entry)
         return found
 
     def latest(self):
@@ -166,6 +168,10 @@ class Listener:
         with self._news:
             messages = [*self.fixed, *self.moving]
         return {entry.child_frame_id: entry for m in messages for entry in m.transforms}
+
+
+def instant(entry):
+    return Time.from_msg(entry.header.stamp)
 
 
 def pose_of(entry):

@@ -97,7 +97,12 @@ def test_frames_of_others_that_are_none_of_the_robot_do_not_matter(graph, robot,
     publisher = graph.client.create_publisher(TFMessage, "/tf", 10)
     fixed = graph.client.create_publisher(TFMessage, "/tf_static", LATCHED)
     fixed.publish(TFMessage(transforms=[mount]))
-    graph.client.create_timer(0.02, lambda: publisher.publish(TFMessage(transforms=[mount])))
+
+    def publish():
+        mount.header.stamp = graph.client.get_clock().now().to_msg()
+        publisher.publish(TFMessage(transforms=[mount]))
+
+    graph.client.create_timer(0.02, publish)
     robot(robot_description="ur5e")
     listener.until_said("/tf: nobody else publishes frames of ur5e")
     listener.until(lambda: len(listener.latest()) > len(EDGES))

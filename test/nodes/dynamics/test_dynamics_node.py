@@ -115,13 +115,13 @@ def test_accelerations_and_inertia(rod):
 def test_efforts_with_names_act_on_the_present_posture(rod):
     sender = rod.client.create_publisher(JointState, "joint_states", 10)
     push = JointState(name=["hinge"], effort=[4.0])
-    for _ in range(50):
+    request = ForwardDynamics.Request(state=push)
+
+    def known(answer):
         sender.publish(JointState(name=["hinge"], position=[0.3]))
-        answer = rod.call(
-            ForwardDynamics, "dynamics/forward_dynamics", ForwardDynamics.Request(state=push)
-        )
-        if answer.error_code != ErrorCode.NO_STATE:
-            break
+        return answer.error_code != ErrorCode.NO_STATE
+
+    answer = rod.call_until(ForwardDynamics, "dynamics/forward_dynamics", request, known)
     assert answer.error_code == ErrorCode.NONE, answer.error_msg
     np.testing.assert_allclose(answer.acceleration, [(4.0 - weight(0.3)) / INERTIA], rtol=1e-12)
     named = MassMatrix.Request(state=JointState(name=["hinge"]))

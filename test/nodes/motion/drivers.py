@@ -61,6 +61,17 @@ class Watcher:
         with self._news:
             assert self._news.wait_for(condition, TIMEOUT), "it never came"
 
+    def path(self, since=0):
+        """Give times (s, from the first), positions and velocities of the states until now."""
+        states = self.states[since:]
+        stamps = [state.header.stamp for state in states]
+        times = np.array([s.sec - stamps[0].sec + 1e-9 * s.nanosec for s in stamps])
+        positions, velocities = (
+            np.array([getattr(state, rate) for state in states])
+            for rate in ("position", "velocity")
+        )
+        return times, positions, velocities
+
     @property
     def position(self):
         return np.array(self.states[-1].position)
@@ -103,6 +114,13 @@ class Driver(Watcher):
         start(JointTrajectoryControllerNode, namespace=namespace, **parameters)
         assert self._action.wait_for_server(TIMEOUT)
         self.until(lambda: self.states and self._topic.get_subscription_count())
+
+    def assert_smooth(self, since=0):
+        """Between any two states no joint moved or changed its speed faster than it can."""
+        times, positions, velocities = self.path(since)
+        gaps = (np.diff(times) + 0.03)[:, None]
+        assert (np.abs(np.diff(positions, axis=0)) <= self.chain.velocity * gaps).all()
+        assert (np.abs(np.diff(velocities, axis=0)) <= 2.0 * self.chain.acceleration * gaps).all()
 
     def trajectory(self, *points, start=None, velocities=True, names=None):
         """From the present position (or `start`) by points of (time, change of position)."""

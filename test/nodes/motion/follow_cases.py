@@ -91,7 +91,11 @@ class Follower(Driver):
     def query(self, ahead=0.0):
         """Ask for the state so many seconds from now; 0 = now, by the stamp 0."""
         message = self.stamped(JointTrajectory(), ahead) if ahead else JointTrajectory()
-        request = QueryTrajectoryState.Request(time=message.header.stamp)
+        return self.query_at(message.header.stamp)
+
+    def query_at(self, stamp):
+        """Ask for the state at an instant."""
+        request = QueryTrajectoryState.Request(time=stamp)
         return self.graph.call(QueryTrajectoryState, f"{NAME}/query_state", request)
 
     def until_still(self):

@@ -216,11 +216,13 @@ def test_cancel_decelerate_to_hold_position(follower):
     handle.cancel_goal_async()
     assert arm.outcome(handle)[:2] == (CANCELED, CODES.SUCCESSFUL)
     arm.until_still()
-    speeds = np.array([state.velocity[0] for state in arm.states])
-    stamps = np.array([s.header.stamp.sec + 1e-9 * s.header.stamp.nanosec for s in arm.states])
+    times, _, velocities = arm.path()
+    speeds = velocities[:, 0]
     fast, still = np.flatnonzero(speeds > 1.4)[-1], np.flatnonzero(speeds)[-1]
-    took = stamps[still + 1] - stamps[fast]
-    assert 0.8 * speeds[fast] / 25.0 < took < speeds[fast] / 25.0 + 0.05
+    assert times[still + 1] - times[fast] > 0.8 * speeds[fast] / 25.0
+    # From cycle to cycle, of which a busy machine leaves some out.
+    braking, spans = np.diff(speeds[fast + 1 : still + 1]), np.diff(times[fast + 1 : still + 1])
+    assert (braking <= -0.9 * 25.0 * spans).all()
     assert (np.diff(speeds[fast : still + 2]) <= 1e-12).all()
 
 

@@ -18,6 +18,8 @@ from follow_cases import (
     ZERO,
     lagging,
 )
+from rclpy.duration import Duration
+from rclpy.time import Time
 
 
 def test_hold_on_startup(follower):
@@ -45,22 +47,20 @@ def test_interpolation(follower, given):
     goal, part = START + 0.2, 0.25
     states = [goal, ZERO, ZERO][: len(given.split("_"))]
     starts = [START, ZERO, ZERO][: len(states)]
-    arm.publish(arm.stamped(arm.points((0.0, *starts), (2.0, *states)), 30.0))
+    trajectory = arm.stamped(arm.points((0.0, *starts), (2.0, *states)), 30.0)
+    arm.publish(trajectory)
     expected = {
         "pos": part,
         "pos_vel": 3.0 * part**2 - 2.0 * part**3,
         "pos_vel_accel": 10.0 * part**3 - 15.0 * part**4 + 6.0 * part**5,
     }[given]
-    begin = arm.graph.client.get_clock().now().nanoseconds
-    answer = None
-    while answer is None or answer.position[0] == START[0]:
+    begin = Time.from_msg(trajectory.header.stamp)
+    asked = begin + Duration(seconds=2.0 * part)
+    while (answer := arm.query_at(asked.to_msg())).position[0] == START[0]:
         # The trajectory may not have arrived yet.
-        late = (arm.graph.client.get_clock().now().nanoseconds - begin) * 1e-9
-        answer = arm.query(30.0 + 2.0 * part - late)
-        assert late < 20.0
+        assert arm.graph.client.get_clock().now() < begin
     assert answer.success
-    # A message takes some of the time.
-    np.testing.assert_allclose(answer.position, START + 0.2 * expected, atol=5e-3)
+    np.testing.assert_allclose(answer.position, START + 0.2 * expected, atol=1e-9)
 
 
 def test_no_interpolation(follower):
@@ -152,7 +152,8 @@ def test_scaling_execution_time_succeeds(follower):
     arm.until_at(FAR)
     moving = [state.header.stamp for state in arm.states[since:] if any(state.velocity)]
     took = moving[-1].sec - moving[0].sec + 1e-9 * (moving[-1].nanosec - moving[0].nanosec)
-    assert 1.8 < took < 2.2
+    # States are left out where the machine is busy, but none comes from another time.
+    assert 1.3 < took < 2.0 + 1e-6
     # What makes no sense changes nothing.
     factors.publish(SpeedScalingFactor(factor=-1.0))
     factors.publish(SpeedScalingFactor(factor=math.nan))

@@ -3,14 +3,16 @@
 import itertools
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from drivers import ended
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
 
+from robomech_ros.nodes.common import status_report
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.joint_trajectory_controller import cycles
 from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
 
 RATE = 50.0
@@ -45,18 +47,43 @@ def node(graph):
     result.destroy_node()
 
 
-def test_cycles_need_no_executor_and_keep_to_their_grid(node):
-    ticks = Ticks(node, lambda count: time.sleep(2.4 / RATE if count == 5 else 0.0))
+class Moments:
+    """A time of its own (ns), in which waiting and a late wake-up are all that takes any."""
+
+    def __init__(self, monkeypatch):
+        self.now, self.late = 0, 0
+        outer = self
+
+        class Event(threading.Event):
+            def wait(self, timeout):
+                outer.now += max(round(timeout * 1e9), 0) + outer.late
+                return self.is_set()
+
+        monkeypatch.setattr(cycles, "time", SimpleNamespace(monotonic_ns=lambda: self.now))
+        known = SimpleNamespace(**{**vars(threading), "Event": Event})
+        monkeypatch.setattr(cycles, "threading", known)
+
+
+def test_cycles_need_no_executor_and_keep_to_their_grid(node, monkeypatch):
+    moments, seen = Moments(monkeypatch), []
+    period = round(1e9 / RATE)
+
+    def work(count):
+        seen.append(moments.now)
+        # The fifth takes two cycles more than its own, and the thread wakes late now and then.
+        moments.now += round(2.4 * period) if count == 5 else 1000
+        moments.late = period // 4 if count % 3 == 0 else 0
+        if count == 30:
+            ticks.cycles.stop()
+
+    ticks = Ticks(node, work)
     ticks.until(30)
     ticks.cycles.stop()
-    count = len(ticks.times)
-    phase = (np.array(ticks.times) - ticks.times[0]) * RATE % 1.0
-    # All within a part of a cycle, but those that a busy machine delays.
-    assert np.median(np.minimum(phase, 1.0 - phase)) < 0.25
-    # The fifth took two cycles more than its own: they are left out, not made up for.
-    assert ticks.times[5] - ticks.times[4] > 2.0 / RATE
-    time.sleep(3.0 / RATE)
-    assert len(ticks.times) == count
+    late = np.array(seen) % period
+    assert set(late) == {0, period // 4}
+    # They are left out, not made up for.
+    steps = np.diff(np.array(seen) // period)
+    np.testing.assert_array_equal(steps, [3 if k == 4 else 1 for k in range(29)])
 
 
 def test_a_cycle_that_fails_is_told_and_the_next_one_comes(node, capfd):
@@ -91,33 +118,30 @@ def test_a_cycle_can_stop_its_own_cycles(node):
 def test_the_robot_moves_on_while_a_callback_takes_long(arm):
     """What blocks the executor, such as reading a long trajectory, does not stop the robot."""
     node = next(n for n in arm.graph._nodes if n.get_name() == "joint_trajectory_controller")
-    handle = arm.send(arm.trajectory((1.5, MOVE)))
+    arm.send(arm.trajectory((20.0, 5 * MOVE)))
     arm.until_moving()
-    blocked = []
+    blocked, free = [], threading.Event()
 
     def block():
-        blocked.append(len(arm.states))
-        time.sleep(0.5)
-        blocked.append(len(arm.states))
         node.destroy_timer(timer)
+        blocked.append(len(arm.states))
+        arm.until(lambda: len(arm.states) > blocked[0] + 25)
+        blocked.append(len(arm.states))
+        free.set()
 
     timer = node.create_timer(0.01, block)
-    assert arm.result(handle)[0] == 4
-    first, last = blocked[:2]
-    assert last - first > 25
-    positions = np.array([state.position for state in arm.states[first:last]])
-    assert (np.diff(positions[:, 0]) > 0.0).mean() > 0.9
+    assert free.wait(60.0)
+    _, positions, _ = arm.path()
+    assert (np.diff(positions[blocked[0] : blocked[1], 0]) > 0.0).all()
 
 
-def test_a_goal_ends_though_nothing_else_wakes_the_executor(drive):
-    """The result of an action is told when the cycle finds the goal reached, not later."""
+def test_a_goal_ends_though_nothing_else_wakes_the_executor(drive, monkeypatch):
+    """The result of an action is told when the cycle finds the goal reached."""
+    monkeypatch.setattr(status_report, "PERIOD", 1000.0)
     arm = drive(action_monitor_rate=0.1)
     for _ in range(3):
         handle = arm.send(arm.trajectory((0.2, 0.1 * MOVE)))
-        began = time.monotonic()
         assert arm.result(handle)[0] == 4
-        assert time.monotonic() - began < 0.2 + 0.5
-        arm.graph.receive(JointState, "joint_states", 10, lambda message: True)
 
 
 def test_the_node_leaves_no_thread_behind(drive):
@@ -140,9 +164,8 @@ def test_a_state_has_the_time_for_which_it_was_computed(arm):
     node._control_cycle.states.publish = publish_late
     start = arm.position
     assert arm.execute(arm.trajectory((1.0, MOVE), velocities=False))[0] == 4
-    stamps = [state.header.stamp for state in arm.states]
-    times = np.array([stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps])
-    along = (np.array([state.position for state in arm.states]) - start) @ MOVE / (MOVE @ MOVE)
+    times, positions, _ = arm.path()
+    along = (positions - start) @ MOVE / (MOVE @ MOVE)
     # At a constant speed of one MOVE per second.
     moving = (along > 0.001) & (along < 0.999)
     assert moving.sum() > 10

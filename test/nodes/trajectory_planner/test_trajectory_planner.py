@@ -238,11 +238,15 @@ def publish(graph):
 
 def plan_from_present(graph):
     """Plan from the present state as soon as it is known."""
-    for _ in range(100):
-        response = plan(graph, start=JointState())
-        if response.error_code != ErrorCode.NO_STATE or "nothing received" not in str(response):
-            return response
-    pytest.fail("the present state does not arrive")
+
+    def known(response):
+        return response.error_code != ErrorCode.NO_STATE or "nothing received" not in str(response)
+
+    return graph.call_until(PlanJoint, "trajectory_planner/plan_joint", from_present(), known)
+
+
+def from_present():
+    return PlanJoint.Request(goal=joint_state(PUMA.joint_names, GOAL))
 
 
 def test_an_empty_start_is_the_present_state(graph, publish):
@@ -256,8 +260,7 @@ def test_an_empty_start_is_the_present_state(graph, publish):
 
 def test_the_first_state_is_waited_for_and_others_are_served_meanwhile(graph, publish):
     graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=30.0)
-    request = PlanJoint.Request(goal=joint_state(PUMA.joint_names, GOAL))
-    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", request)
+    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", from_present())
     check(plan(graph))
     assert not waiting.done()
     publish(START)
@@ -274,8 +277,7 @@ def test_a_state_that_never_comes_is_not_waited_for_longer_than_told(graph):
 def test_a_robot_about_to_stand_is_waited_for(graph, publish):
     graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=30.0)
     state = publish(START, np.full(6, 0.2))
-    request = PlanJoint.Request(goal=joint_state(PUMA.joint_names, GOAL))
-    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", request)
+    waiting = graph.start_call(PlanJoint, "trajectory_planner/plan_joint", from_present())
     check(plan(graph))
     assert not waiting.done()
     state.velocity = [0.0] * 6
@@ -294,11 +296,8 @@ def test_a_present_state_in_motion_is_refused(puma, publish):
     # A start that the request names is taken as it is; and at last the robot stands.
     check(plan(puma))
     state.velocity = [0.009] * 6
-    for _ in range(1000):
-        response = plan(puma, start=JointState())
-        if response.error_code == ErrorCode.NONE:
-            break
-    check(response)
+    service = "trajectory_planner/plan_joint"
+    check(puma.call_until(PlanJoint, service, from_present(), lambda answer: not answer.error_code))
 
 
 def test_velocities_of_no_use_count_as_rest(puma, publish):
