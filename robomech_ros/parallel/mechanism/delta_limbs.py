@@ -56,7 +56,7 @@ def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> l
             Axis(f"{leg}_platform_swing", f"{leg}_stud", across, ankle),
         ]
         T = assembled(np.eye(3), ankle - platform * r)
-        tip = "platform" if i == 0 else f"{leg}_platform"
+        tip = "platform" if i == 0 else f"{leg}_end"
         chain = chain_of_axes(name, axes, T, tip)
         limbs.append(Limb(chain, (f"{leg}_base",), _Solver(geometry, azimuths, i)))
     return limbs

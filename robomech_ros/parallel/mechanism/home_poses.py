@@ -35,7 +35,7 @@ def platform_home(a: Array, b: Array, strokes: Array | None) -> Array:
     size = float(np.sqrt(((a - middle) ** 2).sum() + ((b - centre) ** 2).sum()) / len(a) ** 0.5)
     normal = np.linalg.svd(a - middle)[2][2]
     normal = -normal if normal[2] < 0.0 else normal
-    far = size * np.linspace(0.2, 3.0, _HEIGHTS)
+    far = size * np.linspace(0.5, 3.0, _HEIGHTS)
     if strokes is not None:
         far = np.linspace(0.0, strokes.max(), 4 * _HEIGHTS)
     R = np.broadcast_to(np.eye(3), (len(far), 3, 3))

@@ -54,7 +54,7 @@ def _leg(name: str, i: int, a: Array, b: Array, stroke: tuple[float, ...], home:
         Axis(f"{leg}_platform_z", f"{leg}_platform_stud", F[:, 2], a),
     ]
     T = assembled(R_home, a - R_home @ b)
-    tip = "platform" if i == 0 else f"{leg}_platform"
+    tip = "platform" if i == 0 else f"{leg}_end"
     chain = chain_of_axes(name, axes, T, tip)
     B = F.T @ R_home
 

@@ -24,6 +24,7 @@ __all__ = [
     "LimbBranches",
     "chain_of_axes",
     "checked_drive_limits",
+    "checked_limbs",
     "with_drive_limits",
 ]
 
@@ -229,3 +230,21 @@ def with_drive_limits(limbs: Sequence[Limb], limits: Mapping[str, Array]) -> lis
         }
         found.append(replace(limb, chain=replace(chain, **of_joints)))
     return found
+
+
+def checked_limbs(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
+    """Check that limbs fit together: two or more, from one base, names all different."""
+    given = listed("limbs", limbs, "two limbs or more")
+    if len(given) < 2 or not all(isinstance(limb, Limb) for limb in given):
+        raise BadValueError("limbs", limbs, "two limbs or more")
+    bases = {limb.chain.base for limb in given}
+    if len(bases) > 1:
+        raise BadValueError("base links", sorted(bases), "the same for all limbs")
+    for what, names in (
+        ("joint", [name for limb in given for name in limb.chain.joint_names]),
+        ("link", [link for limb in given for link in limb.chain.links[1:]]),
+    ):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise BadValueError(f"{what} names of the limbs", twice[0], "different ones")
+    return given

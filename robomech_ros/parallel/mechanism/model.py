@@ -11,15 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.arguments import platform_poses
-from robomech_ros.parallel.mechanism.limb import Limb
+from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs
 from robomech_ros.parallel.mechanism.loops import Loops
 from robomech_ros.parallel.mechanism.postures import limb_postures
 from robomech_ros.parallel.mechanism.result import AssemblyModes, ClosedPosture, MechanismPostures
+from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
-from robomech_ros.robots import RobotDescription, urdf_from_description
+from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import as_finite, listed
+from robomech_ros.spatial.arrays import as_finite
 
 __all__ = ["Mechanism"]
 
@@ -67,7 +68,7 @@ class Mechanism:
         home_poses: ArrayLike,
     ) -> None:
         self.name = name
-        self.limbs: tuple[Limb, ...] = _checked_limbs(limbs)
+        self.limbs: tuple[Limb, ...] = checked_limbs(limbs)
         chains = [limb.chain for limb in self.limbs]
         self.base_link = chains[0].base
         self.platform_link = chains[0].tip
@@ -98,7 +99,8 @@ class Mechanism:
     @cached_property
     def description(self) -> RobotDescription:
         """The tree of links and joints, without its loops."""
-        return tree_of_limbs(self.name, [limb.chain for limb in self.limbs])
+        chains = [limb.chain for limb in self.limbs]
+        return tree_of_limbs(self.name, chains, shapes_of_limbs(chains, self._home))
 
     def urdf(self) -> str:
         """Write the tree as a URDF.
@@ -109,7 +111,7 @@ class Mechanism:
             The document.  The last link of each limb but the first has no body: it is where the
             platform is.
         """
-        return urdf_from_description(self.description)
+        return self.description.document
 
     def pose(self, q: ArrayLike) -> Array:
         """Compute the pose of the platform, by the joints of the first limb.
@@ -411,20 +413,3 @@ class Mechanism:
     def _all_joints(self, what: str, q: ArrayLike) -> Array:
         array: Array = as_finite(what, q, (self.n,))
         return array
-
-
-def _checked_limbs(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
-    given = listed("limbs", limbs, "two limbs or more")
-    if len(given) < 2 or not all(isinstance(limb, Limb) for limb in given):
-        raise BadValueError("limbs", limbs, "two limbs or more")
-    bases = {limb.chain.base for limb in given}
-    if len(bases) > 1:
-        raise BadValueError("base links", sorted(bases), "the same for all limbs")
-    for what, names in (
-        ("joint", [name for limb in given for name in limb.chain.joint_names]),
-        ("link", [link for limb in given for link in limb.chain.links[1:]]),
-    ):
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise BadValueError(f"{what} names of the limbs", twice[0], "different ones")
-    return given

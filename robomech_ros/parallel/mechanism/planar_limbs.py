@@ -66,7 +66,7 @@ def folding_limbs(
 def _chain(name: str, i: int, axes: list[Axis], corner: Array, b: Array) -> SerialChain:
     """Make the chain whose platform has its point b at a corner, and is not turned."""
     T = assembled(np.eye(3), np.array([*(corner - b), 0.0]))
-    return chain_of_axes(name, axes, T, "platform" if i == 0 else f"leg{i + 1}_platform")
+    return chain_of_axes(name, axes, T, "platform" if i == 0 else f"leg{i + 1}_end")
 
 
 class _Sliding:

@@ -46,7 +46,7 @@ def spherical_limbs(
             Axis(f"{leg}_elbow", f"{leg}_distal", m, centre),
             Axis(f"{leg}_platform", f"{leg}_stud", u, centre),
         ]
-        tip = "platform" if i == 0 else f"{leg}_platform"
+        tip = "platform" if i == 0 else f"{leg}_end"
         chain = chain_of_axes(name, axes, assembled(R, centre), tip)
         limbs.append(Limb(chain, (f"{leg}_base",), _Solver(w, m, v, u, R)))
     return limbs

@@ -2,50 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from robomech_ros.robots import Joint, RobotDescription, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
-from robomech_ros.spatial.poses import rigid_inverse
+from robomech_ros.robots.urdf.shapes import Shape
+from robomech_ros.robots.urdf.writer import written_urdf
 
-__all__ = ["tree_of_limbs"]
+__all__ = ["links_of_joints", "tree_of_limbs"]
 
 _LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
-def tree_of_limbs(name: str, chains: Sequence[SerialChain]) -> RobotDescription:
-    """Put chains from one base side by side."""
+def tree_of_limbs(
+    name: str, chains: Sequence[SerialChain], shapes: Mapping[str, Sequence[Shape]]
+) -> RobotDescription:
+    """Put chains from one base side by side, with shapes that are seen of their links.
+
+    The link that a joint moves has the frame of the joint, whose axis is z.
+    """
     joints = tuple(joint for chain in chains for joint in _joints(chain))
     links = (chains[0].base, *(joint.child for joint in joints))
-    return RobotDescription(name, links, joints, where=name)
+    tree = RobotDescription(name, links, joints, where=name)
+    return replace(tree, document=written_urdf(tree, shapes))
+
+
+def links_of_joints(chain: SerialChain) -> list[str]:
+    """Name the link that each joint of a chain moves, the tip not among them."""
+    along = [chain.link_frame(link) for link in chain.links]
+    names = []
+    for i, joint in enumerate(chain.joint_names):
+        own = [link.name for link in along if link.joints == i + 1 and link.name != chain.tip]
+        names.append(own[0] if own else f"{joint}_link")
+    return names
 
 
 def _joints(chain: SerialChain) -> list[Joint]:
-    """Make the joints along a chain, fixed ones included."""
-    frames = [chain.link_frame(link) for link in chain.links]
+    """Make the joints along a chain, and a fixed one to its tip."""
     constants = unpack_chain(chain.packed)
+    links = [chain.base, *links_of_joints(chain)]
     joints = []
-    for parent, child in pairwise(frames):
-        back = rigid_inverse(parent.offset)
-        if child.joints == parent.joints:
-            name = f"{child.name}_fixed_joint"
-            joints.append(Joint(name, "fixed", parent.name, child.name, back @ child.offset))
-            continue
-        i = parent.joints
+    for i, name in enumerate(chain.joint_names):
         limits: dict[str, Any] = {key: float(getattr(chain, key)[i]) for key in _LIMITS}
         kind = "prismatic" if chain.types[i] == PRISMATIC else "revolute"
         joints.append(
             Joint(
-                name=chain.joint_names[i],
+                name=name,
                 type="continuous" if chain.continuous[i] else kind,
-                parent=parent.name,
-                child=child.name,
-                origin=back @ constants[i],
-                after=child.offset,
+                parent=links[i],
+                child=links[i + 1],
+                origin=constants[i],
                 drive=chain.drives[i],
                 **limits,
             )
         )
-    return joints
+    return [*joints, Joint(f"{chain.tip}_joint", "fixed", links[-1], chain.tip, constants[-1])]

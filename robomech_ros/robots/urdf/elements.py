@@ -50,7 +50,10 @@ def visual_elements(shapes: Iterable[Shape]) -> list[str]:
         measures: dict[str, object] = {"radius": shape.radius, "length": shape.length}
         if shape.box:
             measures = {"size": (2.0 * shape.radius, 2.0 * shape.radius, shape.length)}
-        body = element("box" if shape.box else "cylinder", measures)
+        kind = "box" if shape.box else "cylinder"
+        if shape.length == 0.0:
+            kind, measures = "sphere", {"radius": shape.radius}
+        body = element(kind, measures)
         colour = element("color", {"rgba": shape.rgba})
         material = element("material", {"name": f"robomech_{shape.colour}"}, [colour])
         parts = [_origin(shape.pose), element("geometry", {}, [body]), material]

@@ -37,10 +37,10 @@ COLOURS = (
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A cylinder or, where it slides, a box, along z of its own frame.
+    """A cylinder or, where it slides, a box, along z of its own frame; or a ball.
 
     ``pose`` is that of its middle in the link, shape (4, 4); radius or half the width, and length
-    in m; ``colour`` counts in ``COLOURS``.
+    in m, 0 of a ball; ``colour`` counts in ``COLOURS``.
     """
 
     pose: Array

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,9 +26,9 @@ from robomech_ros.robots.urdf.elements import (
     visual_elements,
 )
 from robomech_ros.robots.urdf.joints import DRIVE_TAG
-from robomech_ros.robots.urdf.shapes import generated_shapes
+from robomech_ros.robots.urdf.shapes import Shape, generated_shapes
 
-__all__ = ["urdf_from_description"]
+__all__ = ["urdf_from_description", "written_urdf"]
 
 _DECLARATION = '<?xml version="1.0" encoding="utf-8"?>\n'
 # A tag as a whole; its attributes may contain what looks like its end.
@@ -65,12 +65,23 @@ def urdf_from_description(description: RobotDescription) -> str:
     """
     if description.document:
         return _completed(description)
-    return _written(description)
+    return written_urdf(description)
 
 
-def _written(description: RobotDescription) -> str:
+def written_urdf(
+    description: RobotDescription, given: Mapping[str, Sequence[Shape]] | None = None
+) -> str:
+    """Write a URDF anew.
+
+    Parameters
+    ----------
+    description : RobotDescription
+    given : mapping, optional
+        Shapes of links in their frames, for parts that are to look otherwise than those made for
+        any robot.
+    """
     joints = list(_with_axes_in_links(description))
-    shapes = generated_shapes(description.root, joints, ())
+    shapes = {**generated_shapes(description.root, joints, given or ()), **(given or {})}
     seen = {*description.links}
     links = [*description.links, *(one.child for one in joints if one.child not in seen)]
     parts = []

@@ -1,33 +1,9 @@
 """Loops of all robots closed and followed; rates and accelerations against differences."""
 
 import numpy as np
-import pytest
+from mechanisms import postures_near_home
 
 from robomech_ros.outcomes import Code
-from robomech_ros.parallel import list_parallel, load_parallel
-
-ROBOTS = list_parallel()
-
-
-@pytest.fixture(params=ROBOTS)
-def mechanism(request):
-    """The model of a robot of the library."""
-    return load_parallel(request.param).mechanism
-
-
-def postures_near_home(mechanism, count, seed=1, reach=0.05):
-    """Postures with closed loops, for drives moved at random from home."""
-    rng = np.random.default_rng(seed)
-    home = mechanism.home()
-    drives = home[mechanism.drive_index]
-    weights = mechanism.loops.weights[mechanism.drive_index]
-    found = []
-    while len(found) < count:
-        given = drives + reach * rng.uniform(-1.0, 1.0, mechanism.dof) / weights
-        closed = mechanism.close(given, home)
-        if closed.status == Code.NONE:
-            found.append(closed.q)
-    return np.array(found)
 
 
 def test_joints_are_counted_limb_by_limb(mechanism):
