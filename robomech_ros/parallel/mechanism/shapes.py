@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
@@ -146,7 +146,7 @@ def _arcs(links: Sequence[str], steps: Array, radius: float) -> dict[str, list[S
     return shapes
 
 
-def _rod_between(start: object, end: object, radius: float, colour: int) -> Shape:
+def _rod_between(start: ArrayLike, end: ArrayLike, radius: float, colour: int) -> Shape:
     one, two = np.asarray(start, float), np.asarray(end, float)
     length = float(np.linalg.norm(two - one))
     pose = turn_of_z((two - one) / length)
@@ -154,9 +154,9 @@ def _rod_between(start: object, end: object, radius: float, colour: int) -> Shap
     return Shape(pose, _rounded(radius), _rounded(length), colour)
 
 
-def _ball(point: object, radius: float, colour: int) -> Shape:
+def _ball(point: ArrayLike, radius: float, colour: int) -> Shape:
     pose = np.eye(4)
-    pose[:3, 3] = point
+    pose[:3, 3] = np.asarray(point, float)
     return Shape(pose, _rounded(radius), 0.0, colour)
 
 
