@@ -33,6 +33,9 @@ if TYPE_CHECKING:
         ClosedPosture,
         MechanismPostures,
     )
+    from robomech_ros.parallel.motion.drive_paths import DrivePath, follow_drives
+    from robomech_ros.parallel.motion.follower import MechanismFollower
+    from robomech_ros.parallel.motion.planning import DrivePlan, plan_drives, plan_platform
     from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
     from robomech_ros.parallel.result import DirectKinematicsResult, FollowedPose, LimbPostures
     from robomech_ros.parallel.spherical import Spherical3RRR
@@ -43,11 +46,14 @@ __all__ = [
     "ClosedPosture",
     "Delta",
     "DirectKinematicsResult",
+    "DrivePath",
+    "DrivePlan",
     "FollowedPose",
     "Limb",
     "LimbPostures",
     "LoopSingularity",
     "Mechanism",
+    "MechanismFollower",
     "MechanismPostures",
     "ParallelRobot",
     "Planar3RPR",
@@ -59,9 +65,12 @@ __all__ = [
     "drive_accelerations",
     "drive_forces",
     "drive_rates",
+    "follow_drives",
     "list_parallel",
     "load_parallel",
     "loop_singularity",
+    "plan_drives",
+    "plan_platform",
     "platform_acceleration",
     "platform_length",
     "platform_twist",
@@ -90,18 +99,24 @@ _MODULES = {
     "loop_singularity": "kinetostatics.singularities",
     "Delta": "delta",
     "DirectKinematicsResult": "result",
+    "DrivePath": "motion.drive_paths",
+    "DrivePlan": "motion.planning",
     "FollowedPose": "result",
     "Limb": "mechanism.limb",
     "LimbPostures": "result",
     "Mechanism": "mechanism.model",
     "MechanismPostures": "mechanism.result",
+    "MechanismFollower": "motion.follower",
     "ParallelRobot": "library",
     "Planar3RPR": "planar",
     "Planar3RRR": "planar",
     "Spherical3RRR": "spherical",
     "StewartGough": "stewart_gough",
+    "follow_drives": "motion.drive_paths",
     "list_parallel": "library",
     "load_parallel": "library",
+    "plan_drives": "motion.planning",
+    "plan_platform": "motion.planning",
 }
 
 __getattr__ = lazy_exports(__name__, _MODULES, globals())

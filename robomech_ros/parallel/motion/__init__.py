@@ -1,0 +1,1 @@
+"""Motions of parallel robots: along paths of the platform, and by places of the drives."""

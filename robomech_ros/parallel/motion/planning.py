@@ -1,0 +1,239 @@
+"""Motions of a mechanism: its platform along a path, or its drives from place to place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.cartesian import CartesianPlan, PathBounds, Sampling, StopReason, plan_along
+from robomech_ros.errors import BadValueError, DurationTooShortError, WrongSizeError
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.motion.drive_paths import (
+    LARGEST_CONDITION,
+    DrivePath,
+    follow_drives,
+    require_closed,
+)
+from robomech_ros.parallel.motion.follower import MechanismFollower
+from robomech_ros.parallel.motion.singular_place import crossing_cut
+from robomech_ros.spatial.arrays import as_finite
+from robomech_ros.trajectory import JointLimits, Limits, PosePath, SampledPlan, TipSpeeds
+from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
+
+__all__ = ["DrivePlan", "plan_drives", "plan_platform"]
+
+Array = NDArray[np.float64]
+
+# Passive joints may be so much over their limits, as a part: rounding.
+_ROUNDING = 1e-9
+# How often a motion is slowed down for passive joints, and by which part more than needed.
+_ROUNDS, _SLOWER = 5, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class DrivePlan:
+    """A motion of the drives from place to place, and all joints on its way.
+
+    Attributes
+    ----------
+    sampled : SampledPlan
+        The motion of the drives, its samples and their verification.
+    way : DrivePath
+        All joints at the samples, as far as they can follow in one assembly mode.
+    """
+
+    sampled: SampledPlan
+    way: DrivePath
+
+
+def plan_platform(
+    mechanism: Mechanism,
+    path: PosePath,
+    start: ArrayLike,
+    *,
+    bounds: PathBounds | None = None,
+    limits: JointLimits | Any = None,
+    profile: str = "poly345",
+    speeds: TipSpeeds | None = None,
+    sampling: Sampling | None = None,
+) -> CartesianPlan:
+    """Plan a motion of the platform along a path, as far as all limbs can follow it.
+
+    In one assembly mode and one branch of every limb; position limits of all joints end the path,
+    and limits of velocity, acceleration and jerk of the drives, and of passive joints that have
+    some, hold for the curve through the samples.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Of n joints.
+    path : PosePath
+        Of the platform in the base, such as `path_through` makes it.
+    start : array_like, shape (n,)
+        All joints (rad or m), loops closed, at the start of the path.
+    bounds : PathBounds, optional
+        As for `plan_along`.  No platform passes a singularity, where the drives do not hold it: a
+        condition number of 1e4 always ends the path.
+    limits : JointLimits, optional
+        Of all n joints, within which to move; default those of the mechanism.
+    profile, speeds, sampling
+        As for `plan_along`.
+
+    Returns
+    -------
+    CartesianPlan
+        Its samples hold the drives, in the order of ``mechanism.actuated``, and before and after
+        them, as they come in the mechanism, passive joints that have limits of rates.
+
+    Raises
+    ------
+    BadValueError
+        A start with open loops; a path that leaves the freedoms of the platform.
+    RobomechError
+        As `plan_along` does.
+
+    Examples
+    --------
+    >>> from robomech_ros.cartesian import path_through
+    >>> from robomech_ros.parallel import load_parallel, plan_platform
+    >>> delta = load_parallel("delta").mechanism
+    >>> here = delta.pose(delta.home())
+    >>> there = here.copy()
+    >>> there[:3, 3] += 0.1, 0.2, 0.05
+    >>> plan = plan_platform(delta, path_through(here, [there]), delta.home())
+    >>> plan.fraction, plan.samples.positions.shape[1]
+    (1.0, 3)
+    """
+    follower = MechanismFollower(mechanism, limits)
+    q = require_closed(mechanism, start)
+    if not isinstance(path, PosePath):
+        raise BadValueError("path", path, "a PosePath")
+    ends = path.sample(path.breaks[1:]).pose if path.waypoints is None else path.waypoints
+    missed = [_missed(mechanism, pose, k, q) for k, pose in enumerate(ends)]
+    known = PathBounds() if bounds is None else bounds
+    if isinstance(known, PathBounds):
+        most = min(known.condition, LARGEST_CONDITION)
+        checks = (crossing_cut(mechanism, most), *known.checks)
+        known = replace(known, condition=most, checks=checks)
+    plan = plan_along(
+        follower,
+        path,
+        q,
+        bounds=known,
+        profile=profile,
+        speeds=speeds,
+        sampling=sampling,
+    )
+    stop = plan.stop
+    if stop is None or not missed[stop.index]:
+        return plan
+    told = StopReason(stop.index, stop.joint, stop.kind, f"{stop.text}; {missed[stop.index]}")
+    return replace(plan, followed=replace(plan.followed, stop=told))
+
+
+def plan_drives(
+    mechanism: Mechanism,
+    points: ArrayLike,
+    start: ArrayLike,
+    *,
+    limits: JointLimits | Any = None,
+    profile: str = "poly345",
+    condition: float = LARGEST_CONDITION,
+    **options: Any,
+) -> DrivePlan:
+    """Plan a motion of the drives from place to place, and follow it with all joints.
+
+    The motion is slowed down where passive joints would exceed limits of their rates.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Of n joints and m drives.
+    points : array_like, shape (k, m)
+        Start, via points and goal of the drives (rad or m).
+    start : array_like, shape (n,)
+        All joints (rad or m) at the first point, loops closed: they say which assembly mode.
+    limits : JointLimits, optional
+        Of all n joints; default those of the mechanism.
+    profile : str
+        One of `robomech_ros.trajectory.PROFILES`, or with via points of `VIA_PROFILES`.
+    condition : float, optional
+        As for `follow_drives`.
+    **options
+        As for `robomech_ros.trajectory.plans.fitting_plan.fitting_plan`: duration, scales, periods
+        and the like.
+
+    Returns
+    -------
+    DrivePlan
+        Its `way` says whether, and before which sample, a singularity or a passive joint's limit
+        stops the platform.
+
+    Raises
+    ------
+    RobomechError
+        As `fitting_plan` and `follow_drives` do, and DurationTooShortError where passive joints
+        would be too fast in the wanted duration.
+    """
+    allowed = MechanismFollower(mechanism, limits).limits
+    q = require_closed(mechanism, start)
+    places = as_finite("points", points, (mechanism.dof,))
+    if places.ndim != 2 or len(places) < 2:
+        raise WrongSizeError("points", places.shape, f"(k, {mechanism.dof}) with k at least 2")
+    drives = allowed.only(mechanism.drive_index.tolist())
+    slower, names = 1.0, ("velocity_scale", "acceleration_scale", "jerk_scale")
+    scales = np.array([options.pop(name, 1.0) for name in names])
+    for _ in range(_ROUNDS):
+        parts = scales / slower ** np.arange(1.0, 4.0)
+        scaled = dict(zip(names, parts.tolist(), strict=True))
+        sampled = fitting_plan(drives, places, profile=profile, **scaled, **options)
+        way = follow_drives(mechanism, sampled.waypoints.positions, q, condition=condition)
+        over, joint = _passive_excess(mechanism, sampled, way, allowed, scales)
+        if over <= 1.0 + _ROUNDING:
+            break
+        if options.get("duration"):
+            least = sampled.trajectory.duration * over
+            name = mechanism.joint_names[joint]
+            raise DurationTooShortError(options["duration"], least, name, "velocity")
+        slower *= over * (1.0 + _SLOWER)
+    return DrivePlan(sampled, way)
+
+
+def _passive_excess(
+    mechanism: Mechanism, plan: SampledPlan, way: DrivePath, limits: Limits, scales: Array
+) -> tuple[float, int]:
+    """Say by how much a plan must be slowed down for passive joints, and for which."""
+    passive = np.ones(mechanism.n, bool)
+    passive[mechanism.drive_index] = False
+    limited = np.isfinite(limits.velocity) | np.isfinite(limits.acceleration)
+    if not (passive & limited).any() or not len(way.q):
+        return 1.0, 0
+    points, reached = plan.waypoints, len(way.q)
+    assert points.velocities is not None
+    assert points.accelerations is not None
+    qd, _ = mechanism.rates(way.q, points.velocities[:reached])
+    qdd, _ = mechanism.accelerations(way.q, qd, points.accelerations[:reached])
+    speeds = np.abs(qd).max(axis=0) / (scales[0] * limits.velocity)
+    rises = np.sqrt(np.abs(qdd).max(axis=0) / (scales[1] * limits.acceleration))
+    over = np.where(passive, np.maximum(speeds, rises), 0.0)
+    joint = int(np.argmax(over))
+    return float(over[joint]), joint
+
+
+def _missed(mechanism: Mechanism, pose: Array, k: int, near: Array) -> str:
+    """Say why no posture holds the platform in a pose of a path; empty where one does.
+
+    Raises
+    ------
+    BadValueError
+        The platform cannot turn or move so at all.
+    """
+    try:
+        found = mechanism.postures(pose, seed=near)
+    except BadValueError as error:
+        raise BadValueError(f"waypoints[{k}]: {error.what}", error.value, error.expected) from None
+    return "" if found.status in (Code.NONE, Code.SINGULAR_CONTINUUM) else found.reason
