@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         platform_length,
         singularity_distances,
     )
+    from robomech_ros.parallel.kinetostatics.pose_limits import PoseLimits, pose_limits
     from robomech_ros.parallel.kinetostatics.singularities import LoopSingularity, loop_singularity
     from robomech_ros.parallel.kinetostatics.statics import drive_forces, platform_wrench
     from robomech_ros.parallel.kinetostatics.velocity_maps import (
@@ -24,6 +25,11 @@ if TYPE_CHECKING:
         platform_twist,
         velocity_matrices,
         velocity_matrix_rates,
+    )
+    from robomech_ros.parallel.kinetostatics.workspace import (
+        PlatformWorkspace,
+        platform_orientation_workspace,
+        platform_position_workspace,
     )
     from robomech_ros.parallel.library import ParallelRobot, list_parallel, load_parallel
     from robomech_ros.parallel.mechanism.limb import Limb
@@ -58,6 +64,8 @@ __all__ = [
     "ParallelRobot",
     "Planar3RPR",
     "Planar3RRR",
+    "PlatformWorkspace",
+    "PoseLimits",
     "Spherical3RRR",
     "StewartGough",
     "VelocityMatrices",
@@ -73,14 +81,22 @@ __all__ = [
     "plan_platform",
     "platform_acceleration",
     "platform_length",
+    "platform_orientation_workspace",
+    "platform_position_workspace",
     "platform_twist",
     "platform_wrench",
+    "pose_limits",
     "singularity_distances",
     "velocity_matrices",
     "velocity_matrix_rates",
 ]
 
 _MODULES = {
+    "PoseLimits": "kinetostatics.pose_limits",
+    "pose_limits": "kinetostatics.pose_limits",
+    "PlatformWorkspace": "kinetostatics.workspace",
+    "platform_orientation_workspace": "kinetostatics.workspace",
+    "platform_position_workspace": "kinetostatics.workspace",
     "AssemblyModes": "mechanism.result",
     "ClosedPosture": "mechanism.result",
     "VelocityMatrices": "kinetostatics.velocity_maps",

@@ -14,7 +14,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.arguments import actuated
 from robomech_ros.parallel.result import LimbPostures
 
-__all__ = ["Limb", "planar_limb", "postures", "turning_limb"]
+__all__ = ["Limb", "into_limits", "planar_limb", "postures", "turning_limb"]
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ def _wrapped(angle: float) -> float:
     return math.atan2(math.sin(angle), math.cos(angle))
 
 
-def _into(angle: float, low: float, high: float) -> tuple[float, float]:
+def into_limits(angle: float, low: float, high: float) -> tuple[float, float]:
     """Give an angle, turned by whole turns into limits where that can be, and what it is off."""
     turns = math.ceil((low - _WITHIN - angle) / (2.0 * math.pi))
     best = angle + 2.0 * math.pi * turns
@@ -123,7 +123,7 @@ def postures(
         named = list(zip(limb.angles, "-+", strict=True))
         if abs(_wrapped(limb.angles[1] - limb.angles[0])) <= _SAME:
             named = [(limb.angles[0], "0")]
-        placed = [(*_into(angle, *limits[i].tolist()), sign) for angle, sign in named]
+        placed = [(*into_limits(angle, *limits[i].tolist()), sign) for angle, sign in named]
         inside = [(angle, sign) for angle, off, sign in placed if off == 0.0]
         if not inside:
             excess[i] = min(off for _, off, _ in placed)

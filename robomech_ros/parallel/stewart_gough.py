@@ -149,9 +149,13 @@ class StewartGough:
             Not poses.
         """
         poses = platform_poses(T)
-        out = np.empty((*poses.shape[:-2], 6))
-        flat = np.ascontiguousarray(poses.reshape(-1, 4, 4))
-        newton.leg_lengths(self.base_points, self.platform_points, flat, out.reshape(-1, 6))
+        return self.lengths_at(poses.reshape(-1, 4, 4)).reshape(*poses.shape[:-2], 6)
+
+    def lengths_at(self, poses: Array) -> Array:
+        """Give the leg lengths (k, 6) of poses (k, 4, 4) that need no check."""
+        out = np.empty((len(poses), 6))
+        flat = np.ascontiguousarray(poses)
+        newton.leg_lengths(self.base_points, self.platform_points, flat, out)
         return out
 
     def excess(self, lengths: ArrayLike) -> Array:

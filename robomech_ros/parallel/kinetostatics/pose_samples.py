@@ -81,11 +81,7 @@ def _on_legs(robot: StewartGough | Planar3RPR, count: int) -> tuple[Array, Array
     middle = robot.platform_points.mean(axis=0)
     n = len(middle)
     T[:, :n, 3] -= T[:, :n, :n] @ middle
-    if isinstance(robot, Planar3RPR):
-        corners = robot.platform_points @ np.swapaxes(T[:, :2, :2], 1, 2) + T[:, None, :2, 3]
-        lengths = np.linalg.norm(corners - robot.base_points, axis=2)
-    else:
-        lengths = robot.inverse(T)
+    lengths = robot.lengths_at(T)
     inside = (lengths > 0.0).all(axis=1)
     if robot.strokes is not None:
         low, high = robot.strokes.T
