@@ -9,6 +9,8 @@ from robomech_ros.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from robomech_ros.parallel.delta import Delta
+    from robomech_ros.parallel.described import DescribedRobot, load_described
+    from robomech_ros.parallel.files import list_parallel
     from robomech_ros.parallel.kinetostatics.conditioning import (
         dexterity,
         platform_length,
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
         platform_orientation_workspace,
         platform_position_workspace,
     )
-    from robomech_ros.parallel.library import ParallelRobot, list_parallel, load_parallel
+    from robomech_ros.parallel.library import ParallelRobot, load_parallel
     from robomech_ros.parallel.mechanism.limb import Limb
     from robomech_ros.parallel.mechanism.model import Mechanism
     from robomech_ros.parallel.mechanism.result import (
@@ -51,6 +53,7 @@ __all__ = [
     "AssemblyModes",
     "ClosedPosture",
     "Delta",
+    "DescribedRobot",
     "DirectKinematicsResult",
     "DrivePath",
     "DrivePlan",
@@ -75,6 +78,7 @@ __all__ = [
     "drive_rates",
     "follow_drives",
     "list_parallel",
+    "load_described",
     "load_parallel",
     "loop_singularity",
     "plan_drives",
@@ -114,6 +118,7 @@ _MODULES = {
     "LoopSingularity": "kinetostatics.singularities",
     "loop_singularity": "kinetostatics.singularities",
     "Delta": "delta",
+    "DescribedRobot": "described",
     "DirectKinematicsResult": "result",
     "DrivePath": "motion.drive_paths",
     "DrivePlan": "motion.planning",
@@ -129,7 +134,8 @@ _MODULES = {
     "Spherical3RRR": "spherical",
     "StewartGough": "stewart_gough",
     "follow_drives": "motion.drive_paths",
-    "list_parallel": "library",
+    "list_parallel": "files",
+    "load_described": "described",
     "load_parallel": "library",
     "plan_drives": "motion.planning",
     "plan_platform": "motion.planning",

@@ -27,14 +27,14 @@ from robomech_ros.errors import (
     UnknownRobotError,
 )
 from robomech_ros.parallel.delta import Delta
+from robomech_ros.parallel.files import SUFFIXES, parallel_files
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
-from robomech_ros.robots import robot_folders
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.source_files import read_source
 
-__all__ = ["TYPES", "ParallelRobot", "list_parallel", "load_parallel"]
+__all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
 
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 
@@ -65,7 +65,6 @@ TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
 _HEAD = ("kind", "name", "source", "type")
 _KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
-_SUFFIXES = (".yaml", ".yml")
 
 
 def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
@@ -99,49 +98,38 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
     if not isinstance(given, str) or not given.strip():
         raise BadValueError("robot", given, "a robot's name, a path, or the text of a document")
     if "\n" in given.strip():
-        return _from_text(given, "YAML string")
+        return parallel_from_yaml(given, "YAML string")
     name = given.strip()
-    if name.lower().endswith(_SUFFIXES) or os.sep in name:
+    if name.lower().endswith(SUFFIXES) or os.sep in name:
         return _from_file(Path(name).expanduser())
-    files = _files()
+    files = parallel_files()
     if not _NAME.fullmatch(name) or name not in files:
         raise UnknownRobotError(name, sorted(files))
     return _from_file(files[name])
 
 
-def list_parallel() -> tuple[str, ...]:
-    """List the names of the parallel robots in all folders, sorted.
-
-    Examples
-    --------
-    >>> from robomech_ros.parallel import list_parallel
-    >>> "delta" in list_parallel()
-    True
-    """
-    return tuple(sorted(_files()))
-
-
-def _files() -> dict[str, Path]:
-    found: dict[str, Path] = {}
-    for folder in robot_folders():
-        try:
-            entries = sorted((folder / "parallel").iterdir())
-        except OSError:
-            continue
-        for path in entries:
-            if path.suffix in _SUFFIXES and path.is_file():
-                found.setdefault(path.stem, path)
-    return found
-
-
 def _from_file(path: Path) -> ParallelRobot:
-    if path.suffix.lower() not in _SUFFIXES:
-        why = f"expected a file named {', '.join(_SUFFIXES)}"
+    if path.suffix.lower() not in SUFFIXES:
+        why = f"expected a file named {', '.join(SUFFIXES)}"
         raise RobotDescriptionError(str(path), why)
-    return _from_text(read_source(path, LARGEST_YAML), str(path))
+    return parallel_from_yaml(read_source(path, LARGEST_YAML), str(path))
 
 
-def _from_text(text: str | bytes, where: str) -> ParallelRobot:
+def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot:
+    """Make a parallel robot of the text of a document.
+
+    Parameters
+    ----------
+    text : str or bytes
+        YAML.
+    where : str
+        What it is called in messages.
+
+    Raises
+    ------
+    RobotDescriptionError
+        It cannot be used: the message says where and why.
+    """
     document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_KEYS))
     for key, known in (("kind", ("parallel",)), ("type", tuple(TYPES))):
         if document[key] not in known:

@@ -67,7 +67,7 @@ class CalibrationNode(Node):
             self._serve(base, hand)
             Readiness(self)
         else:
-            when_robot_known(self, settings, self._serve_robot)
+            when_robot_known(self, settings, self._serve_robot, parallel=True)
 
     def _serve_robot(self, model: RobotModel) -> None:
         settings = self._table.settings

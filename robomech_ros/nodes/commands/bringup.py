@@ -17,7 +17,8 @@ from robomech_ros.nodes.process.launch_options import LaunchOptions, config_file
 from robomech_ros.nodes.process.process_group import ProcessGroup
 from robomech_ros.nodes.process.reach import reach, stay_on_this_machine
 from robomech_ros.nodes.process.start import NODE_MODULES
-from robomech_ros.robots import load_description, main_chain, semantics_of
+from robomech_ros.parallel import DescribedRobot, load_described
+from robomech_ros.robots import main_chain, semantics_of
 
 __all__ = ["add_arguments", "add_launch_arguments", "check", "launch_options", "node_class", "run"]
 
@@ -104,8 +105,8 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Bring the nodes up; returns 0 after SIGINT or SIGTERM, 1 if a node ended by itself."""
     check(args)
-    if args.robot:
-        _load(args)
+    if args.robot and _load(args).mechanism is not None:
+        _leave_out(args)
     if args.localhost:
         stay_on_this_machine()
     print(f"robomech bringup: {reach(os.environ)}", file=sys.stderr, flush=True)
@@ -136,9 +137,24 @@ def launch_options(args: argparse.Namespace) -> LaunchOptions:
     )
 
 
-def _load(args: argparse.Namespace) -> None:
+def _leave_out(args: argparse.Namespace) -> None:
+    """Leave out what does not serve parallel robots, and say so."""
+    for option in ("joint_limits", "srdf", "group", "dynamic"):
+        if given := getattr(args, option):
+            expected = f"nothing: '{args.robot}' is a parallel robot"
+            raise BadValueError(f"--{option.replace('_', '-')}", given, expected)
+    if not args.no_servo:
+        args.no_servo = True
+        text = "no servo and no services of MoveIt, which serve no parallel robots"
+        print(f"robomech bringup: {text}", file=sys.stderr, flush=True)
+
+
+def _load(args: argparse.Namespace) -> DescribedRobot:
     """Load the robot here, so that a fault in it is reported once and not by every node."""
-    description = load_description(args.robot)
+    robot = load_described(args.robot)
+    if robot.mechanism is not None:
+        return robot
+    description = robot.description
     if args.joint_limits:
         from robomech_ros.nodes.common.joint_limits import read_joint_limits
 
@@ -146,6 +162,7 @@ def _load(args: argparse.Namespace) -> None:
     if args.srdf or not args.group:
         known = semantics_of(description, args.srdf)
         main_chain(description, known, args.base_link, args.tip_link, args.group)
+    return robot
 
 
 def _run_here(options: LaunchOptions) -> int:

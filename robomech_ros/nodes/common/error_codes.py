@@ -16,6 +16,7 @@ from robomech_ros.outcomes import Code
 __all__ = [
     "FrameUnavailableError",
     "NoStateError",
+    "OutcomeError",
     "RobotMovesError",
     "ShutdownError",
     "answer",
@@ -75,6 +76,25 @@ class RobotMovesError(NoStateError):
         )
 
 
+class OutcomeError(RobomechError):
+    """What a request asks for does not exist: an outcome of the mathematics, with its code.
+
+    Parameters
+    ----------
+    code : Code
+        Above 200.
+    text : str
+        Why.
+    """
+
+    def __init__(self, code: Code, text: str) -> None:
+        self.code = code
+        super().__init__(text)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.code, str(self))
+
+
 class ShutdownError(RobomechError):
     """A node ends before it has answered."""
 
@@ -107,6 +127,8 @@ _CODES: dict[type[BaseException], Code] = {
 
 def code_of(error: BaseException) -> Code:
     """Give the code of an exception; INTERNAL for one that is no RobomechError."""
+    if isinstance(error, OutcomeError):
+        return error.code
     for kind in type(error).__mro__:
         if kind in _CODES:
             return _CODES[kind]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +11,20 @@ from sensor_msgs.msg import JointState
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.loop_positions import LoopPositions
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.following_chain import FollowingChain
 
-__all__ = ["JointPositions", "StateSettings", "is_empty"]
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
+
+__all__ = ["JointPositions", "StateSettings", "Way", "is_empty"]
 
 Array = NDArray[np.float64]
+# What moves a link: a chain, one with joints that mimic, or all limbs of a parallel robot.
+Way: TypeAlias = "SerialChain | FollowingChain | Mechanism"
 
 
 @dataclass(frozen=True)
@@ -41,7 +48,8 @@ class JointPositions:
     A state without names has one position for every joint of the configured chain, in its order,
     whichever link it serves; for the chain to another link it may also have one for every joint
     of that chain.  One with the name of a posture in the place of a joint's, and no position, is
-    that posture.
+    that posture.  Of a parallel robot states are read by :class:`LoopPositions`, whatever part of
+    its joints is asked for.
 
     Parameters
     ----------
@@ -54,9 +62,37 @@ class JointPositions:
     def __init__(self, model: RobotModel, monitor: JointStateMonitor) -> None:
         self._model = model
         self._monitor = monitor
+        #: Reads postures of a parallel robot; None for other robots.
+        self.loops = None if model.mechanism is None else LoopPositions(model.mechanism)
 
-    def read(self, chain: SerialChain | FollowingChain, state: JointState, what: str) -> Array:
+    def read(self, chain: Way, state: JointState, what: str) -> Array:
         """Read the positions, shape (n,), that a request must give."""
+        if self.loops is not None:
+            return self._of(chain, self.loops.read(state, what, self.present_posture()))
+        return self._read(chain, state, what)
+
+    def present_posture(self) -> Array | None:
+        """Give all joints (n,) of a parallel robot as they are, None where they are not known."""
+        loops = self.loops
+        found = None if loops is None else self._monitor.positions(loops.mechanism.joint_names)
+        return None if loops is None or found is None else loops.closed(found, "the present state")
+
+    def _of(self, way: Way, q: Array) -> Array:
+        """Pick the joints of a way from all joints (n,) of a parallel robot."""
+        assert self.loops is not None
+        at = dict(zip(self.loops.mechanism.joint_names, q, strict=True))
+        return np.array([at[name] for name in way.joint_names])
+
+    def _posture_as_known(self) -> Array:
+        """Give all joints (n,) of a parallel robot of which the drives at least are known."""
+        assert self.loops is not None
+        found = self.present_posture()
+        if found is None:
+            drives = self._monitor.require(self.loops.mechanism.actuated)
+            found = self.loops.complete(drives, "the present state")
+        return found
+
+    def _read(self, chain: Way, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
         if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
             return self._model.posture(chain, state.name[0])
@@ -74,7 +110,7 @@ class JointPositions:
 
     async def read_or_present(
         self,
-        chain: SerialChain | FollowingChain,
+        chain: Way,
         state: JointState,
         what: str,
         patience: float,
@@ -86,12 +122,15 @@ class JointPositions:
         NoStateError
             They are not known, even after waiting for `patience` (s).
         """
+        if is_empty(state) and self.loops is not None:
+            await self._monitor.wait_for(self.loops.mechanism.actuated, patience)
+            return self._of(chain, self._posture_as_known())
         if is_empty(state):
             await self._monitor.wait_for(chain.joint_names, patience)
             return self._monitor.require(chain.joint_names)
         return self.read(chain, state, what)
 
-    async def at_rest(self, chain: SerialChain, patience: float, tolerance: float) -> Array:
+    async def at_rest(self, chain: Way, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
 
         Raises
@@ -101,10 +140,15 @@ class JointPositions:
         RobotMovesError
             A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
         """
+        if self.loops is not None:
+            drives = self.loops.mechanism.actuated
+            await self._monitor.wait_for(drives, patience, tolerance)
+            self._monitor.require_rest(drives, tolerance, self._model.units)
+            return self._of(chain, self._posture_as_known())
         await self._monitor.wait_for(chain.joint_names, patience, tolerance)
         return self._monitor.require_rest(chain.joint_names, tolerance, self._model.units)
 
-    def seed(self, chain: SerialChain, state: JointState) -> Array:
+    def seed(self, chain: Way, state: JointState) -> Array:
         """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.
 
         A present position outside the limits is taken at the limit: a robot at its stop, as it
@@ -112,12 +156,15 @@ class JointPositions:
         """
         if not is_empty(state):
             return self.read(chain, state, "seed")
+        if self.loops is not None:
+            known = self.present_posture()
+            return self._of(chain, self.loops.mechanism.home() if known is None else known)
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
     async def rows(
         self,
-        chains: Sequence[SerialChain | FollowingChain],
+        chains: Sequence[Way],
         states: Sequence[JointState],
         patience: float,
     ) -> list[Array]:

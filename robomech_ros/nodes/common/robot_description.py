@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,10 @@ from robomech_ros.robots import (
 from robomech_ros.robots.following_chain import FollowingChain, following_chain
 from robomech_ros.robots.group_chains import group_of_chain
 from robomech_ros.robots.semantic import HOME
+from robomech_ros.trajectory.limits import JointLimits, Limits
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
 
 __all__ = [
     "LATCHED",
@@ -93,7 +98,7 @@ class FrameSettings(RobotSettings):
 
 
 class RobotModel:
-    """A robot and the chain in it that a node works with.
+    """A robot and the chain in it that a node works with, or the loops of a parallel robot.
 
     Parameters
     ----------
@@ -107,15 +112,25 @@ class RobotModel:
         Its groups and named postures; default none but ``home``.
     group : str, optional
         The group whose chain is meant, see :func:`main_chain`.
+    mechanism : Mechanism, optional
+        The loops of a parallel robot, whose tree the description is.
 
     Attributes
     ----------
     semantic : SemanticDescription
+    mechanism : Mechanism or None
+    chain : SerialChain
+        From base to tip; of a parallel robot the first limb, which carries the platform.
+    commanded : SerialChain or Limits
+        Names and limits of the joints that trajectories move: those of the chain, or the drives of
+        a parallel robot.
 
     Raises
     ------
     ParameterError
         The prefix begins with a slash, which tf does not allow.
+    BadValueError
+        Ends or a group that a parallel robot does not have.
     """
 
     def __init__(
@@ -126,6 +141,7 @@ class RobotModel:
         frame_prefix: str = "",
         semantic: SemanticDescription | None = None,
         group: str = "",
+        mechanism: "Mechanism | None" = None,
     ) -> None:
         if frame_prefix.startswith("/"):
             expected = "a text without a slash in front, such as left/: tf has no such frames"
@@ -134,7 +150,16 @@ class RobotModel:
         self.description = description = _at_home(description, known)
         self.frame_prefix = frame_prefix
         self.semantic = known
-        self.chain: SerialChain = main_chain(description, self.semantic, base_link, tip_link, group)
+        self.mechanism = mechanism
+        self.chain: SerialChain
+        self.commanded: JointLimits
+        if mechanism is None:
+            self.chain = main_chain(description, self.semantic, base_link, tip_link, group)
+            self.commanded = self.chain
+        else:
+            _check_ends(mechanism, base_link, tip_link, group)
+            self.chain = mechanism.limbs[0].chain
+            self.commanded = Limits.of(mechanism).only(mechanism.drive_index.tolist())
         self._group_chains: dict[tuple[str, str], SerialChain] = {}
         #: Units of the positions of all joints, by name.
         self.units = {joint.name: joint.unit for joint in description.joints}
@@ -273,6 +298,18 @@ class RobotModel:
         """Take other groups and named postures than so far; the configured chain stays."""
         self.semantic = semantic
         self._group_chains = {}
+
+
+def _check_ends(mechanism: "Mechanism", base_link: str, tip_link: str, group: str) -> None:
+    """Refuse ends of a chain where all limbs are meant."""
+    for what, given, there in (
+        ("base_link", base_link, mechanism.base_link),
+        ("tip_link", tip_link, mechanism.platform_link),
+        ("group", group, ""),
+    ):
+        if given not in ("", there):
+            expected = f"'{there}' or empty" if there else "empty"
+            raise BadValueError(what, given, f"{expected}: all limbs of '{mechanism.name}' move")
 
 
 def _at_home(description: RobotDescription, semantic: SemanticDescription) -> RobotDescription:

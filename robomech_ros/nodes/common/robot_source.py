@@ -10,7 +10,8 @@ from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel, RobotSettings
 from robomech_ros.nodes.common.semantic_source import SEMANTIC_TOPIC, SemanticSource
 from robomech_ros.nodes.common.sparing_log import PERIOD, SparingLog
-from robomech_ros.robots import RobotDescription, load_description
+from robomech_ros.parallel.described import load_described
+from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.library import is_document
 
 __all__ = ["when_robot_known"]
@@ -24,6 +25,8 @@ def when_robot_known(
     settings: RobotSettings,
     on_robot: Callable[[RobotModel], None],
     supplemented: Callable[[RobotDescription], RobotDescription] | None = None,
+    *,
+    parallel: bool = False,
 ) -> None:
     """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
 
@@ -39,6 +42,8 @@ def when_robot_known(
         Called once, and again after a RobomechError, with which it refuses a robot of the topic.
     supplemented : callable, optional
         Gives the robot what its description lacks.
+    parallel : bool, optional
+        Whether the node serves parallel robots, too; it refuses them otherwise.
 
     Raises
     ------
@@ -51,12 +56,15 @@ def when_robot_known(
     )
 
     def begin(robot: str) -> None:
-        described = load_description(robot)
+        loaded = load_described(robot)
+        described, mechanism = loaded.description, loaded.mechanism
+        if mechanism is not None and not (parallel and supplemented is None):
+            _refuse(node, described.name, parallel)
         if supplemented is not None:
             described = supplemented(described)
         ends = settings.base_link, settings.tip_link
         known = source.semantic(described), settings.group
-        model = RobotModel(described, *ends, settings.frame_prefix, *known)
+        model = RobotModel(described, *ends, settings.frame_prefix, *known, mechanism)
         on_robot(model)
         source.teach(model)
 
@@ -65,6 +73,15 @@ def when_robot_known(
         Readiness(node)
         return
     _WaitingNode(node, settings, source, begin)
+
+
+def _refuse(node: Node, robot: str, parallel: bool) -> None:
+    """Say what a node does not do with a parallel robot."""
+    if parallel:
+        expected = f"none for '{robot}': a parallel robot has the limits of its own document"
+        raise BadValueError("joint_limits", "a file", expected)
+    expected = f"a robot without loops: the node '{node.get_name()}' serves no parallel robots"
+    raise BadValueError("robot_description", robot, expected)
 
 
 class _WaitingNode:

@@ -51,7 +51,7 @@ class JointTrajectoryControllerNode(Node):
         self._settings = NodeParameters(
             self, ControllerSettings, self._change, self._check
         ).settings
-        when_robot_known(self, self._settings, self._serve)
+        when_robot_known(self, self._settings, self._serve, parallel=True)
 
     def _serve(self, model: RobotModel) -> None:
         clock, settings = MotionClock(self), self._settings

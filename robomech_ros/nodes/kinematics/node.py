@@ -100,7 +100,7 @@ class KinematicsNode(Node):
         self._monitor = JointStateMonitor(self)
         self._points = SolutionPoints()
         self._measured: set[SerialChain] = set()
-        when_robot_known(self, self._table.settings, self._serve)
+        when_robot_known(self, self._table.settings, self._serve, parallel=True)
 
     def stop(self) -> None:
         """Answer those who wait for what takes long."""

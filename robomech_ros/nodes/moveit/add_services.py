@@ -43,6 +43,8 @@ def add_moveit_services(
     bool
         Whether they are there.
     """
+    if _is_parallel(node, model, "compute_ik and compute_fk"):
+        return False
     try:
         from robomech_ros.nodes.moveit.services import MoveItServices
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
@@ -79,6 +81,8 @@ def add_cartesian_path_service(
     bool
         Whether it is there.
     """
+    if _is_parallel(node, model, "compute_cartesian_path"):
+        return False
     try:
         from robomech_ros.nodes.moveit.cartesian_service import CartesianPathService
         from robomech_ros.nodes.moveit.whole_robot import WholeRobot
@@ -87,6 +91,13 @@ def add_cartesian_path_service(
         return False
     CartesianPathService(node, WholeRobot(model, monitor, frames), monitor, settings, worker)
     return True
+
+
+def _is_parallel(node: Node, model: RobotModel, services: str) -> bool:
+    """Log why there are no such services of a parallel robot, whose loops MoveIt cannot know."""
+    if model.mechanism is not None:
+        node.get_logger().info(f"no {services}: '{model.chain.name}' is a parallel robot")
+    return model.mechanism is not None
 
 
 def _tell(node: Node, services: str, error: ImportError) -> None:

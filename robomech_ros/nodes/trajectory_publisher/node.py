@@ -70,7 +70,7 @@ class TrajectoryPublisherNode(Node):
         self._programs = ProgramService(self, table, self._runner, self._loop, self._link)
         SpeedServices(self, self._loop, self._runner.cancel, self._plans.give_up)
         if settings.robot_description:
-            when_robot_known(self, settings, self._know_robot)
+            when_robot_known(self, settings, self._know_robot, parallel=True)
         else:
             # Who only sends trajectories needs no robot.
             Readiness(self)

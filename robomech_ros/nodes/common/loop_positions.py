@@ -1,0 +1,108 @@
+"""Joint positions of a parallel robot as requests give them: of all joints, or of its drives."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+
+from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.joint_messages import positions_by_name
+from robomech_ros.outcomes import Code
+from robomech_ros.robots.semantic import HOME
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel import Mechanism
+
+__all__ = ["LoopPositions"]
+
+Array = NDArray[np.float64]
+
+# Loops that are open by less (m, rad) are those of a posture written with few digits.
+_OPEN = 1e-3
+
+
+class LoopPositions:
+    """Reads postures that close all loops of a mechanism of n joints and m drives.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+
+    def __init__(self, mechanism: "Mechanism") -> None:
+        self.mechanism = mechanism
+
+    def gives_drives(self, state: JointState) -> bool:
+        """Whether a state leaves the passive joints open."""
+        if not state.name:
+            return len(state.position) == self.mechanism.dof
+        return bool(state.position) and not {*state.name} & {*self.mechanism.passive}
+
+    def read(self, state: JointState, what: str, present: Array | None = None) -> Array:
+        """Read a posture, shape (n,), that closes the loops.
+
+        A state with all joints is taken as it is, after its loops have been closed to rounding.
+        One with the drives alone, by name or in their order, is completed: in the assembly mode of
+        the present posture, or where that is not known in the mode nearest to home.  The name
+        ``home`` with no position stands for that posture.
+
+        Parameters
+        ----------
+        state : JointState
+            rad or m.
+        what : str
+            What it is, for messages.
+        present : ndarray, shape (n,), optional
+            All joints, loops closed.
+
+        Raises
+        ------
+        WrongSizeError, UnknownJointError, NonFiniteError
+            Not positions of all joints, or of the drives.
+        BadValueError
+            They leave the loops open.
+        OutcomeError
+            The drives can hold the platform nowhere, or a singular posture is in their way.
+        """
+        mechanism = self.mechanism
+        if list(state.name) == [HOME] and not state.position:
+            return mechanism.home()
+        if self.gives_drives(state):
+            drives = positions_by_name(state, mechanism.actuated, what)
+            return self.complete(drives, what, present)
+        if not state.name and len(state.position) != mechanism.n:
+            expected = f"{mechanism.dof}, of the drives, or {mechanism.n}, of all joints"
+            raise WrongSizeError(f"{what}.position", len(state.position), expected)
+        return self.closed(positions_by_name(state, mechanism.joint_names, what), what)
+
+    def complete(self, drives: Array, what: str, present: Array | None = None) -> Array:
+        """Find all joints, shape (n,), for positions of the drives, shape (m,) (rad or m)."""
+        mechanism = self.mechanism
+        if present is not None:
+            followed = mechanism.close(drives, present)
+            if followed.status != Code.NONE:
+                way = "on the straight way of the drives from the present posture"
+                raise OutcomeError(Code.SINGULAR, f"{what}: {way}, {followed.reason}")
+            return followed.q
+        modes = mechanism.direct(drives, seed=mechanism.home())
+        if not len(modes):
+            raise OutcomeError(modes.status, f"{what}: {modes.reason}")
+        return np.array(modes.q[0])
+
+    def closed(self, q: Array, what: str) -> Array:
+        """Close the loops of a posture, shape (n,), which must be nearly closed."""
+        mechanism = self.mechanism
+        errors = mechanism.loop_errors(q)
+        found = mechanism.close(q[mechanism.drive_index], q)
+        if errors.max() > _OPEN or found.status != Code.NONE:
+            limb = int(np.argmax(errors.max(axis=1)))
+            distance, angle = errors[limb]
+            expected = (
+                f"loops closed to {_OPEN:g}: limb {limb + 1} ends {distance:.3g} m and "
+                f"{angle:.3g} rad from where limb 1 holds the platform; give the drives alone, "
+                f"{', '.join(mechanism.actuated)}, to have the others found"
+            )
+            raise BadValueError(f"{what}.position", q.tolist(), expected)
+        return found.q

@@ -1,0 +1,139 @@
+"""Any robot as a tree of links, and with the loops of the tree where it is parallel.
+
+A URDF knows no loops.  That of a parallel robot has an element, which others pass over, with the
+document that the robot was made from::
+
+    <parallel_robot document="{...}"/>
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robomech_ros.errors import RobotDescriptionError, UnknownRobotError
+from robomech_ros.parallel.files import SUFFIXES, parallel_files
+from robomech_ros.robots import RobotDescription, list_robots, load_description
+from robomech_ros.robots.guarded_xml import is_xml, parse_xml
+from robomech_ros.robots.guarded_yaml import LARGEST_YAML, parse_yaml
+from robomech_ros.robots.library import is_document
+from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.urdf.document import description_from_urdf
+from robomech_ros.robots.urdf.elements import element
+
+if TYPE_CHECKING:
+    from robomech_ros.parallel.mechanism.model import Mechanism
+
+__all__ = ["DescribedRobot", "load_described"]
+
+_TAG, _DOCUMENT = "parallel_robot", "document"
+_END = "</robot>"
+
+
+@dataclass(frozen=True, eq=False)
+class DescribedRobot:
+    """A robot as a tree of links and joints, and its loops.
+
+    Parameters
+    ----------
+    description : RobotDescription
+        The tree.  Of a parallel robot it is a URDF with cut loops, from which the robot can be
+        loaded again, loops included, and ``home`` closes them.
+    mechanism : Mechanism or None
+        The loops; None where there are none.
+    """
+
+    description: RobotDescription
+    mechanism: Mechanism | None = None
+
+
+def load_described(robot: str | os.PathLike[str]) -> DescribedRobot:
+    """Load a robot of any kind.
+
+    Parameters
+    ----------
+    robot : str or path
+        The name of a robot (see :func:`robomech_ros.robots.list_robots` and
+        :func:`robomech_ros.parallel.list_parallel`), the path of a ``.urdf`` or ``.yaml`` file, or
+        the text of either.
+
+    Raises
+    ------
+    UnknownRobotError
+        No robot of this name; the error lists those there are.
+    RobotDescriptionError
+        The description cannot be used: the message says where and why.
+
+    Examples
+    --------
+    >>> from robomech_ros.parallel import load_described
+    >>> load_described("puma560").mechanism is None
+    True
+    >>> load_described("delta").mechanism.actuated
+    ('leg1_base', 'leg2_base', 'leg3_base')
+    """
+    found = _yaml_of(robot)
+    if found is not None:
+        text, where = found
+        if parse_yaml(text, where).get("kind") == "parallel":
+            return _parallel(text, where)
+    try:
+        description = load_description(robot)
+    except UnknownRobotError as error:
+        raise UnknownRobotError(error.name, sorted({*list_robots(), *parallel_files()})) from None
+    if description.document:
+        for one in parse_xml(description.document, description.where).all(_TAG):
+            return _from_element(description, one.attributes)
+    return DescribedRobot(description)
+
+
+def _yaml_of(robot: object) -> tuple[str | bytes, str] | None:
+    """Give the text of a YAML document and what it is called; None for what else is given."""
+    if isinstance(robot, str):
+        if is_document(robot):
+            return None if is_xml(robot) else (robot, "YAML string")
+        name = robot.strip()
+        known = {} if name in list_robots() else parallel_files()
+        path = known.get(name, Path(name).expanduser())
+    elif isinstance(robot, os.PathLike):
+        path = Path(robot)
+    else:
+        return None
+    if path.suffix.lower() not in SUFFIXES:
+        return None
+    return read_source(path, LARGEST_YAML), str(path)
+
+
+def _parallel(text: str | bytes, where: str) -> DescribedRobot:
+    """Make a parallel robot of its document, and the URDF of its tree."""
+    from robomech_ros.parallel.library import parallel_from_yaml
+
+    mechanism = parallel_from_yaml(text, where).mechanism
+    document = parse_yaml(text, where)
+    own = element(_TAG, {_DOCUMENT: json.dumps(document)})
+    head, end, rest = mechanism.urdf().rpartition(_END)
+    description = description_from_urdf(f"{head}  {own}\n{end}{rest}", where)
+    return _at_home(replace(description, source=document["source"]), mechanism)
+
+
+def _from_element(description: RobotDescription, attributes: dict[str, str]) -> DescribedRobot:
+    """Make the parallel robot of a URDF with its document."""
+    from robomech_ros.parallel.library import parallel_from_yaml
+
+    where = f"{description.where}: <{_TAG}>"
+    if _DOCUMENT not in attributes:
+        raise RobotDescriptionError(where, f"missing attribute '{_DOCUMENT}'")
+    mechanism = parallel_from_yaml(attributes[_DOCUMENT], where).mechanism
+    tree = {joint.name for joint in description.joints}
+    missing = [name for name in mechanism.joint_names if name not in tree]
+    if missing:
+        raise RobotDescriptionError(where, f"joint '{missing[0]}' is not in the tree of links")
+    return _at_home(description, mechanism)
+
+
+def _at_home(description: RobotDescription, mechanism: Mechanism) -> DescribedRobot:
+    home: dict[str, Any] = dict(zip(mechanism.joint_names, mechanism.home().tolist(), strict=True))
+    return DescribedRobot(replace(description, home=home), mechanism)
