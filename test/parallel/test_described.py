@@ -34,8 +34,7 @@ def test_all_limbs_of_the_tree_end_where_the_platform_is(name):
     robot = load_described(name)
     mechanism, q = robot.mechanism, robot.mechanism.home()
     at = dict(zip(mechanism.joint_names, q, strict=True))
-    ends = ["platform", *(f"leg{i + 1}_platform" for i in range(1, len(mechanism.limbs)))]
-    for link in ends:
+    for link in [limb.chain.tip for limb in mechanism.limbs]:
         chain = robot.description.chain("base_link", link)
         T = forward_kinematics(chain, np.array([at[joint] for joint in chain.joint_names]))
         np.testing.assert_allclose(T, mechanism.pose(q), atol=1e-12)

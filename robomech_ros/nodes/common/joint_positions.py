@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,8 @@ __all__ = ["JointPositions", "StateSettings", "Way", "is_empty"]
 
 Array = NDArray[np.float64]
 # What moves a link: a chain, one with joints that mimic, or all limbs of a parallel robot.
-Way: TypeAlias = "SerialChain | FollowingChain | Mechanism"
+_Serial: TypeAlias = SerialChain | FollowingChain
+Way: TypeAlias = "_Serial | Mechanism"
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class JointPositions:
         """Read the positions, shape (n,), that a request must give."""
         if self.loops is not None:
             return self._of(chain, self.loops.read(state, what, self.present_posture()))
-        return self._read(chain, state, what)
+        return self._read(cast(_Serial, chain), state, what)
 
     def present_posture(self) -> Array | None:
         """Give all joints (n,) of a parallel robot as they are, None where they are not known."""
@@ -92,7 +93,7 @@ class JointPositions:
             found = self.loops.complete(drives, "the present state")
         return found
 
-    def _read(self, chain: Way, state: JointState, what: str) -> Array:
+    def _read(self, chain: _Serial, state: JointState, what: str) -> Array:
         whole, size = self._model.chain, len(state.position)
         if not size and len(state.name) == 1 and state.name[0] not in self._model.joint_names:
             return self._model.posture(chain, state.name[0])
@@ -159,6 +160,7 @@ class JointPositions:
         if self.loops is not None:
             known = self.present_posture()
             return self._of(chain, self.loops.mechanism.home() if known is None else known)
+        chain = cast(SerialChain, chain)
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 
