@@ -12,7 +12,13 @@ from robomech_ros.dynamics.model import raise_outcome
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 
-__all__ = ["dissipated_power", "dissipation", "friction_model", "friction_torque"]
+__all__ = [
+    "dissipated_power",
+    "dissipation",
+    "friction_model",
+    "friction_of_rates",
+    "friction_torque",
+]
 
 Array = NDArray[np.float64]
 
@@ -77,10 +83,16 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     Dupont, Canudas de Wit, Automatica 30, 1994, for the decay of static friction.
     """
     qd = _rates(chain, qd)
-    viscous, coulomb, excess, decay = friction_model(chain)
-    dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
     with np.errstate(over="ignore"):
-        return _finite(chain, qd, viscous * qd + dry * np.sign(qd))
+        return _finite(chain, qd, friction_of_rates(friction_model(chain), qd))
+
+
+def friction_of_rates(rows: Array, qd: Array) -> Array:
+    """Compute the friction of joints, for the rows of :func:`friction_model`."""
+    viscous, coulomb, excess, decay = rows
+    dry = coulomb + excess * np.exp(-(np.minimum(np.abs(qd) * decay, 30.0) ** 2))
+    torque: Array = viscous * qd + dry * np.sign(qd)
+    return torque
 
 
 def dissipation(chain: SerialChain, qd: ArrayLike) -> Array:

@@ -25,6 +25,7 @@ from robomech_ros.spatial.arrays import real_array, real_number
 __all__ = [
     "GRAVITY",
     "body_parameters",
+    "body_rows",
     "dynamic_model",
     "positive_number",
     "raise_outcome",
@@ -85,7 +86,17 @@ def body_parameters(chain: SerialChain) -> Array:
         As for :func:`dynamic_model`.
     """
     check_chain(chain)
-    rows = chain.packed_bodies.copy()
+    return body_rows(chain.packed_bodies)
+
+
+def body_rows(packed: Array) -> Array:
+    """Give moments about the origins of bodies packed as in a chain, (n, 10).
+
+    See Also
+    --------
+    body_parameters : what the numbers are.
+    """
+    rows = packed.copy()
     mass, com = rows[:, 0], rows[:, 1:4].copy()
     rows[:, 1:4] *= mass[:, None]
     square = (com**2).sum(axis=1)

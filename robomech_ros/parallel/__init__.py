@@ -10,6 +10,8 @@ from robomech_ros.lazy import lazy_exports
 if TYPE_CHECKING:
     from robomech_ros.parallel.delta import Delta
     from robomech_ros.parallel.described import DescribedRobot, load_described
+    from robomech_ros.parallel.dynamics.complement import JointReactions
+    from robomech_ros.parallel.dynamics.parallel_dynamics import ParallelDynamics
     from robomech_ros.parallel.files import list_parallel
     from robomech_ros.parallel.kinetostatics.conditioning import (
         dexterity,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from robomech_ros.parallel.library import ParallelRobot, load_parallel
     from robomech_ros.parallel.mechanism.limb import Limb
     from robomech_ros.parallel.mechanism.model import Mechanism
+    from robomech_ros.parallel.mechanism.parts import Parts
     from robomech_ros.parallel.mechanism.result import (
         AssemblyModes,
         ClosedPosture,
@@ -58,13 +61,16 @@ __all__ = [
     "DrivePath",
     "DrivePlan",
     "FollowedPose",
+    "JointReactions",
     "Limb",
     "LimbPostures",
     "LoopSingularity",
     "Mechanism",
     "MechanismFollower",
     "MechanismPostures",
+    "ParallelDynamics",
     "ParallelRobot",
+    "Parts",
     "Planar3RPR",
     "Planar3RRR",
     "PlatformWorkspace",
@@ -123,12 +129,15 @@ _MODULES = {
     "DrivePath": "motion.drive_paths",
     "DrivePlan": "motion.planning",
     "FollowedPose": "result",
+    "JointReactions": "dynamics.complement",
     "Limb": "mechanism.limb",
     "LimbPostures": "result",
     "Mechanism": "mechanism.model",
     "MechanismPostures": "mechanism.result",
     "MechanismFollower": "motion.follower",
+    "ParallelDynamics": "dynamics.parallel_dynamics",
     "ParallelRobot": "library",
+    "Parts": "mechanism.parts",
     "Planar3RPR": "planar",
     "Planar3RRR": "planar",
     "Spherical3RRR": "spherical",

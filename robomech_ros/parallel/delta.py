@@ -16,6 +16,7 @@ from robomech_ros.parallel.limbs import Limb, postures
 from robomech_ros.parallel.mechanism.delta_limbs import delta_limbs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import nearest_first
 
@@ -68,6 +69,9 @@ class Delta:
     array([-1.064452,  1.064452])
     """
 
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
+
     def __init__(
         self,
         base_radius: float,
@@ -103,7 +107,11 @@ class Delta:
         angles = np.linspace(self.limits.min(), self.limits.max(), _TRIED)
         poses = [self.direct(np.full(3, angle)).poses[:1] for angle in angles]
         return Mechanism(
-            limbs, name=self.name, direct=self.direct, home_poses=np.concatenate(poses)
+            limbs,
+            name=self.name,
+            direct=self.direct,
+            home_poses=np.concatenate(poses),
+            parts=self.parts,
         )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:

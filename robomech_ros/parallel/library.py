@@ -9,14 +9,20 @@ A document says what the robot is, where its numbers come from, and the argument
     base_points: [[0.0, 0.5, 0.0], ...]
     platform_points: [[0.0, 0.2, 0.0], ...]
     strokes: [0.6, 0.9]
+    bodies:
+      platform: {mass: 12.0, com: [0.0, 0.0, 0.0], inertia: {ixx: 0.3, iyy: 0.3, izz: 0.5}}
+      rod: {mass: 1.5, com: [-0.2, 0.0, 0.0], inertia: {ixx: 0.001, iyy: 0.03, izz: 0.03}}
+    drive: {viscous: 50.0, coulomb: 5.0}
 
-Names are those of files in the folder ``parallel`` of the folders of robots.
+Bodies are those of :class:`Parts`, with the keys that bodies of arms have.  Names are those of
+files in the folder ``parallel`` of the folders of robots.
 """
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +34,13 @@ from robomech_ros.errors import (
 )
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.files import SUFFIXES, parallel_files
+from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.robots.guarded_yaml import LARGEST_YAML, check_keys, parse_yaml
 from robomech_ros.robots.source_files import read_source
+from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 
 __all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
 
@@ -63,6 +71,7 @@ TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
     ),
 }
 _HEAD = ("kind", "name", "source", "type")
+_PARTS = ("bodies", "drive")
 _KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *more)})
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
@@ -130,7 +139,7 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot:
     RobotDescriptionError
         It cannot be used: the message says where and why.
     """
-    document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_KEYS))
+    document = check_keys(parse_yaml(text, where), where, _HEAD, ("notes", *_PARTS, *_KEYS))
     for key, known in (("kind", ("parallel",)), ("type", tuple(TYPES))):
         if document[key] not in known:
             why = f"{str(document[key])[:80]!r}, expected {' or '.join(known)}"
@@ -139,10 +148,20 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot:
         if not isinstance(document[key], str) or not document[key].strip():
             raise RobotDescriptionError(f"{where}: {key}", "expected a text")
     make, needed, more = TYPES[document["type"]]
-    geometry = {key: value for key, value in document.items() if key not in (*_HEAD, "notes")}
+    others = (*_HEAD, *_PARTS, "notes")
+    geometry = {key: value for key, value in document.items() if key not in others}
     check_keys(geometry, where, needed, more)
     try:
         robot: ParallelRobot = make(**geometry, name=document["name"])
+        robot.parts = _parts(document, where)
     except RobomechError as error:
         raise RobotDescriptionError(where, str(error)) from None
     return robot
+
+
+def _parts(document: Mapping[str, Any], where: str) -> Parts:
+    given, place = document.get("bodies", {}), f"{where}: bodies"
+    if not isinstance(given, dict):
+        raise RobotDescriptionError(place, "expected names of links with their bodies")
+    bodies = {str(name): body_from_yaml(body, f"{place}: {name}") for name, body in given.items()}
+    return Parts(bodies, drive_from_yaml(document.get("drive", {}), f"{where}: drive"))

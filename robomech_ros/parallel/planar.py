@@ -22,6 +22,7 @@ from robomech_ros.parallel.limbs import planar_limb, postures
 from robomech_ros.parallel.mechanism.home_poses import planar_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.mechanism.planar_limbs import folding_limbs, sliding_limbs
 from robomech_ros.parallel.platform_geometry import checked_points, checked_strokes
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
@@ -37,6 +38,9 @@ class _Planar:
     """A triangle whose corners are at given distances from three points."""
 
     family = "planar"
+
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
 
     def __init__(self, base_points: ArrayLike, platform_points: ArrayLike, name: str) -> None:
         self.name = name
@@ -103,6 +107,9 @@ class Planar3RPR(_Planar):
 
     family = "planar 3-RPR"
 
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
+
     def __init__(
         self,
         base_points: ArrayLike,
@@ -123,7 +130,9 @@ class Planar3RPR(_Planar):
         limbs = sliding_limbs(self.name, a, b, self.strokes)
         limbs = with_drive_limits(limbs, self.drive_limits)
         homes = planar_homes(a, b)
-        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=homes)
+        return Mechanism(
+            limbs, name=self.name, direct=self.direct, home_poses=homes, parts=self.parts
+        )
 
     def inverse(self, T: ArrayLike) -> Array:
         """Find the leg lengths (3,) for a pose (m), also where they are outside the strokes.
@@ -208,6 +217,9 @@ class Planar3RRR(_Planar):
 
     family = "planar 3-RRR"
 
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
+
     def __init__(
         self,
         base_points: ArrayLike,
@@ -232,7 +244,9 @@ class Planar3RRR(_Planar):
         limbs = folding_limbs(self.name, a, b, self.proximal, self.distal, self.limits)
         limbs = with_drive_limits(limbs, self.drive_limits)
         homes = planar_homes(a, b)
-        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=homes)
+        return Mechanism(
+            limbs, name=self.name, direct=self.direct, home_poses=homes, parts=self.parts
+        )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the driven joints that hold a pose: up to eight.

@@ -20,6 +20,7 @@ from robomech_ros.parallel.limbs import postures, turning_limb
 from robomech_ros.parallel.mechanism.home_poses import spherical_homes
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.mechanism.spherical_limbs import spherical_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult, LimbPostures
 from robomech_ros.parallel.seeds import modes_found, nearest_first
@@ -69,6 +70,9 @@ class Spherical3RRR:
 
     family = "spherical 3-RRR"
 
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
+
     def __init__(
         self,
         base_axes: ArrayLike,
@@ -109,7 +113,13 @@ class Spherical3RRR:
             self.limits,
         )
         limbs = with_drive_limits(limbs, self.drive_limits)
-        return Mechanism(limbs, name=self.name, direct=self.direct, home_poses=spherical_homes())
+        return Mechanism(
+            limbs,
+            name=self.name,
+            direct=self.direct,
+            home_poses=spherical_homes(),
+            parts=self.parts,
+        )
 
     def inverse(self, T: ArrayLike, *, seed: ArrayLike | None = None) -> LimbPostures:
         """Find all angles of the drives that hold an orientation: up to eight.

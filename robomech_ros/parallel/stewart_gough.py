@@ -19,6 +19,7 @@ from robomech_ros.parallel.mechanism.home_poses import platform_home
 from robomech_ros.parallel.mechanism.legs import extending_legs
 from robomech_ros.parallel.mechanism.limb import checked_drive_limits, with_drive_limits
 from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.platform_geometry import (
     SINGULAR_ARCHITECTURE,
     ScaledPlatform,
@@ -86,6 +87,9 @@ class StewartGough:
     array([1.538, 1.695, 2.658, 2.649, 1.653, 1.5  ])
     """
 
+    # Bodies and what drives add to them: to be set before the mechanism is asked for.
+    parts = Parts()
+
     def __init__(
         self,
         base_points: ArrayLike,
@@ -128,7 +132,9 @@ class StewartGough:
         home = platform_home(self.base_points, self.platform_points, self.strokes)
         legs = extending_legs(self.name, self.base_points, self.platform_points, self.strokes, home)
         legs = with_drive_limits(legs, self.drive_limits)
-        return Mechanism(legs, name=self.name, direct=self.direct, home_poses=home[None])
+        return Mechanism(
+            legs, name=self.name, direct=self.direct, home_poses=home[None], parts=self.parts
+        )
 
     def inverse(self, T: ArrayLike) -> Array:
         r"""Find the leg lengths for a pose: :math:`L_i = |p + R b_i - a_i|`.

@@ -16,7 +16,7 @@ from robomech_ros.parallel.mechanism.result import ClosedPosture
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 
-__all__ = ["Loops"]
+__all__ = ["Loops", "refuse_status"]
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ class Loops:
             out.reshape(-1, *out.shape[-2:]),
             twists.reshape(-1, 6, tail[1]),
         )
-        _refuse(status, q)
+        refuse_status(status, q)
         return out, twists
 
     def accelerations(self, q: Array, qd: Array, given: Array) -> tuple[Array, Array]:
@@ -101,7 +101,7 @@ class Loops:
             out.reshape(-1, q.shape[-1], 1),
             platform.reshape(-1, 6, 1),
         )
-        _refuse(status, q)
+        refuse_status(status, q)
         return out, platform
 
     def close(self, target: Array, near: Array) -> ClosedPosture:
@@ -131,7 +131,8 @@ def _flat(array: Array, lead: tuple[int, ...], tail: tuple[int, ...]) -> Array:
     return np.ascontiguousarray(np.broadcast_to(array, (*lead, *tail)).reshape(-1, *tail))
 
 
-def _refuse(status: int, q: Array) -> None:
+def refuse_status(status: int, q: Array) -> None:
+    """Raise the error for a status of a kernel that is not 0."""
     if status == NOT_FINITE:
         raise NonFiniteError("pose of the platform", q)
     if status:

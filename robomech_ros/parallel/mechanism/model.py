@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
@@ -13,12 +14,13 @@ from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs
 from robomech_ros.parallel.mechanism.loops import Loops
+from robomech_ros.parallel.mechanism.parts import Parts, limbs_with_parts
 from robomech_ros.parallel.mechanism.postures import limb_postures
 from robomech_ros.parallel.mechanism.result import AssemblyModes, ClosedPosture, MechanismPostures
 from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
-from robomech_ros.robots import RobotDescription
+from robomech_ros.robots import Body, RobotDescription
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_finite
 
@@ -45,6 +47,8 @@ class Mechanism:
         the pose nearest to which they are sorted, or None.
     home_poses : array_like, shape (k, 4, 4)
         Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular.
+    parts : Parts, optional
+        Bodies of links and platform, and what drives add to them.  Default none.
 
     Raises
     ------
@@ -66,9 +70,13 @@ class Mechanism:
         name: str = "mechanism",
         direct: Callable[[Array, Array | None], DirectKinematicsResult],
         home_poses: ArrayLike,
+        parts: Parts | None = None,
     ) -> None:
         self.name = name
-        self.limbs: tuple[Limb, ...] = checked_limbs(limbs)
+        given = checked_limbs(limbs)
+        self.limbs, self.platform_body = limbs_with_parts(
+            given, given[0].chain.tip, Parts() if parts is None else parts
+        )
         chains = [limb.chain for limb in self.limbs]
         self.base_link = chains[0].base
         self.platform_link = chains[0].tip
@@ -96,11 +104,19 @@ class Mechanism:
     jerk: Array
     effort: Array
 
+    def with_platform_body(self, body: Body) -> Mechanism:
+        """Give the mechanism whose platform has another body, seen in its frame."""
+        other = copy.copy(self)
+        other.__dict__.pop("description", None)
+        other.platform_body = body
+        return other
+
     @cached_property
     def description(self) -> RobotDescription:
         """The tree of links and joints, without its loops."""
         chains = [limb.chain for limb in self.limbs]
-        return tree_of_limbs(self.name, chains, shapes_of_limbs(chains, self._home))
+        shapes = shapes_of_limbs(chains, self._home)
+        return tree_of_limbs(self.name, chains, self.platform_body, shapes)
 
     def urdf(self) -> str:
         """Write the tree as a URDF.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from robomech_ros.robots import Joint, RobotDescription, SerialChain
+from robomech_ros.robots import Body, Joint, RobotDescription, SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, unpack_chain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.robots.urdf.writer import written_urdf
@@ -17,15 +17,24 @@ _LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 
 def tree_of_limbs(
-    name: str, chains: Sequence[SerialChain], shapes: Mapping[str, Sequence[Shape]]
+    name: str,
+    chains: Sequence[SerialChain],
+    platform: Body | None,
+    shapes: Mapping[str, Sequence[Shape]],
 ) -> RobotDescription:
     """Put chains from one base side by side, with shapes that are seen of their links.
 
-    The link that a joint moves has the frame of the joint, whose axis is z.
+    The link that a joint moves has the frame of the joint, whose axis is z.  The first chain ends
+    at the platform, which has a body of its own.
     """
     joints = tuple(joint for chain in chains for joint in _joints(chain))
     links = (chains[0].base, *(joint.child for joint in joints))
-    tree = RobotDescription(name, links, joints, where=name)
+    bodies = {} if platform is None else {chains[0].tip: platform}
+    for chain in chains:
+        for link, body in zip(links_of_joints(chain), chain.bodies, strict=True):
+            if body is not None:
+                bodies[link] = body
+    tree = RobotDescription(name, links, joints, bodies=bodies, where=name)
     return replace(tree, document=written_urdf(tree, shapes))
 
 

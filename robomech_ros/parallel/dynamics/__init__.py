@@ -1,0 +1,1 @@
+"""Dynamics of parallel robots, by the natural orthogonal complement of their loops."""

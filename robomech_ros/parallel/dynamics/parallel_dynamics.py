@@ -1,0 +1,440 @@
+"""Dynamics of parallel robots over their drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros._kernels.loops import dynamics as kernels
+from robomech_ros._kernels.loops.factors import NOT_FINITE, REGULAR
+from robomech_ros.dynamics import ConstrainedBodies
+from robomech_ros.dynamics.friction import friction_model, friction_of_rates
+from robomech_ros.dynamics.model import GRAVITY, surroundings
+from robomech_ros.dynamics.systems import CompiledForward, LostPostureError
+from robomech_ros.errors import BadValueError, NonFiniteError, RobomechError, WrongSizeError
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel.dynamics.complement import (
+    JointReactions,
+    bodies_in_motion,
+    joint_reactions,
+)
+from robomech_ros.parallel.dynamics.model import limb_totals, mechanism_model, refuse
+from robomech_ros.parallel.mechanism.model import Mechanism
+from robomech_ros.robots import Body, combined
+from robomech_ros.spatial.arrays import as_finite
+
+__all__ = ["ParallelDynamics"]
+
+Array = NDArray[np.float64]
+
+# How far loops may be open by rounding (m over the robot's size, rad).
+_OPEN = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class ParallelDynamics:
+    r"""The dynamics of a parallel robot, by the natural orthogonal complement of its loops.
+
+    With the rates :math:`\dot q = N \dot a` of all n joints for those of the m drives, and the
+    mass matrix M and the bias h of the open limbs,
+
+    .. math::
+
+       \tau = N^T (M \ddot q + h), \qquad I = N^T M N, \qquad
+       \ddot q = N \ddot a + \dot N \dot a
+
+    which is :math:`T^T (M \dot t + W M t)` with :math:`T = T_{open} N`.  The methods have the
+    names of :class:`DynamicSystem`, so ``simulate`` and ``torque_summary`` take it as they take a
+    chain.  Joint values q, shape (..., n), are those of all joints, and close all loops; rates,
+    accelerations and efforts, shape (..., m), are those of the drives, in the order of
+    ``mechanism.actuated``.  Efforts are without friction, as those of chains: add
+    :meth:`friction`.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With the body of its platform; links of which nothing is known have no mass.
+
+    Raises
+    ------
+    BadValueError
+        Not a mechanism.
+    MissingInertiaError
+        Nothing is known of the mass of the platform.
+
+    See Also
+    --------
+    ConstrainedBodies : the matrices, which :meth:`bodies` gives.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 12.3 and 12.4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.parallel import ParallelDynamics, load_parallel
+    >>> robot = load_parallel("delta").mechanism
+    >>> dynamics, q, still = ParallelDynamics(robot), robot.home(), np.zeros(3)
+    >>> holding = dynamics.inverse(q, still, still)  # N m
+    >>> np.allclose(dynamics.forward(q, still, holding), 0.0, atol=1e-9)
+    True
+    """
+
+    mechanism: Mechanism
+    _model: Array = field(init=False, repr=False)
+    _friction: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mechanism, Mechanism):
+            raise BadValueError(
+                "mechanism", self.mechanism, "a Mechanism, as load_parallel(...) has"
+            )
+        chains = [limb.chain for limb in self.mechanism.limbs]
+        object.__setattr__(self, "_model", mechanism_model(self.mechanism))
+        friction = np.concatenate([friction_model(chain) for chain in chains], axis=1)
+        object.__setattr__(self, "_friction", friction)
+
+    @property
+    def name(self) -> str:
+        """The robot."""
+        return self.mechanism.name
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """All n joints."""
+        return self.mechanism.joint_names
+
+    @property
+    def drive_names(self) -> tuple[str, ...]:
+        """The m joints with drives."""
+        return self.mechanism.actuated
+
+    @property
+    def drives_at(self) -> NDArray[np.int64]:
+        """Where these are among the joints, shape (m,)."""
+        return self.mechanism.drive_index
+
+    @property
+    def lower(self) -> Array:
+        """Lower position limits (rad or m), shape (n,)."""
+        return self.mechanism.lower
+
+    @property
+    def upper(self) -> Array:
+        """Upper position limits (rad or m), shape (n,)."""
+        return self.mechanism.upper
+
+    @property
+    def effort(self) -> Array:
+        """Limits of the drives (N m or N), shape (m,); NaN where there is none."""
+        return self.mechanism.effort[self.mechanism.drive_index]
+
+    @property
+    def friction_rows(self) -> Array:
+        """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
+        return self._friction
+
+    @property
+    def mass(self) -> float:
+        """Of all that moves (kg)."""
+        masses = [body.mass for limb in self.mechanism.limbs for body in limb.chain.bodies if body]
+        assert self.mechanism.platform_body is not None
+        return float(sum(masses) + self.mechanism.platform_body.mass)
+
+    def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
+        """Give joint values (n,) that close all loops, or raise an error.
+
+        Loops that are open by rounding, up to 1e-6 rad and of the robot's size, are closed.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not n finite numbers, or they do not close the loops.
+        """
+        given = as_finite(what, q, (self.mechanism.n,))
+        if given.ndim != 1:
+            raise WrongSizeError(what, given.shape, (self.mechanism.n,))
+        units = np.array([self.mechanism.size, 1.0])
+        if (self.mechanism.loop_errors(given) > _OPEN * units).any():
+            refuse(self.mechanism, kernels.OPEN, given, what)
+        found = self.mechanism.close(given[self.drives_at], given)
+        if found.status != Code.NONE:
+            raise BadValueError(what, given.tolist(), f"closed loops; {found.reason}")
+        return found.q
+
+    def posture(self, values: Array, near: Array) -> Array:
+        """Give all joints (n,) for values of the drives (m,), in the assembly mode of ``near``.
+
+        Raises
+        ------
+        LostPostureError
+            The mode ends before, in a singular posture.
+        """
+        found = self.mechanism.close(values, near)
+        if found.status != Code.NONE:
+            raise LostPostureError(f"the assembly mode is lost: {found.reason}")
+        return found.q
+
+    def complement(self, q: ArrayLike) -> Array:
+        """Give N (..., n, m), from the rates of the drives to those of all joints."""
+        return self.mechanism.complement(q)
+
+    def joint_rates(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Give the rates of all joints (..., n)."""
+        return self.mechanism.rates(q, rates)[0]
+
+    def tip_twist(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Give the twist [omega; v] (..., 6) of the platform in the base."""
+        return self.mechanism.rates(q, rates)[1]
+
+    def inverse(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        gravity: ArrayLike = GRAVITY,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the efforts of the drives that a motion takes.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,) or (..., n)
+            All joints (rad or m), loops closed.
+        rates, accelerations : array_like, shape (m,) or (..., m)
+            Of the drives (rad/s or m/s; per s).
+        gravity : array_like, shape (3,), optional
+            In the axes of the base (m/s^2).
+        tip_wrench : array_like, shape (6,) or (..., 6), optional
+            Moment and force [n; f] that the surroundings exert on the platform, at its origin, in
+            the axes of the base (N m and N).  Default none.
+
+        Returns
+        -------
+        ndarray, shape (m,) or (..., m)
+            Torques or forces (N m or N).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            Not finite real numbers of these shapes, open loops, or a singular posture.
+
+        References
+        ----------
+        Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.4.
+        """
+        q, rates, accelerations = self._states(q, rates=rates, accelerations=accelerations)
+        around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
+        given = _rows(q), _rows(rates), _rows(accelerations)
+        self._check(kernels.inverse(*self._loops(), *given, around, _rows(out)), q)
+        return self._finite(out)
+
+    def forward(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        efforts: ArrayLike,
+        *,
+        gravity: ArrayLike = GRAVITY,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the accelerations of the drives that efforts cause.
+
+        Parameters
+        ----------
+        q, rates, gravity, tip_wrench
+            As for :meth:`inverse`.
+        efforts : array_like, shape (m,) or (..., m)
+            Of the drives, friction taken off (N m or N).
+
+        Returns
+        -------
+        ndarray, shape (m,) or (..., m)
+            Accelerations (rad/s^2 or m/s^2).
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`inverse`, or nothing resists some motion.
+        """
+        q, rates, efforts = self._states(q, rates=rates, efforts=efforts)
+        around, out = surroundings(q.shape, gravity, tip_wrench), np.empty(rates.shape)
+        given = _rows(q), _rows(rates), _rows(efforts)
+        self._check(kernels.forward(*self._loops(), *given, around, _rows(out)), q)
+        return self._finite(out)
+
+    def compiled_forward(self, gravity: ArrayLike, tip_wrench: ArrayLike | None) -> CompiledForward:
+        """Give :meth:`forward` of single states without checks: accelerations into the last."""
+        around = surroundings((self.mechanism.n,), gravity, tip_wrench)
+        loops = self._loops()
+
+        def forward(q: Array, rates: Array, efforts: Array, out: Array) -> int:
+            given = q[None], rates[None], efforts[None]
+            status = int(kernels.forward(*loops, *given, around, out[None]))
+            if status not in (REGULAR, NOT_FINITE):
+                try:
+                    self._check(status, q)
+                except RobomechError as error:
+                    raise LostPostureError(str(error)) from None
+            return status
+
+        return forward
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """Compute the generalised inertia ``N^T M N``, shape (..., m, m), with the rotors.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`inverse`.
+        """
+        (given,) = self._states(q)
+        m = self.mechanism.dof
+        out = np.empty((*given.shape[:-1], m, m))
+        self._check(kernels.inertias(*self._loops(), _rows(given), out.reshape(-1, m, m)), given)
+        return self._finite(out)
+
+    def coriolis_matrix(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute C of the Coriolis and centrifugal efforts ``C rates``, shape (..., m, m).
+
+        It is :attr:`ConstrainedBodies.coupling` of :meth:`bodies`: the rate of the generalised
+        inertia less 2 C is skew-symmetric.
+        """
+        return self.bodies(q, rates).coupling
+
+    def gravity(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
+        """Compute the efforts (..., m) that hold the robot still under its weight."""
+        (given,) = self._states(q)
+        still = np.zeros((*given.shape[:-1], self.mechanism.dof))
+        return self.inverse(given, still, still, gravity=gravity)
+
+    def friction(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute the efforts (..., m) that the friction of drives and passive joints takes."""
+        q, rates = self._states(q, rates=rates)
+        N = self.mechanism.complement(q)
+        lost = friction_of_rates(self._friction, (N @ rates[..., None])[..., 0])
+        return np.asarray((lost[..., None, :] @ N)[..., 0, :])
+
+    def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute the kinetic energy of bodies and rotors, shape () or (...,) (J)."""
+        q, rates = self._states(q, rates=rates)
+        sums = limb_totals(self.mechanism, q, self.joint_rates(q, rates))
+        return self._finite(sums[..., 10])
+
+    def potential_energy(self, q: ArrayLike, *, gravity: ArrayLike = GRAVITY) -> Array:
+        """Compute the potential energy, shape () or (...,) (J): 0 with the mass at the base."""
+        (given,) = self._states(q)
+        upwards = surroundings((self.mechanism.n,), gravity)[0, 6:9]
+        moments = limb_totals(self.mechanism, given, np.zeros(given.shape))[..., 1:4]
+        return self._finite(moments @ upwards)
+
+    def bodies(self, q: ArrayLike, rates: ArrayLike) -> ConstrainedBodies:
+        """Form the matrices of all links in motion, one for each joint.
+
+        Parameters
+        ----------
+        q, rates
+            As for :meth:`inverse`.
+
+        Returns
+        -------
+        ConstrainedBodies
+            The platform is the last link of the first limb; that of every other limb, and links
+            of which nothing is known, have no mass.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`inverse`.
+        """
+        q, rates = self._states(q, rates=rates)
+        return bodies_in_motion(self.mechanism, *self._complements(q, rates))[0]
+
+    def reactions(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        gravity: ArrayLike = GRAVITY,
+        tip_wrench: ArrayLike | None = None,
+    ) -> JointReactions:
+        """Find the wrenches that act in all joints, in one state.
+
+        Parameters
+        ----------
+        q, rates, accelerations, gravity, tip_wrench
+            As for :meth:`inverse`, of one state.
+
+        Returns
+        -------
+        JointReactions
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            As for :meth:`inverse`.
+        """
+        joints = self.checked_posture(q)
+        joints, speeds, gains = self._states(joints, rates=rates, accelerations=accelerations)
+        around = surroundings((self.mechanism.n,), gravity, tip_wrench)[0]
+        motion = self._complements(joints, speeds)
+        return joint_reactions(self.mechanism, *motion, gains, around)
+
+    def with_payload(self, payload: Body) -> ParallelDynamics:
+        """Give the robot whose platform carries a load, seen in the frame of the platform.
+
+        Raises
+        ------
+        BadValueError
+            No body can have the numbers of the load.
+        """
+        if not isinstance(payload, Body):
+            raise BadValueError("payload", payload, "a Body")
+        if fault := payload.fault():
+            raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
+        assert self.mechanism.platform_body is not None
+        whole = combined((self.mechanism.platform_body, payload))
+        assert whole is not None
+        return ParallelDynamics(self.mechanism.with_platform_body(whole))
+
+    def _loops(self) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], float]:
+        loops = self.mechanism.loops
+        return self._model, loops.starts, loops.drives, 1.0 / loops.size
+
+    def _states(self, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
+        """Give joints (..., n), and what belongs to the drives (..., m), with the same batch."""
+        joints = np.ascontiguousarray(as_finite("q", q, (self.mechanism.n,)))
+        found, shape = [joints], (*joints.shape[:-1], self.mechanism.dof)
+        for what, value in of_drives.items():
+            array = np.ascontiguousarray(as_finite(what, value, (self.mechanism.dof,)))
+            if array.shape != shape:
+                raise WrongSizeError(what, array.shape, shape)
+            found.append(array)
+        return found
+
+    def _complements(self, q: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
+        """Give q, the rates of all joints, N and its rate."""
+        n, m = self.mechanism.n, self.mechanism.dof
+        N, N_dot = np.empty((2, *q.shape[:-1], n, m))
+        qd = np.empty(q.shape)
+        out = N.reshape(-1, n, m), N_dot.reshape(-1, n, m), _rows(qd)
+        self._check(kernels.complements(*self._loops(), _rows(q), _rows(rates), *out), q)
+        return q, self._finite(qd), N, self._finite(N_dot)
+
+    def _check(self, status: int, q: Array) -> None:
+        if status:
+            refuse(self.mechanism, status, q)
+
+    def _finite(self, result: Array) -> Array:
+        if not np.isfinite(result).all():
+            raise NonFiniteError("result", result)
+        return result
+
+
+def _rows(array: Array) -> Array:
+    return array.reshape(-1, array.shape[-1])
