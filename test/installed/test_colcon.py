@@ -77,15 +77,18 @@ def test_a_plain_build_finds_both_packages(workspace):
 def test_what_is_imported_is_what_was_built(workspace, output_of, tmp_path):
     code = (
         "import robomech_ros, robomech_interfaces.srv\n"
+        "from robomech_ros.parallel import list_parallel\n"
         "from robomech_ros.robots import list_robots, robot_folders\n"
         "from ament_index_python.packages import get_package_share_directory as share\n"
         "print(robomech_ros.__file__, robomech_interfaces.__file__, share('robomech_ros'))\n"
-        "print('robots', *list_robots())"
+        "print('robots', *list_robots(), *list_parallel())"
     )
     env = workspace.environment
     places, robots = output_of("python", "-c", code, env=env, cwd=tmp_path).splitlines()
     assert all(Path(place).is_relative_to(workspace.install) for place in places.split()), places
-    in_source = {path.stem for path in (workspace.source / "config" / "robots").iterdir()}
+    folder = workspace.source / "config" / "robots"
+    in_source = {path.stem for path in folder.rglob("*") if path.is_file()}
+    assert "hexapod" in in_source
     assert in_source <= set(robots.split())
 
 
