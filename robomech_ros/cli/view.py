@@ -1,13 +1,20 @@
 """``robomech view``: a robot seen and moved in a browser, without ROS."""
 
+from __future__ import annotations
+
 import argparse
 import threading
 import webbrowser
+from typing import TYPE_CHECKING, Any
 
-from robomech_ros.robots import load_description, main_chain, semantics_of
-from robomech_ros.rvs.opening import page_of
+from robomech_ros.parallel import load_described, load_parallel
+from robomech_ros.robots import main_chain, semantics_of
+from robomech_ros.rvs.opening import page_of, platform_page_of
 from robomech_ros.rvs.serving.address import HOST, PORT
 from robomech_ros.stop_signals import leave_on_signals
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.page.page import RobotPage
 
 __all__ = ["add_arguments", "run"]
 
@@ -31,14 +38,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C."""
-    description = load_description(args.robot)
-    known = semantics_of(description, args.srdf)
-    chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
-    with page_of(description, chain, port=args.port, host=args.host) as page:
+    with _page(args) as page:
         leave_on_signals()
-        print(f"{chain.name}: open {page.url}", flush=True)
+        print(f"{page.name}: open {page.url}", flush=True)
         print("Ctrl-C ends it", flush=True)
         if args.open:
             webbrowser.open(page.url)
         threading.Event().wait()
     return 0
+
+
+def _page(args: argparse.Namespace) -> RobotPage:
+    where: dict[str, Any] = {"port": args.port, "host": args.host}
+    described = load_described(args.robot)
+    if described.mechanism is not None:
+        return platform_page_of(load_parallel(args.robot), **where)
+    known = semantics_of(described.description, args.srdf)
+    chain = main_chain(described.description, known, args.base_link, args.tip_link, args.group)
+    return page_of(described.description, chain, **where)

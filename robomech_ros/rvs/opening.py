@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.robots import RobotDescription, SerialChain, load_description
+from robomech_ros.parallel import ParallelRobot, load_described, load_parallel
+from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
@@ -21,6 +22,7 @@ __all__ = [
     "ViewUnavailableError",
     "live_page_of",
     "page_of",
+    "platform_page_of",
     "require_viser",
     "view",
     "write_motion",
@@ -47,13 +49,15 @@ def view(
     Parameters
     ----------
     robot : str or path
-        Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`.
+        Name, path or text of a robot, as for :func:`~robomech_ros.robots.load_robot`, or of a
+        parallel one, as for :func:`~robomech_ros.parallel.load_parallel`.
     port : int, optional
         To listen on; 0 takes a free one.
     host : str, optional
         Address to listen on; by default only this machine can reach it.
     base, tip : str, optional
-        Links between which the arm is; by default those of ``load_robot``.
+        Links between which the arm is; by default those of ``load_robot``.  A parallel robot has
+        its own.
 
     Returns
     -------
@@ -85,8 +89,23 @@ def view(
     '?token'
     >>> page.close()
     """
-    description = load_description(robot)
+    described = load_described(robot)
+    if described.mechanism is not None:
+        return platform_page_of(load_parallel(robot), port=port, host=host)
+    description = described.description
     return page_of(description, description.chain(base, tip), port=port, host=host)
+
+
+def platform_page_of(robot: ParallelRobot, *, port: int, host: str) -> RobotPage:
+    """Serve the page of a parallel robot; parameters and errors are those of :func:`view`."""
+    require_viser()
+    from robomech_ros.rvs.layers import PLATFORM_LAYERS
+    from robomech_ros.rvs.model.platform import SeenPlatform
+    from robomech_ros.rvs.page.page import RobotPage
+
+    platform = SeenPlatform(robot)
+    description = robot.mechanism.description
+    return RobotPage(description, platform, port=port, host=host, layers=PLATFORM_LAYERS)
 
 
 def page_of(

@@ -44,7 +44,8 @@ def test_points_fill_the_picture_and_stay_in_it(aspect):
 def test_robots_fill_a_picture(name):
     description = load_description(name)
     arm, seen = description.chain(), seen_robot(description)
-    points = seen_points(seen, arm.joint_names, [arm.home()])
+    at = dict(zip(arm.joint_names, arm.home().tolist(), strict=True))
+    points = seen_points(seen, [at])
     eye = fitted_eye(points)
     places, _ = seen_at(eye, points, FIELD, 1.0)
     assert 0.89 < np.abs(places).max() < 0.91

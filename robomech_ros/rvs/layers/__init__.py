@@ -5,11 +5,12 @@ from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.layers.dh_table import DHTableLayer
 from robomech_ros.rvs.layers.keeping import KeepingLayer
 from robomech_ros.rvs.layers.motions import MotionLayer
+from robomech_ros.rvs.layers.platform import PlatformLayer
 from robomech_ros.rvs.layers.understand import UnderstandLayer
 from robomech_ros.rvs.layers.workspace import WorkspaceLayer
 from robomech_ros.rvs.page.layer import LayerMaker
 
-__all__ = ["LAYERS"]
+__all__ = ["LAYERS", "PLATFORM_LAYERS"]
 
 # In the order of their folders on the page.
 LAYERS: tuple[LayerMaker, ...] = (
@@ -21,3 +22,6 @@ LAYERS: tuple[LayerMaker, ...] = (
     MotionLayer,
     KeepingLayer,
 )
+
+# Of a page of a parallel robot.
+PLATFORM_LAYERS: tuple[LayerMaker, ...] = (PlatformLayer, CameraLayer)

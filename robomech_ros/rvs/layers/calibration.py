@@ -69,9 +69,5 @@ class CalibrationLayer:
         self._place.run((self, "shown"), turned)
 
     def _points(self) -> NDArray[np.float64]:
-        arm, seen = self._place.arm, self._place.seen
-        names = arm.chain.joint_names
-        at = dict(zip(names, arm.q.tolist(), strict=True))
-        return np.vstack(
-            [seen_points(seen, names, [arm.q]), marker_points(seen, self._markers, at)]
-        )
+        seen, at = self._place.seen, self._place.arm.positions
+        return np.vstack([seen_points(seen, [at]), marker_points(seen, self._markers, at)])

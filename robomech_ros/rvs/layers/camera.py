@@ -51,15 +51,15 @@ class CameraLayer:
         """Do nothing: nothing runs."""
 
     def _points(self) -> NDArray[np.float64]:
-        arm, seen = self._place.arm, self._place.seen
+        arm, seen = self._place.moved, self._place.seen
         postures = [arm.q, *(posture.q for posture in arm.study.postures)]
         if arm.study.nearest is not None:
             postures.append(arm.study.nearest)
         motion = self._place.plan.motion
         if motion is not None:
             postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
-        points = seen_points(seen, arm.chain.joint_names, postures)
+        points = seen_points(seen, [arm.positions_of(q) for q in postures])
         # The arrows of the gizmo, both ways.
-        T = seen.tree.link_poses()[arm.chain.base] @ arm.target
+        T = seen.tree.link_poses()[arm.base] @ arm.target
         ends = GIZMO * seen.reach * np.vstack([T[:3, :3].T, -T[:3, :3].T])
         return np.vstack([points, T[:3, 3] + ends])

@@ -29,6 +29,7 @@ from robomech_ros.rvs.page.fact_table import fact_table
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Place, Switch
 from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.spatial.arrays import as_choice, as_flag
 
@@ -45,8 +46,6 @@ LABELS = {
     "lost": "lost directions",
 }
 LOST, WEAKEST = ((225, 40, 45), (190, 50, 190)), ((235, 165, 60), (190, 140, 220))
-# Widths of arrows, in reaches of the robot.
-SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
 
 
 @dataclass
@@ -82,6 +81,7 @@ class UnderstandLayer:
         self._asked_for_facts, self._goes = False, False
         self._asked_at: Any = None
         self._nodes: dict[str, Any] = {}
+        self._arrows = TwistNodes(place.server.scene, f"{place.base}/lost_", place.seen.reach)
         self._folder: Folder | None = None
         self._table: Any = None
         for name, label in LABELS.items():
@@ -214,27 +214,12 @@ class UnderstandLayer:
         )
 
     def _show_arrows(self, judged: PostureFacts | None) -> None:
-        reach, names = self._place.seen.reach, ("linear", "angular")
         if judged is None:
-            for name in names:
-                if name in self._nodes:
-                    self._nodes[name].visible = False
+            self._arrows.show(None, LOST)
             return
-        arm = self._place.arm
-        arrows = twist_arrows(arm.chain, arm.q, judged.twists, reach)
+        tip, reach = self._place.arm.tip[:3, 3], self._place.seen.reach
         colours = LOST if judged.report.singular else WEAKEST
-        for name, ends, colour in zip(names, arrows, colours, strict=True):
-            if name not in self._nodes:
-                self._nodes[name] = self._place.server.scene.add_arrows(
-                    f"{self._place.base}/lost_{name}", np.zeros((1, 2, 3)), colour,
-                    shaft_radius=SHAFT * reach, head_radius=HEAD * reach,
-                    head_length=HEAD_LENGTH * reach,
-                )  # fmt: skip
-            node = self._nodes[name]
-            node.visible = len(ends) > 0
-            if len(ends):
-                node.points = ends.astype(np.float32)
-                node.colors = np.full((len(ends), 3), colour, dtype=np.uint8)
+        self._arrows.show(twist_arrows(tip, judged.twists, reach), colours)
 
     def _lines(
         self, judged: PostureFacts | None, found: dict[str, DrawnEllipsoid | None]

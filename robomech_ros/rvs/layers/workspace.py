@@ -223,7 +223,7 @@ class WorkspaceLayer:
             if len(extent):
                 place = self._place
                 T = place.seen.tree.link_poses()[place.chain.base]
-                robot = seen_points(place.seen, place.chain.joint_names, [place.arm.q])
+                robot = seen_points(place.seen, [place.arm.positions])
                 fit_eye(client, np.vstack([extent @ T[:3, :3].T + T[:3, 3], robot]))
 
         self._place.ask((self, "see"), see)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,9 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs.model.ghosts import Ghosts
 from robomech_ros.rvs.model.postures import PoseStudy, study_pose
+from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.spatial import as_pose
 
 __all__ = ["SeenArm", "Travel"]
@@ -54,6 +56,55 @@ class SeenArm:
         self._q = chain.home() if q is None else self.checked(q)
         self._curve: SelfMotionCurve | None = None
         self._look_around()
+
+    @property
+    def name(self) -> str:
+        """What the arm is called."""
+        return self.chain.name
+
+    @property
+    def base(self) -> str:
+        """The link in which its poses are."""
+        return self.chain.base
+
+    @property
+    def end(self) -> str:
+        """The link that is dragged."""
+        return self.chain.tip
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, which sliders move."""
+        return self.chain.joint_names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the joints."""
+        return self.chain.units
+
+    @property
+    def values(self) -> Array:
+        """Positions of the joints (rad or m)."""
+        return self._q
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """The joints by name (rad or m)."""
+        return self.positions_of(self._q)
+
+    def positions_of(self, q: Array) -> dict[str, float]:
+        """Name the joints of a posture (n,)."""
+        return dict(zip(self.chain.joint_names, q.tolist(), strict=True))
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """Links to be marked: none of an arm."""
+        return ()
+
+    @property
+    def gizmo(self) -> dict[str, Any]:
+        """What the gizmo has: all handles."""
+        return {}
 
     @property
     def q(self) -> Array:
@@ -123,6 +174,14 @@ class SeenArm:
         """Take a posture; raises as :meth:`checked` does."""
         self._q = self.checked(q)
         self._look_around()
+
+    def go_home(self) -> None:
+        """Go to where the arm began."""
+        self.move_to(self.chain.home())
+
+    def ghosts(self, seen: SeenRobot) -> Ghosts:
+        """Give the pieces of ghosts."""
+        return Ghosts(seen.tree.chain(self.chain.base, self.chain.tip), seen.shapes)
 
     def drag(self, T: ArrayLike) -> None:
         """Bring the tip to a pose, in the posture nearest to the present one.

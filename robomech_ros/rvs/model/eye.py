@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -39,15 +39,14 @@ class Eye(NamedTuple):
     look_at: Array
 
 
-def seen_points(seen: SeenRobot, joint_names: Sequence[str], postures: Iterable[Array]) -> Array:
+def seen_points(seen: SeenRobot, postures: Iterable[Mapping[str, float]]) -> Array:
     """Give the corners of boxes around all bodies in several postures.
 
     Parameters
     ----------
     seen : SeenRobot
-    joint_names : sequence of str
-    postures : iterable of ndarray, each shape (n,)
-        rad or m.
+    postures : iterable of mapping of str to float
+        Joints by name (rad or m).
 
     Returns
     -------
@@ -56,8 +55,8 @@ def seen_points(seen: SeenRobot, joint_names: Sequence[str], postures: Iterable[
     """
     corners = [(body.link, _corners(body.solid.vertices, body.pose)) for body in seen.bodies]
     points = []
-    for q in postures:
-        poses = seen.tree.link_poses(dict(zip(joint_names, q.tolist(), strict=True)))
+    for positions in postures:
+        poses = seen.tree.link_poses(positions)
         points += [at @ poses[link][:3, :3].T + poses[link][:3, 3] for link, at in corners]
     return np.vstack(points) if points else np.zeros((1, 3))
 

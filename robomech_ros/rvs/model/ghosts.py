@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.spatial import quaternion_from_matrix
 
-__all__ = ["PALETTE", "GhostPieces", "Ghosts"]
+__all__ = ["PALETTE", "GhostMaker", "GhostPieces", "Ghosts"]
 
 Array = NDArray[np.float64]
 Rgb = tuple[int, int, int]
@@ -61,6 +61,20 @@ class GhostPieces(NamedTuple):
     colours: NDArray[np.uint8]
 
 
+class GhostMaker(Protocol):
+    """Places the pieces of ghosts, of an arm or of a parallel robot."""
+
+    @property
+    def pieces(self) -> int:
+        """How many pieces a ghost has."""
+
+    def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
+        """Place the pieces of ghosts; those of the first posture come first."""
+
+    def middles(self, postures: Sequence[Array]) -> Array:
+        """Give where numbers are written (k, 3), in the base (m)."""
+
+
 class Ghosts:
     """The pieces of an arm, for as many postures as there are.
 
@@ -82,6 +96,9 @@ class Ghosts:
         self._chain = chain
         known = [frame.name for frame in chain.frames if frame.joints > 0]
         self._links = [name for name in known if shapes.get(name)]
+        # The middle of the arm is where postures are farthest from each other.
+        middle = [f.name for f in chain.frames if f.joints == (chain.n + 1) // 2]
+        self._labelled = middle[0] if middle else chain.links[-1]
         rows = [(k, shape) for k, name in enumerate(self._links) for shape in shapes[name]]
         self._link = np.array([k for k, _ in rows], dtype=np.int64)
         self._pose = np.array([shape.pose for _, shape in rows]).reshape(-1, 4, 4)
@@ -94,6 +111,11 @@ class Ghosts:
     def pieces(self) -> int:
         """How many pieces a ghost has."""
         return len(self._link)
+
+    def middles(self, postures: Sequence[Array]) -> Array:
+        """Give where numbers are written (k, 3), in the base (m): at the middle of the arm."""
+        poses: Array = link_poses(self._chain, np.array(postures), [self._labelled])
+        return np.asarray(poses[:, 0, :3, 3])
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts; those of the first posture come first.

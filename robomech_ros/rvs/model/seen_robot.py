@@ -29,6 +29,8 @@ Colour = tuple[float, float, float, float]
 # Of bodies without a colour of their own, and of what stands for a mesh that is missing (m).
 PLAIN: Colour = (0.72, 0.74, 0.77, 1.0)
 STAND_IN = 0.03
+# Links nearer together than this are at one point (m).
+POINT = 1e-9
 
 
 class ShapeError(RobomechError):
@@ -110,10 +112,16 @@ class SeenRobot:
 
     @property
     def reach(self) -> float:
-        """Size of the robot at rest (m): how far its links are from the root, at least 0.1."""
+        """Size of the robot at rest (m): how far its links are from the root, at least 0.1.
+
+        Where all links turn about one point, how far its bodies are.
+        """
         places = [T[:3, 3] for T in self.tree.link_poses().values()]
-        sizes = [float(np.linalg.norm(place)) for place in places]
-        return max([0.1, *sizes])
+        size = max([0.0, *(float(np.linalg.norm(place)) for place in places)])
+        if size < POINT:
+            corners = (body.solid.vertices + body.pose[:3, 3] for body in self.bodies)
+            size = max([0.0, *(float(np.linalg.norm(at, axis=1).max()) for at in corners)])
+        return max(0.1, size)
 
 
 def seen_robot(description: RobotDescription) -> SeenRobot:

@@ -223,17 +223,18 @@ def drawn_ellipsoid(
     return DrawnEllipsoid(pose, half_axes, np.sort(values)[::-1], UNITS[part][kind == "force"])
 
 
-def twist_arrows(chain: SerialChain, q: Array, twists: Array, reach: float) -> TwistArrows:
+def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
     """Draw twists at the tip as arrows of one length.
 
     Parameters
     ----------
-    chain, q, reach
-        As for :func:`drawn_ellipsoid`.
+    tip : ndarray, shape (3,)
+        In the base (m).
+    reach : float
+        Of the robot (m).
     twists : ndarray, shape (r, 6)
         Angular first, in the base (rad/s and m/s).
     """
-    tip = forward_kinematics(chain, q)[:3, 3]
     # A motion counts beside a rotation as far as it moves the arm.
     sizes = np.maximum(np.linalg.norm(twists * np.repeat((reach, 1.0), 3), axis=1), 1e-300)
     arrows = []

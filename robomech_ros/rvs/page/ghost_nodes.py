@@ -8,9 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.kinematics import link_poses
-from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.ghosts import Ghosts, Rgb
+from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
 
@@ -49,12 +47,12 @@ class GhostBatch:
     scene : viser.SceneApi
     name : str
         Of their node, at the base of the arm.
-    ghosts : Ghosts
+    ghosts : GhostMaker
     opacity : float
         From 0 to 1.
     """
 
-    def __init__(self, scene: Any, name: str, ghosts: Ghosts, opacity: float) -> None:
+    def __init__(self, scene: Any, name: str, ghosts: GhostMaker, opacity: float) -> None:
         self._ghosts = ghosts
         solid = cylinder(1.0, 1.0)
         self.node = scene.add_batched_meshes_simple(
@@ -83,24 +81,20 @@ class GhostBatch:
 
 
 class GhostNodes:
-    """The ghosts of an arm.
+    """The ghosts of a robot.
 
     Parameters
     ----------
     scene : viser.SceneApi
     parent : str
         Node at the base of the arm.
-    chain : SerialChain
-        With links as in the shapes.
-    ghosts : Ghosts
+    ghosts : GhostMaker
     reach : float
         Of the robot (m).
     """
 
-    def __init__(
-        self, scene: Any, parent: str, chain: SerialChain, ghosts: Ghosts, reach: float
-    ) -> None:
-        self._chain, self._ghosts, self._together = chain, ghosts, TOGETHER * reach
+    def __init__(self, scene: Any, parent: str, ghosts: GhostMaker, reach: float) -> None:
+        self._ghosts, self._together = ghosts, TOGETHER * reach
         self._shown: Sequence[Ghost] = ()
         self._wanted = True
         self._batch = GhostBatch(scene, f"{parent}/ghosts", ghosts, OPACITY)
@@ -108,12 +102,6 @@ class GhostNodes:
             scene.add_label(f"{parent}/numbers/{k}", "", visible=False, anchor="center-center")
             for k in range(MOST_POSTURES)
         ]
-        # The middle of the arm is where postures are farthest from each other.
-        self._labelled = chain.links[-1]
-        for frame in chain.frames:
-            if frame.joints == (chain.n + 1) // 2:
-                self._labelled = frame.name
-                break
 
     def on_click(self, taken: Callable[[Any, int], None]) -> None:
         """Have something done when a ghost is clicked: it gets the client and the number."""
@@ -143,8 +131,7 @@ class GhostNodes:
         texts: list[str] = []
         places: list[Array] = []
         if self._shown and self._wanted:
-            q = np.array([one.q for one in self._shown])
-            at = link_poses(self._chain, q, [self._labelled])[:, 0, :3, 3]
+            at = self._ghosts.middles([one.q for one in self._shown])
             for one, place in zip(self._shown, at, strict=True):
                 near = [
                     k for k, p in enumerate(places) if np.linalg.norm(p - place) < self._together

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple, Protocol
 
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.moved import Moved
+from robomech_ros.rvs.model.platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.audience import Controls
@@ -56,8 +58,9 @@ class Place:
         Nodes and texts that all browsers see.
     seen : SeenRobot
         The robot as it is drawn.
-    arm : SeenArm
-        To be read and moved in requests and in :meth:`Layer.show` alone.
+    moved : Moved
+        The arm, or the parallel robot: to be read and moved in requests and in :meth:`Layer.show`
+        alone.
     base : str
         Node at the base of the arm, in which its poses are.
     ask : Ask
@@ -90,7 +93,7 @@ class Place:
 
     server: Any
     seen: SeenRobot
-    arm: SeenArm
+    moved: Moved
     base: str
     ask: Ask
     plan: SeenPlan
@@ -104,6 +107,20 @@ class Place:
     reveal: Callable[[bool], None]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
     path: Callable[[str], str]
+
+    @property
+    def arm(self) -> SeenArm:
+        """What is moved, of the page of an arm."""
+        if not isinstance(self.moved, SeenArm):
+            raise TypeError("the page shows no arm")
+        return self.moved
+
+    @property
+    def platform(self) -> SeenPlatform:
+        """What is moved, of the page of a parallel robot."""
+        if not isinstance(self.moved, SeenPlatform):
+            raise TypeError("the page shows no parallel robot")
+        return self.moved
 
     @property
     def chain(self) -> SerialChain:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.moved import Moved
+from robomech_ros.rvs.model.platform import SeenPlatform
 from robomech_ros.rvs.model.seen_plan import SeenPlan, check_same_joints
 from robomech_ros.rvs.model.seen_robot import SeenRobot, seen_robot
 from robomech_ros.rvs.motion import Motion
@@ -33,8 +35,8 @@ class RobotPage:
     Parameters
     ----------
     description : RobotDescription
-    chain : SerialChain
-        The arm of it that is moved.
+    moved : SerialChain or SeenPlatform
+        The arm of it that is moved; or the robot, if it is a parallel one.
     port, host : int, str
         As for :func:`robomech_ros.rvs.view`.
     layers : sequence of callable
@@ -46,7 +48,7 @@ class RobotPage:
     def __init__(
         self,
         description: RobotDescription,
-        chain: SerialChain,
+        moved: SerialChain | SeenPlatform,
         *,
         port: int,
         host: str,
@@ -58,9 +60,10 @@ class RobotPage:
         self._dark: set[int] = set()
         self._revealed = True
         self._kept: dict[str, Any] = {}
-        arm, seen = SeenArm(chain), seen_robot(description)
+        arm: Moved = SeenArm(moved) if isinstance(moved, SerialChain) else moved
+        seen = seen_robot(description)
         self._layers: list[Layer] = []
-        self._server = guarded_server(host, port, chain.name)
+        self._server = guarded_server(host, port, arm.name)
         set_theme(self._server.viser.gui, False)
         self._worker = Worker()
         self._set_up(description, seen, arm)
@@ -72,6 +75,11 @@ class RobotPage:
     def url(self) -> str:
         """The address of the page, with the token that it asks for."""
         return self._server.url
+
+    @property
+    def name(self) -> str:
+        """What the robot is called."""
+        return self._arm.name
 
     @property
     def browsers(self) -> int:
@@ -91,11 +99,11 @@ class RobotPage:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _set_up(self, description: RobotDescription, seen: SeenRobot, arm: SeenArm) -> None:
+    def _set_up(self, description: RobotDescription, seen: SeenRobot, arm: Moved) -> None:
         self._arm, self._reach = arm, seen.reach
         self._panel: Panel | None = None
         viser = self._server.viser
-        self._stage = Stage(viser, seen, arm.chain)
+        self._stage = Stage(viser, seen, arm)
         self._stage.ghosts.on_click(self._clicked)
         for what, shown in self._switches.items():
             self._stage.switch(what, shown)
@@ -105,7 +113,7 @@ class RobotPage:
         place = Place(
             server=viser,
             seen=seen,
-            arm=arm,
+            moved=arm,
             base=BASE,
             ask=self._ask,
             plan=self._plan,
@@ -171,7 +179,7 @@ class RobotPage:
 
     def home(self) -> None:
         """Go to where the robot began."""
-        self._ask("home", lambda: self._arm.move_to(self._arm.chain.home()))
+        self._ask("home", self._arm.go_home)
 
     def show(self, what: str, shown: bool) -> None:
         """Show a part of the scene, or not; and the page of who commands dark, or light."""
@@ -196,7 +204,7 @@ class RobotPage:
         BadValueError
             It is no motion, or one of other joints.
         """
-        check_same_joints(motion, self._arm.chain)
+        check_same_joints(motion, self._chain())
         self._ask("plan", lambda: self._show_plan(motion, name))
 
     def forget_plan(self) -> None:
@@ -207,8 +215,13 @@ class RobotPage:
 
     def _show_plan(self, motion: Motion, name: str) -> None:
         # Another robot may have come meanwhile.
-        check_same_joints(motion, self._arm.chain)
+        check_same_joints(motion, self._chain())
         self._plan.show(motion, name)
+
+    def _chain(self) -> SerialChain:
+        if not isinstance(self._arm, SeenArm):
+            raise BadValueError("plan", self._arm.name, "one of an arm")
+        return self._arm.chain
 
     def _make_controls(self, client: Any) -> Controls:
         self._panel = None
@@ -255,7 +268,7 @@ class RobotPage:
 
     def _replace(self, description: RobotDescription, chain: SerialChain) -> None:
         """Take the stage down and set it up; what can be refused is made before."""
-        if self._fixed:
+        if self._fixed or not isinstance(self._arm, SeenArm):
             raise BadValueError("robot", description.name, "the one that runs; no other is shown")
         seen, arm = seen_robot(description), self._arm.like(chain)
         with self._server.viser.atomic():

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.arm import SeenArm
+from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.theme import set_theme
@@ -59,7 +59,7 @@ class Panel:
     ----------
     client : viser.ClientHandle
         The browser.
-    arm : SeenArm
+    arm : Moved
     commands : Commands
     base : str
         Node at the base of the arm.
@@ -72,7 +72,7 @@ class Panel:
     def __init__(
         self,
         client: Any,
-        arm: SeenArm,
+        arm: Moved,
         commands: Commands,
         base: str,
         reach: float,
@@ -94,6 +94,7 @@ class Panel:
             scale=GIZMO * reach,
             depth_test=False,
             visible=switches["gizmo"],
+            **arm.gizmo,
             **placed(arm.target),
         )
         self._handles.append(self._gizmo)
@@ -109,17 +110,17 @@ class Panel:
             if event.client is not None:
                 changed()
 
-    def _add_joints(self, arm: SeenArm) -> list[Any]:
-        gui, chain = self._client.gui, arm.chain
+    def _add_joints(self, arm: Moved) -> list[Any]:
+        gui = self._client.gui
         sliders = []
         folder = gui.add_folder("Joints", order=4)
         self._handles.append(folder)
         with folder:
-            for joint, name in enumerate(chain.joint_names):
+            for joint, name in enumerate(arm.joint_names):
                 low, high = arm.travel(joint)
-                hint = f"{name}: {low:.4g} to {high:.4g} {chain.units[joint]}"
+                hint = f"{name}: {low:.4g} to {high:.4g} {arm.units[joint]}"
                 slider = gui.add_slider(
-                    short_name(name), low, high, STEP, float(arm.q[joint]), hint=hint
+                    short_name(name), low, high, STEP, float(arm.values[joint]), hint=hint
                 )
                 slider.precision = DECIMALS
                 self._keep(slider, partial(self._move, joint, slider))
@@ -186,19 +187,19 @@ class Panel:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
                 self._commands.drag(lambda: pose_from_position_quaternion(position, wxyz))
 
-    def update(self, arm: SeenArm, source: object) -> None:
+    def update(self, arm: Moved, source: object) -> None:
         """Show where the arm is in all controls but the one that it was moved with.
 
         Parameters
         ----------
-        arm : SeenArm
+        arm : Moved
         source : object
             The number of the joint, or the name of the control; None for none of them.
         """
         for joint, slider in enumerate(self._sliders):
             # The one that moves may be farther already than what it asked for.
             if source != joint:
-                _set(slider, float(arm.q[joint]))
+                _set(slider, float(arm.values[joint]))
         if not self._held:
             place = placed(arm.target)
             self._gizmo.position, self._gizmo.wxyz = place["position"], place["wxyz"]

@@ -88,13 +88,17 @@ def _recorded(server: Any, seen: SeenRobot, motion: Motion, markers: Sequence[Se
     chain = motion.chain
     add_surroundings(server, seen.reach)
     robot = RobotNodes(server.scene, seen)
-    add_base(server.scene, seen, chain)
+    add_base(server.scene, seen, chain.base)
     drawn = seen.tree.chain(chain.base, chain.tip)
-    ghosts = GhostNodes(server.scene, BASE, drawn, Ghosts(drawn, seen.shapes), seen.reach)
+    ghosts = GhostNodes(server.scene, BASE, Ghosts(drawn, seen.shapes), seen.reach)
     times, q = motion.sampled(RATE)
     others = [posture.q for choice in motion.choices for posture in choice.others]
     at_first = dict(zip(chain.joint_names, q[0].tolist(), strict=True))
-    robot_points = seen_points(seen, chain.joint_names, [*q[::EVERY], q[-1], *others])
+    postures = [
+        dict(zip(chain.joint_names, one.tolist(), strict=True))
+        for one in (*q[::EVERY], q[-1], *others)
+    ]
+    robot_points = seen_points(seen, postures)
     place_eye(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
     MarkerNodes(server.scene, robot.path).show("markers", markers)
     robot.move(at_first)

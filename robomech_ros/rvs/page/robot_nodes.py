@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ ROOT = "/robot"
 FRAME_LENGTH, FRAME_RADIUS = 0.09, 0.0035
 AXIS_LENGTH, AXIS_RADIUS = 0.3, 0.0035
 AXIS_COLOUR = (250, 200, 30)
+# Of bodies that are in the way.
+MARKED = (220, 40, 40)
 
 
 def placed(T: Array) -> dict[str, Array]:
@@ -51,6 +53,8 @@ class RobotNodes:
         self._nodes: dict[str, Any] = {}
         self._axes: list[Any] = []
         self._paths: dict[str, str] = {}
+        self._bodies: list[tuple[str, Any, tuple[int, ...]]] = []
+        self._marked: frozenset[str] = frozenset()
         self._add_links(scene)
         self._add_bodies(scene)
         # Of the joints that move, in their order: nodes, and where they were put.
@@ -95,11 +99,12 @@ class RobotNodes:
     def _add_bodies(self, scene: Any) -> None:
         for number, body in enumerate(self._seen.bodies):
             *colour, alpha = self._tint or body.colour
-            scene.add_mesh_simple(
+            shade = tuple(round(255 * part) for part in colour)
+            node = scene.add_mesh_simple(
                 f"{self._paths[body.link]}/body_{number}",
                 body.solid.vertices,
                 body.solid.faces,
-                color=tuple(round(255 * part) for part in colour),
+                color=shade,
                 opacity=alpha if alpha < 1.0 else None,
                 flat_shading=True,
                 side="double",
@@ -107,6 +112,15 @@ class RobotNodes:
                 receive_shadow=False,
                 **placed(body.pose),
             )
+            self._bodies.append((body.link, node, shade))
+
+    def mark(self, links: Iterable[str]) -> None:
+        """Draw the bodies of these links red, and of no others."""
+        marked = frozenset(links)
+        for link, node, own in self._bodies:
+            if (link in marked) != (link in self._marked):
+                node.color = MARKED if link in marked else own
+        self._marked = marked
 
     def move(self, positions: Mapping[str, float]) -> None:
         """Put the joints where they are (rad or m, by name); what stays is not sent again."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.arm import SeenArm
-from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
+from robomech_ros.rvs.model.ghosts import PALETTE
+from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.model.seen_robot import SeenRobot
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
@@ -30,11 +29,11 @@ class Stage:
     ----------
     server : viser.ViserServer
     seen : SeenRobot
-    chain : SerialChain
-        The arm of it that is moved.
+    moved : Moved
+        The arm of it that is moved, or its platform.
     """
 
-    def __init__(self, server: Any, seen: SeenRobot, chain: SerialChain) -> None:
+    def __init__(self, server: Any, seen: SeenRobot, moved: Moved) -> None:
         self._server, self._seen = server, seen
         scene, gui = server.scene, server.gui
         with server.atomic():
@@ -42,15 +41,13 @@ class Stage:
             gui.main_panel.dock_right()
             self._ground = add_surroundings(server, seen.reach)
             self._robot = self._arm = RobotNodes(scene, seen)
-            add_base(scene, seen, chain)
-            drawn = seen.tree.chain(chain.base, chain.tip)
-            pieces = Ghosts(drawn, seen.shapes)
-            self.ghosts = GhostNodes(scene, BASE, drawn, pieces, seen.reach)
+            add_base(scene, seen, moved.base)
+            self.ghosts = GhostNodes(scene, BASE, moved.ghosts(seen), seen.reach)
             self._summary = gui.add_html("", order=0)
             self._notice = gui.add_html("", order=1)
             self._table = gui.add_html("", order=2)
 
-    def show(self, arm: SeenArm, notices: Sequence[str]) -> None:
+    def show(self, arm: Moved, notices: Sequence[str]) -> None:
         """Show where an arm is, what is known of its pose, and what went wrong."""
         study = arm.study
         colours = [PALETTE[k % len(PALETTE)] for k in range(len(study.postures))]
@@ -62,11 +59,12 @@ class Stage:
         if study.nearest is not None:
             ghosts = [Ghost(0, study.nearest, NEAREST_COLOUR)]
         with self._server.atomic():
-            self._arm.move(dict(zip(arm.chain.joint_names, arm.q.tolist(), strict=True)))
+            self._arm.move(arm.positions)
+            self._arm.mark(arm.faulty_links)
             self.ghosts.show(ghosts)
             self._summary.content = summary(arm)
             self._notice.content = notice([*self._seen.missing, *notices])
-            self._table.content = posture_table(study.postures, colours, arm.chain.units)
+            self._table.content = posture_table(study.postures, colours, arm.units)
 
     def separate(self) -> tuple[RobotNodes, RobotNodes]:
         """Draw the arm as a goal, translucent, beside the robot, which the caller moves.
@@ -96,7 +94,7 @@ class Stage:
             self._ground.visible = shown
 
 
-def add_base(scene: Any, seen: SeenRobot, chain: SerialChain) -> None:
-    """Add the node at the base of an arm."""
-    T_root_base = seen.tree.link_poses()[chain.base]
+def add_base(scene: Any, seen: SeenRobot, base: str) -> None:
+    """Add the node at the base of an arm, a link."""
+    T_root_base = seen.tree.link_poses()[base]
     scene.add_frame(BASE, show_axes=False, **placed(T_root_base))

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.rvs.model.arm import SeenArm
 from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.rvs.model.moved import Moved
 from robomech_ros.rvs.model.postures import Posture
 from robomech_ros.rvs.page.fields import script_that_fills
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
@@ -42,15 +42,15 @@ _CELL = "padding:0.12em 0.4em;text-align:right"
 SINGULAR = 1e6
 
 
-def summary(arm: SeenArm) -> str:
+def summary(arm: Moved) -> str:
     """Write where the tip is, and what is known of the pose, as HTML."""
-    T, study, chain = arm.tip, arm.study, arm.chain
+    T, study = arm.tip, arm.study
     # Adding 0 makes -0 a plain 0.
     place = " ".join(f"{value:+.4f}" for value in T[:3, 3].round(4) + 0.0)
     rpy = roll_pitch_yaw_from_matrix(T[:3, :3]).round(3) + 0.0
     turn = " ".join(f"{value:+.3f}" for value in rpy)
     lines = [
-        f"<div><b>{html.escape(chain.tip)}</b> in {html.escape(chain.base)}: "
+        f"<div><b>{html.escape(arm.end)}</b> in {html.escape(arm.base)}: "
         f"{place} m, roll pitch yaw {turn} rad</div>"
     ]
     style = "" if study.postures else f' style="{WARN}"'

@@ -1,0 +1,162 @@
+"""A parallel robot: its assembly modes or branches, and how far it is from singular."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.rvs.model.platform_facts import PlatformFacts, platform_facts
+from robomech_ros.rvs.model.platform_lists import LISTS, PlatformList, platform_list
+from robomech_ros.rvs.model.understanding import twist_arrows
+from robomech_ros.rvs.page.audience import Controls
+from robomech_ros.rvs.page.fact_table import fact_table
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Place, Switch
+from robomech_ros.rvs.page.twist_nodes import TwistNodes
+from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.spatial.arrays import as_choice, as_flag
+
+__all__ = ["PlatformLayer"]
+
+ORDER = 10
+# What can be shown, and its label.
+LABELS = {"numbers": "numbers", "arrows": "singular directions"}
+LOST, FREE = ((225, 40, 45), (190, 50, 190)), ((20, 130, 60), (20, 150, 170))
+WEAKEST = ((235, 165, 60), (190, 140, 220))
+
+
+class PlatformLayer:
+    """The layer; what takes long is found on a thread of its own, and of each kind the latest.
+
+    Parameters
+    ----------
+    place : Place
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._place, self._worker = place, Worker()
+        self._kind = LISTS[0]
+        self._on = {"numbers": True, "arrows": False}
+        self._asked: Any = None
+        self._list: PlatformList | None = None
+        self._facts: PlatformFacts | None = None
+        self._facts_at: Any = None
+        scene, base, reach = place.server.scene, place.base, place.seen.reach
+        self._lost = TwistNodes(scene, f"{base}/lost_", reach)
+        self._free = TwistNodes(scene, f"{base}/free_", reach)
+        self._folder: Folder | None = None
+        self._table: Any = None
+        for name, label in LABELS.items():
+            place.offered[label] = Switch(
+                partial(self._on.__getitem__, name), partial(self._turn, name)
+            )
+        # At once, so that the eye holds all ghosts from the beginning.
+        q = place.platform.q
+        self._asked = (q, self._kind, True)
+        self._list, self._facts = self._found(q, self._kind, True)
+        self._facts_at = q
+        place.platform.know(self._list)
+
+    def show(self) -> None:
+        """Follow the robot."""
+        q = self._place.platform.q
+        asked = (q, self._kind, any(self._on.values()))
+        if self._asked is None or asked[1:] != self._asked[1:] or (q != self._asked[0]).any():
+            self._asked = asked
+            self._worker.submit("find", partial(self._find, *asked))
+        self._show_arrows()
+        if self._folder is not None and not self._folder.removed:
+            self._table.content = fact_table("platform", self._lines())
+
+    def controls(self, client: Any) -> Controls:
+        """Give a browser the folder "Platform"."""
+        folder = self._folder = Folder(client.gui, "Platform", ORDER, expanded=True)
+        with folder:
+            listed = client.gui.add_dropdown("ghosts", LISTS, initial_value=self._kind)
+            folder.listen(listed, self._list_other)
+            for name, label in LABELS.items():
+                folder.checkbox(label, self._on[name], self._switch(name))
+            self._table = folder.text()
+        self.show()
+        return folder
+
+    def close(self) -> None:
+        """Stop what runs."""
+        self._worker.close(wait=False)
+
+    def _list_other(self, value: Any) -> None:
+        def switched() -> None:
+            self._kind = as_choice("ghosts", value, LISTS)
+            self._list = None
+
+        self._place.ask((self, "ghosts"), switched)
+
+    def _switch(self, name: str) -> Callable[[Any], None]:
+        def asked(value: Any) -> None:
+            def switched() -> None:
+                self._on[name] = as_flag(LABELS[name], value)
+
+            self._place.ask((self, name), switched)
+
+        return asked
+
+    def _turn(self, name: str, on: bool) -> None:
+        self._on[name] = on
+        if self._folder is not None:
+            self._folder.mark(LABELS[name], on)
+
+    def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
+        """Find what is shown of a posture."""
+        robot = self._place.platform.robot
+        before = () if self._list is None else self._list.postures
+        try:
+            found = platform_list(robot, q, kind, before)
+            return found, platform_facts(robot, q) if judged else None
+        except RobomechError as error:
+            return PlatformList((), False, f"Nothing is known here: {error}."), None
+
+    def _find(self, q: Any, kind: str, judged: bool) -> None:
+        """Find it on the thread of the layer."""
+        found, facts = self._found(q, kind, judged)
+
+        def known() -> None:
+            if kind == self._kind:
+                self._list, self._facts, self._facts_at = found, facts, q
+                self._place.platform.know(found)
+
+        self._place.ask((self, "found"), known)
+
+    def _show_arrows(self) -> None:
+        facts = self._facts if self._on["arrows"] else None
+        if facts is None:
+            self._lost.show(None, LOST)
+            self._free.show(None, FREE)
+            return
+        platform, report = self._place.platform, facts.report
+        at = platform.mechanism.pose(self._facts_at)[:3, 3]
+        arrows = partial(twist_arrows, at, reach=self._place.seen.reach)
+        self._lost.show(arrows(report.lost_directions), LOST)
+        free = len(report.free_directions) > 0
+        self._free.show(
+            arrows(report.free_directions if free else facts.weakest[None]),
+            FREE if free else WEAKEST,
+        )
+
+    def _lines(self) -> list[tuple[str, str]]:
+        """Write what is known."""
+        if not any(self._on.values()):
+            return [("", "Singularities of this robot, live.")]
+        if self._facts is None:
+            return [("", "Looking for the characteristic length ...")]
+        lines = self._facts.lines if self._on["numbers"] else []
+        if self._on["arrows"]:
+            what = "amber along, lilac about: what the drives hold least"
+            if self._facts.report.singular:
+                what = (
+                    "red along, purple about: lost, no drive moves the platform so; green along, "
+                    "turquoise about: free, no drive holds it"
+                )
+            lines = [*lines, ("arrows", what)]
+        return lines

@@ -1,0 +1,296 @@
+"""The parallel robot that is seen: where its joints are, and what its platform can do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import Status
+from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.outcomes import Code
+from robomech_ros.parallel import ParallelRobot, velocity_matrices
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.rvs.model.arm import OPEN_TURN, ROUNDING, Travel
+from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts
+from robomech_ros.rvs.model.platform_lists import PlatformList
+from robomech_ros.rvs.model.postures import PoseStudy
+from robomech_ros.rvs.model.seen_robot import SeenRobot
+from robomech_ros.spatial import as_pose
+
+__all__ = ["PlatformStudy", "SeenPlatform"]
+
+Array = NDArray[np.float64]
+
+# A drive without a limit slides so many sizes of the robot at most.
+OPEN_SIZES = 2.0
+# Columns of a twist [angular; linear].
+ANGULAR, ABOUT_Z = 3, 2
+
+
+@dataclass(frozen=True, eq=False)
+class PlatformStudy(PoseStudy):
+    """What is shown of a pose of the platform.
+
+    Parameters
+    ----------
+    text : str
+        How many postures are listed, or why there is none, for people.
+    """
+
+    text: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """What is known, for people."""
+        return self.text
+
+
+class SeenPlatform:
+    """A parallel robot with its present posture, all loops closed.
+
+    Not for several threads at a time.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    """
+
+    def __init__(self, robot: ParallelRobot) -> None:
+        self.robot, self.mechanism = robot, robot.mechanism
+        self._q = self.mechanism.home()
+        self._home = self._q
+        self._motions = velocity_matrices(robot, self.tip, self.values).motions
+        self._list: PlatformList | None = None
+        self._study = self._at_rest()
+        # The limb that ended the last drag, from 0; None where none did.
+        self._faulty: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What the robot is called."""
+        return self.mechanism.name
+
+    @property
+    def base(self) -> str:
+        """The link at rest."""
+        return self.mechanism.base_link
+
+    @property
+    def end(self) -> str:
+        """The link that is dragged."""
+        return self.mechanism.platform_link
+
+    @property
+    def q(self) -> Array:
+        """All joints (rad or m), shape (n,)."""
+        return self._q
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The drives, which sliders move."""
+        return self.mechanism.actuated
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the drives."""
+        return tuple(self.mechanism.units[k] for k in self.mechanism.drive_index)
+
+    @property
+    def values(self) -> Array:
+        """Positions of the drives (rad or m)."""
+        return np.asarray(self._q[self.mechanism.drive_index])
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """All joints by name (rad or m)."""
+        return self.positions_of(self._q)
+
+    def positions_of(self, q: Array) -> dict[str, float]:
+        """Name the joints of a posture (n,)."""
+        return dict(zip(self.mechanism.joint_names, q.tolist(), strict=True))
+
+    @property
+    def study(self) -> PoseStudy:
+        """What is known of the pose that the platform has or is dragged to."""
+        return self._study
+
+    @property
+    def tip(self) -> Array:
+        """Where the platform is: ``T_base_platform`` (m), shape (4, 4)."""
+        return self.mechanism.pose(self._q)
+
+    @property
+    def target(self) -> Array:
+        """Where the gizmo is (m), shape (4, 4)."""
+        return self._study.target
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """The links of the limb that ended the last drag."""
+        if self._faulty is None:
+            return ()
+        return tuple(self.mechanism.limbs[self._faulty].chain.links[1:-1])
+
+    @property
+    def gizmo(self) -> dict[str, Any]:
+        """What the gizmo has: handles for the motions of the platform alone."""
+        turns = [k for k in range(ANGULAR) if k in self._motions]
+        slides = [k for k in range(ANGULAR) if k + ANGULAR in self._motions]
+        if not slides:
+            return {"disable_axes": True, "disable_sliders": True}
+        if turns == [ABOUT_Z]:
+            return {"active_axes": (True, True, False)}
+        return {"disable_rotations": not turns}
+
+    def travel(self, joint: int) -> Travel:
+        """Give between what a drive's slider moves: its limits, or a range about its home."""
+        index = int(self.mechanism.drive_index[joint])
+        low, high = (float(row[index]) for row in (self.mechanism.lower, self.mechanism.upper))
+        middle, most = 0.0, OPEN_TURN
+        if self.mechanism.types[index] == PRISMATIC:
+            middle, most = float(self._home[index]), OPEN_SIZES * self.mechanism.size
+        low = low if math.isfinite(low) else middle - most
+        return Travel(low, high if math.isfinite(high) else middle + most)
+
+    def set_joint(self, joint: int, value: float) -> None:
+        """Move one drive (rad or m), the assembly mode stays.
+
+        Raises
+        ------
+        BadValueError
+            It is no finite number, outside the limits, or the robot cannot follow: it stays.
+        """
+        drives, what = self.values, f"drive '{self.joint_names[joint]}'"
+        drives[joint] = finite_number(what, value, self.units[joint])
+        low, high = self.travel(joint)
+        if not low - ROUNDING <= drives[joint] <= high + ROUNDING:
+            raise BadValueError(what, value, f"{low:.6g} to {high:.6g} {self.units[joint]}")
+        drives[joint] = min(max(float(drives[joint]), low), high)
+        found = self.mechanism.close(drives, self._q)
+        if found.status != Code.NONE:
+            expected = f"what the robot can follow: {found.reason}"
+            raise BadValueError(what, value, expected)
+        self._check_inside(found.q)
+        self._go(found.q)
+
+    def move_to(self, q: ArrayLike) -> None:
+        """Take a posture (n,) whose loops are closed.
+
+        Raises
+        ------
+        BadValueError
+            A joint is outside its limits.
+        """
+        given = np.array(q, dtype=np.float64)
+        self._check_inside(given)
+        self._go(given)
+
+    def go_home(self) -> None:
+        """Go to where the robot began."""
+        self._go(self._home)
+
+    def drag(self, T: ArrayLike) -> None:
+        """Bring the platform to a pose, as near to the present posture as its limbs can.
+
+        Motions that the platform does not have are left out.  Where a limb does not reach, the
+        robot stays, and the study names it.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            It is no pose.
+        """
+        target = self._possible(as_pose(T))
+        found = self.mechanism.postures(target, seed=self._q)
+        if len(found):
+            self._go(found.q[0])
+            self._study = replace(self._study, target=target)
+            return
+        self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
+        text = f"Stopped: {found.reason}."
+        self._study = PlatformStudy(target, (), True, Status.OUT_OF_REACH, "", text=text)
+
+    def release(self) -> None:
+        """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
+        self._go(self._q)
+
+    def take(self, number: int) -> None:
+        """Take one of the postures listed, counted from 0.
+
+        Raises
+        ------
+        BadValueError
+            There is none of this number, or a joint of it is outside its limits.
+        """
+        known = self._study.postures
+        if number not in range(len(known)):
+            expected = f"1 to {len(known)}" if known else "nothing: there is none"
+            raise BadValueError("posture", number + 1, expected)
+        self.move_to(known[int(number)].q)
+
+    def self_motion(self) -> None:
+        """Give nothing: the drives hold the platform."""
+
+    def slide(self, length: float) -> None:
+        """Refuse to move along a self-motion.
+
+        Raises
+        ------
+        BadValueError
+        """
+        raise BadValueError("self-motion", length, "an arm of more than six joints")
+
+    def know(self, found: PlatformList) -> None:
+        """Show a list of postures, whatever was found of the robot a moment ago."""
+        self._list = found
+        if self._faulty is None:
+            self._study = self._at_rest(self._study.target)
+
+    def ghosts(self, seen: SeenRobot) -> PlatformGhosts:
+        """Give the pieces of ghosts."""
+        return PlatformGhosts(self.mechanism, seen.reach)
+
+    def _go(self, q: Array) -> None:
+        self._q, self._faulty = q, None
+        self._study = self._at_rest()
+
+    def _at_rest(self, target: Array | None = None) -> PlatformStudy:
+        at = self.tip if target is None else target
+        if self._list is None:
+            return PlatformStudy(
+                at, (), True, Status.SUCCESS, "", text="Looking for other postures ..."
+            )
+        known = self._list
+        return PlatformStudy(
+            at, known.postures, known.complete, Status.SUCCESS, "", text=known.text
+        )
+
+    def _possible(self, T: Array) -> Array:
+        """Leave motions out that the platform does not have."""
+        present, motions = self.tip, self._motions
+        for k in range(3):
+            if k + ANGULAR not in motions:
+                T[k, 3] = present[k, 3]
+        if set(range(ANGULAR)) <= set(motions):
+            return T
+        R = present[:3, :3]
+        if ABOUT_Z in motions:
+            angle = math.atan2(T[1, 0], T[0, 0])
+            cos, sin = math.cos(angle), math.sin(angle)
+            R = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        T[:3, :3] = R
+        return T
+
+    def _check_inside(self, q: Array) -> None:
+        mechanism = self.mechanism
+        off = np.maximum(mechanism.lower - q, q - mechanism.upper)
+        worst = int(np.argmax(off))
+        if off[worst] > ROUNDING:
+            low, high = float(mechanism.lower[worst]), float(mechanism.upper[worst])
+            expected = f"{low:.6g} to {high:.6g} {mechanism.units[worst]}"
+            raise BadValueError(f"joint '{mechanism.joint_names[worst]}'", q[worst], expected)

@@ -1,0 +1,74 @@
+"""How far the pose of a platform is from singular, and what is lost or free there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.parallel import (
+    LoopSingularity,
+    ParallelRobot,
+    loop_singularity,
+    velocity_matrices,
+)
+
+__all__ = ["PlatformFacts", "platform_facts"]
+
+Array = NDArray[np.float64]
+
+ANGULAR = 3
+
+
+@dataclass(frozen=True, eq=False)
+class PlatformFacts:
+    """What is known of a posture.
+
+    Parameters
+    ----------
+    report : LoopSingularity
+    weakest : ndarray, shape (6,)
+        Twist of the platform, angular first, at its origin in the base (rad/s, m/s), that the
+        drives hold least.
+    mixed : bool
+        Whether the platform both turns and moves along.
+    """
+
+    report: LoopSingularity
+    weakest: Array
+    mixed: bool
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What is known, and its value, for people."""
+        report = self.report
+        first, second = (f"{value:.3f}" for value in report.distances)
+        lines = [
+            ("here", report.summary),
+            ("type 1", f"{first} away: a limb ends its reach, motions are lost; 0 is singular"),
+            ("type 2", f"{second} away: motions are free, drives hold nothing; 0 is singular"),
+            ("dexterity", f"{report.dexterity:.3f}; 1 is isotropic, 0 singular"),
+        ]
+        if self.mixed:
+            lines.append(("length", f"{report.length:.4f} m, to compare turns with motions"))
+        return lines
+
+
+def platform_facts(robot: ParallelRobot, q: Array) -> PlatformFacts:
+    """Judge a posture.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    q : ndarray, shape (n,)
+        All joints (rad or m), loops closed.
+    """
+    mechanism = robot.mechanism
+    T, drives = mechanism.pose(q), q[mechanism.drive_index]
+    report = loop_singularity(robot, T, drives)
+    K, _, motions = velocity_matrices(robot, T, drives)
+    scale = np.array([1.0 / report.length if k < ANGULAR else 1.0 for k in motions])
+    weakest = np.zeros(6)
+    weakest[list(motions)] = scale * np.linalg.svd(K[:, list(motions)] * scale)[2][-1]
+    return PlatformFacts(report, weakest, min(motions) < ANGULAR <= max(motions))

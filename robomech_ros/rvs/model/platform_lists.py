@@ -1,0 +1,104 @@
+"""What else a parallel robot can be in: its assembly modes, and the branches of its limbs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.parallel import ParallelRobot, dexterity
+from robomech_ros.rvs.model.postures import MOST_POSTURES, Posture
+
+__all__ = ["LISTS", "PlatformList", "platform_list"]
+
+Array = NDArray[np.float64]
+
+# Other poses for the same drives, or other joints for the same pose.
+LISTS = ("assembly modes", "limb branches")
+
+
+@dataclass(frozen=True, eq=False)
+class PlatformList:
+    """Postures to be listed, and seen as ghosts.
+
+    Parameters
+    ----------
+    postures : tuple of Posture
+        Of all joints; the present one is among them.
+    complete : bool
+        Whether these are provably all.
+    text : str
+        How many there are, for people.
+    """
+
+    postures: tuple[Posture, ...]
+    complete: bool
+    text: str
+
+
+def platform_list(
+    robot: ParallelRobot, q: Array, kind: str, before: Sequence[Posture] = ()
+) -> PlatformList:
+    """Find the assembly modes of a robot, or all branches of its limbs.
+
+    Parameters
+    ----------
+    robot : StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    q : ndarray, shape (n,)
+        Where its joints are (rad or m), loops closed.
+    kind : str
+        One of :data:`LISTS`.
+    before : sequence of Posture, optional
+        What was found a moment ago: each keeps its number.
+
+    Returns
+    -------
+    PlatformList
+    """
+    mechanism = robot.mechanism
+    if kind == LISTS[0]:
+        found = mechanism.direct(q[mechanism.drive_index], seed=q)
+        rows, names, complete = found.q, ["" for _ in found.q], found.complete
+        noun = "assembly mode" if len(rows) == 1 else "assembly modes"
+        whether = "these are all" if complete else f"there may be more: {found.reason}"
+        text = f"{len(rows)} {noun} for these drives ({found.family}); {whether}."
+    else:
+        branches = mechanism.postures(mechanism.pose(q), seed=q)
+        rows, names, complete = branches.q, list(branches.branches), True
+        noun = "branch" if len(rows) == 1 else "branches"
+        text = f"{len(rows)} {noun} of the limbs hold the platform here; these are all."
+    order = _as_before(rows, before)
+    postures = tuple(_postures(robot, q, rows[order], [names[k] for k in order]))
+    if len(postures) > MOST_POSTURES:
+        text += f" The first {MOST_POSTURES} are shown."
+    return PlatformList(postures[:MOST_POSTURES], complete, text)
+
+
+def _as_before(rows: Array, before: Sequence[Posture]) -> list[int]:
+    """Order postures so that each is where the nearest one was before."""
+    left = list(range(len(rows)))
+    order: list[int] = []
+    for one in before:
+        if left and len(one.q) == rows.shape[1]:
+            away = [float(np.abs(np.sin(0.5 * (rows[k] - one.q))).max()) for k in left]
+            order.append(left.pop(int(np.argmin(away))))
+    return order + left
+
+
+def _postures(robot: ParallelRobot, q: Array, rows: Array, names: Sequence[str]) -> list[Posture]:
+    if not len(rows):
+        return []
+    mechanism = robot.mechanism
+    drives = rows[:, mechanism.drive_index]
+    indices = np.atleast_1d(dexterity(robot, mechanism.pose(rows), drives))
+    with np.errstate(divide="ignore"):
+        conditions = 1.0 / indices
+    margins = np.minimum(rows - mechanism.lower, mechanism.upper - rows).min(axis=1)
+    distances = np.abs(rows - q).max(axis=1)
+    found = []
+    for k, name in enumerate(names):
+        numbers = (float(distances[k]), float(margins[k]), float(conditions[k]))
+        found.append(Posture(rows[k], name or f"mode {k + 1}", *numbers))
+    return found

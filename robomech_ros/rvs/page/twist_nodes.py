@@ -1,0 +1,58 @@
+"""Twists in the scene: arrows of motions along, and of rotations about, a direction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.rvs.model.understanding import TwistArrows
+
+__all__ = ["TwistNodes"]
+
+# Widths of arrows, in reaches of the robot.
+SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
+
+
+class TwistNodes:
+    """The arrows of some twists, drawn as soon as there are any.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    name : str
+        Of the nodes, to which ``linear`` and ``angular`` are added.
+    reach : float
+        Of the robot (m).
+    """
+
+    def __init__(self, scene: Any, name: str, reach: float) -> None:
+        self._scene, self._name, self._reach = scene, name, reach
+        self._nodes: dict[str, Any] = {}
+
+    def show(self, arrows: TwistArrows | None, colours: tuple[Rgb, Rgb]) -> None:
+        """Show arrows, of the colours of motions and of rotations; or none."""
+        for k, part in enumerate(TwistArrows._fields):
+            ends = arrows[k] if arrows is not None else np.empty((0, 2, 3))
+            node = self._nodes.get(part)
+            if not len(ends):
+                if node is not None:
+                    node.visible = False
+                continue
+            if node is None:
+                node = self._nodes[part] = self._add(part, colours[k])
+            node.visible = True
+            node.points = ends.astype(np.float32)
+            node.colors = np.full((len(ends), 3), colours[k], dtype=np.uint8)
+
+    def _add(self, part: str, colour: Rgb) -> Any:
+        reach = self._reach
+        return self._scene.add_arrows(
+            f"{self._name}{part}",
+            np.zeros((1, 2, 3)),
+            colour,
+            shaft_radius=SHAFT * reach,
+            head_radius=HEAD * reach,
+            head_length=HEAD_LENGTH * reach,
+        )

@@ -1,0 +1,145 @@
+"""Parallel robots on a page: dragged, driven, listed and judged, without a browser."""
+
+import numpy as np
+import pytest
+
+from robomech_ros.errors import BadValueError
+from robomech_ros.parallel import list_parallel, load_parallel, velocity_matrices
+from robomech_ros.rvs.model.platform import SeenPlatform
+from robomech_ros.rvs.model.platform_facts import platform_facts
+from robomech_ros.rvs.model.platform_ghosts import PlatformGhosts, limb_points
+from robomech_ros.rvs.model.platform_lists import LISTS, platform_list
+from robomech_ros.spatial import pose_exponential
+
+# The members of the library that are regular where they begin.
+ROBOTS = list_parallel()
+
+
+def closed(platform):
+    return platform.mechanism.loop_errors(platform.q).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_platform_follows_a_drag_in_the_motions_that_it_has(name):
+    platform = SeenPlatform(load_parallel(name))
+    size, start = platform.mechanism.size, platform.tip
+    step = np.array([0.02, 0.01, 0.03, 0.01 * size, -0.02 * size, 0.015 * size])
+    platform.drag(start @ pose_exponential(step))
+    assert platform.study.sentence.startswith(("Stopped", "Looking"))
+    assert not platform.faulty_links
+    assert closed(platform)
+    np.testing.assert_allclose(platform.tip, platform.target, atol=1e-8)
+    moved = np.abs(platform.tip - start).max(axis=None)
+    assert moved > 1e-3
+
+
+def test_a_leg_that_ends_the_drag_is_named_and_the_robot_stays():
+    platform = SeenPlatform(load_parallel("hexapod"))
+    before, far = platform.q, platform.tip
+    far[:3, 3] += [0.25, 0.0, 0.2]
+    platform.drag(far)
+    np.testing.assert_array_equal(platform.q, before)
+    excess = platform.robot.excess(platform.robot.inverse(far))
+    worst = int(np.argmax(np.abs(excess))) + 1
+    assert f"leg{worst}_length" in platform.study.sentence
+    assert platform.faulty_links and all(
+        one.startswith(f"leg{worst}_") for one in platform.faulty_links
+    )
+    platform.release()
+    assert not platform.faulty_links
+    np.testing.assert_allclose(platform.target, platform.tip)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_drive_moves_alone_and_the_loops_stay_closed(name):
+    platform = SeenPlatform(load_parallel(name))
+    values = platform.values
+    platform.set_joint(1, values[1] + 1e-2)
+    expected = values.copy()
+    expected[1] += 1e-2
+    np.testing.assert_allclose(platform.values, expected, atol=1e-12)
+    assert closed(platform)
+
+
+@pytest.mark.parametrize("value", [0.5, 1.0, -3.0])
+def test_a_drive_outside_its_stroke_is_refused_and_the_robot_stays(value):
+    platform = SeenPlatform(load_parallel("hexapod"))
+    before = platform.q
+    with pytest.raises(BadValueError, match=r"leg1_length.*0\.6 to 0\.95 m"):
+        platform.set_joint(0, value)
+    np.testing.assert_array_equal(platform.q, before)
+    with pytest.raises(BadValueError, match="finite"):
+        platform.set_joint(0, np.nan)
+
+
+def test_a_drive_that_the_robot_cannot_follow_is_refused():
+    platform = SeenPlatform(load_parallel("planar_3rrr"))
+    before = platform.q
+    with pytest.raises(BadValueError, match="can follow"):
+        for value in np.linspace(platform.values[0], platform.values[0] + 3.0, 40):
+            platform.set_joint(0, value)
+    assert closed(platform)
+    assert np.isfinite(before).all()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("kind", LISTS)
+def test_modes_have_the_same_drives_and_branches_the_same_pose(name, kind):
+    platform = SeenPlatform(load_parallel(name))
+    found = platform_list(platform.robot, platform.q, kind)
+    mechanism = platform.mechanism
+    assert found.complete and found.postures[0].is_here
+    for posture in found.postures:
+        if kind == LISTS[0]:
+            np.testing.assert_allclose(posture.q[mechanism.drive_index], platform.values)
+        else:
+            np.testing.assert_allclose(mechanism.pose(posture.q), platform.tip, atol=1e-7)
+        assert mechanism.loop_errors(posture.q).max() < 1e-6
+    assert str(len(found.postures)) in found.text and "these are all" in found.text
+
+
+def test_a_posture_keeps_its_number_while_the_robot_moves():
+    platform = SeenPlatform(load_parallel("hexapod"))
+    first = platform_list(platform.robot, platform.q, LISTS[0])
+    platform.know(first)
+    platform.take(3)
+    again = platform_list(platform.robot, platform.q, LISTS[0], first.postures)
+    assert [posture.is_here for posture in again.postures].index(True) == 3
+    for one, other in zip(first.postures, again.postures, strict=True):
+        np.testing.assert_allclose(one.q, other.q, atol=1e-6)
+    with pytest.raises(BadValueError, match="1 to 8"):
+        platform.know(again)
+        platform.take(8)
+
+
+def test_numbers_and_arrows_are_those_of_the_library():
+    robot = load_parallel("planar_3rrr")
+    q = robot.mechanism.home()
+    facts = platform_facts(robot, q)
+    assert "dexterity" in dict(facts.lines) and not facts.report.singular
+    assert facts.weakest[:2] == pytest.approx(0.0) and facts.weakest[5] == 0.0
+    # Of all twists of its size it is the one that the limbs oppose least.
+    K, _, _ = velocity_matrices(robot, robot.mechanism.pose(q), q[robot.mechanism.drive_index])
+    assert np.linalg.norm(K @ facts.weakest) == pytest.approx(facts.report.distances[1])
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_ghosts_have_rods_between_the_joints_that_are_apart(name):
+    mechanism = load_parallel(name).mechanism
+    q = mechanism.home()
+    ghosts = PlatformGhosts(mechanism, 0.3)
+    pieces = ghosts.placed([q, q], [(1, 2, 3), (4, 5, 6)])
+    assert len(pieces.positions) == len(pieces.colours) == 2 * ghosts.pieces
+    points = limb_points(mechanism, q[None], 0.3)[0]
+    gaps = np.linalg.norm(np.diff(points, axis=1), axis=-1)
+    seen = pieces.scales[: ghosts.pieces, 0] > 1e-5
+    assert seen.sum() >= (gaps > 1e-6 * mechanism.size).sum()
+    assert np.isfinite(pieces.positions).all()
+
+
+def test_the_gizmo_has_the_handles_of_the_motions():
+    options = {name: SeenPlatform(load_parallel(name)).gizmo for name in ROBOTS}
+    assert options["hexapod"] == {"disable_rotations": False}
+    assert options["delta"] == {"disable_rotations": True}
+    assert options["agile_eye"] == {"disable_axes": True, "disable_sliders": True}
+    assert options["planar_3rrr"] == {"active_axes": (True, True, False)}
