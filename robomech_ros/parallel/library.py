@@ -34,6 +34,8 @@ from robomech_ros.errors import (
 )
 from robomech_ros.parallel.delta import Delta
 from robomech_ros.parallel.files import SUFFIXES, parallel_files
+from robomech_ros.parallel.limbs_document import mechanism_from_limbs
+from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.parallel.mechanism.parts import Parts
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
@@ -46,7 +48,7 @@ __all__ = ["TYPES", "ParallelRobot", "load_parallel", "parallel_from_yaml"]
 
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 
-# Of each type: its class, the keys that it needs, and those it may have.
+# Of each type: what makes it, the keys that it needs, and those it may have.
 TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
     "stewart_gough": (
         StewartGough,
@@ -69,6 +71,7 @@ TYPES: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
         ("base_axes", "middle_axes", "platform_axes"),
         ("distal", "limits", "drive_limits"),
     ),
+    "limbs": (mechanism_from_limbs, ("limbs",), ("platform", "drive_limits")),
 }
 _HEAD = ("kind", "name", "source", "type")
 _PARTS = ("bodies", "drive")
@@ -76,7 +79,7 @@ _KEYS = sorted({key for _, needed, more in TYPES.values() for key in (*needed, *
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
 
-def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
+def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot | Mechanism:
     """Load a parallel robot.
 
     Parameters
@@ -86,7 +89,7 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
 
     Returns
     -------
-    StewartGough, Delta, Planar3RPR, Planar3RRR or Spherical3RRR
+    StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR, or Mechanism for limbs of any kind
 
     Raises
     ------
@@ -117,14 +120,14 @@ def load_parallel(name_or_path: str | os.PathLike[str]) -> ParallelRobot:
     return _from_file(files[name])
 
 
-def _from_file(path: Path) -> ParallelRobot:
+def _from_file(path: Path) -> ParallelRobot | Mechanism:
     if path.suffix.lower() not in SUFFIXES:
         why = f"expected a file named {', '.join(SUFFIXES)}"
         raise RobotDescriptionError(str(path), why)
     return parallel_from_yaml(read_source(path, LARGEST_YAML), str(path))
 
 
-def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot:
+def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot | Mechanism:
     """Make a parallel robot of the text of a document.
 
     Parameters
@@ -152,8 +155,11 @@ def parallel_from_yaml(text: str | bytes, where: str) -> ParallelRobot:
     geometry = {key: value for key, value in document.items() if key not in others}
     check_keys(geometry, where, needed, more)
     try:
+        parts = _parts(document, where)
+        if document["type"] == "limbs":
+            return mechanism_from_limbs(**geometry, parts=parts, name=document["name"])
         robot: ParallelRobot = make(**geometry, name=document["name"])
-        robot.parts = _parts(document, where)
+        robot.parts = parts
     except RobomechError as error:
         raise RobotDescriptionError(where, str(error)) from None
     return robot

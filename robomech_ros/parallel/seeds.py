@@ -11,23 +11,30 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel.result import DirectKinematicsResult
 from robomech_ros.spatial.rotations.axis_angle import rotation_vector_from_matrix
 
-__all__ = ["modes_found", "nearest_first"]
+__all__ = ["modes_found", "nearest_first", "nearest_order"]
 
 
 def nearest_first(
     found: DirectKinematicsResult, seed: NDArray[np.float64], size: float
 ) -> DirectKinematicsResult:
     """Order poses by distance from a seed (4, 4), angles multiplied by the size (m)."""
-    turns = rotation_vector_from_matrix(seed[:3, :3].T @ found.poses[:, :3, :3])
-    angles = np.linalg.norm(turns.reshape(-1, 3), axis=1)
-    shifts = np.linalg.norm(found.poses[:, :3, 3] - seed[:3, 3], axis=1)
-    order = np.argsort(np.hypot(shifts, size * angles), kind="stable")
+    order = nearest_order(found.poses, seed, size)
     return dataclasses.replace(
         found,
         poses=found.poses[order],
         multiplicity=found.multiplicity[order],
         errors=found.errors[order],
     )
+
+
+def nearest_order(
+    poses: NDArray[np.float64], seed: NDArray[np.float64], size: float
+) -> NDArray[np.int64]:
+    """Sort poses (k, 4, 4) by distance from a seed (4, 4), angles multiplied by the size (m)."""
+    turns = rotation_vector_from_matrix(seed[:3, :3].T @ poses[:, :3, :3])
+    angles = np.linalg.norm(turns.reshape(-1, 3), axis=1)
+    shifts = np.linalg.norm(poses[:, :3, 3] - seed[:3, 3], axis=1)
+    return np.argsort(np.hypot(shifts, size * angles), kind="stable")
 
 
 def modes_found(

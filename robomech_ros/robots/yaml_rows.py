@@ -15,14 +15,23 @@ from robomech_ros.robots.limit_arrays import position_limits
 from robomech_ros.robots.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 
-__all__ = ["LIMITS", "read_number", "read_pose", "read_positive", "read_rows", "read_text"]
+__all__ = [
+    "JOINT_TYPES",
+    "LIMITS",
+    "read_number",
+    "read_pose",
+    "read_positive",
+    "read_range",
+    "read_rows",
+    "read_text",
+]
 
 Array = NDArray[np.float64]
 
 _ROW_KEYS = ("name", "type", "a", "b", "alpha")
 _ROW_OPTIONAL = ("theta", "body", "drive")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
-_TYPES = ("revolute", "continuous", "prismatic")
+JOINT_TYPES = ("revolute", "continuous", "prismatic")
 _LONGEST_NAME = 256
 
 
@@ -45,16 +54,16 @@ def _row(row: object, where: str) -> dict[str, Any]:
     checked = dict(check_keys(row, where, _ROW_KEYS, (*_ROW_OPTIONAL, *LIMITS)))
     where = f"{where} ('{read_text(checked['name'], f'{where}: name')}')"
     kind = checked["type"]
-    if kind not in _TYPES:
+    if kind not in JOINT_TYPES:
         raise RobotDescriptionError(
-            where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(_TYPES)}"
+            where, f"type is {str(kind)[:80]!r}, expected one of {', '.join(JOINT_TYPES)}"
         )
     for key in ("a", "b", "alpha"):
         checked[key] = read_number(checked[key], key, where)
         if abs(checked[key]) > LARGEST_LENGTH:
             raise RobotDescriptionError(where, f"{key} is {checked[key]:g}, at most 1e6 is allowed")
     checked["theta"] = read_number(checked.get("theta", 0.0), "theta", where)
-    checked["lower"], checked["upper"] = _range(checked, kind, where)
+    checked["lower"], checked["upper"] = read_range(checked, kind, where)
     for key in LIMITS[2:]:
         checked[key] = read_positive(checked[key], key, where) if key in checked else math.nan
     if "body" in checked:
@@ -63,7 +72,8 @@ def _row(row: object, where: str) -> dict[str, Any]:
     return checked
 
 
-def _range(row: Mapping[str, Any], kind: str, where: str) -> tuple[float, float]:
+def read_range(row: Mapping[str, Any], kind: str, where: str) -> tuple[float, float]:
+    """Read the least and greatest position of a joint (rad or m)."""
     given = [key for key in ("lower", "upper") if key in row]
     if kind == "continuous":
         if given:

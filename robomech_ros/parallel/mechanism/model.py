@@ -14,9 +14,11 @@ from robomech_ros.parallel.arguments import actuated as checked_drives
 from robomech_ros.parallel.arguments import platform_poses
 from robomech_ros.parallel.mechanism.limb import Limb, checked_limbs
 from robomech_ros.parallel.mechanism.loops import Loops
+from robomech_ros.parallel.mechanism.mobility import check_drives
 from robomech_ros.parallel.mechanism.parts import Parts, limbs_with_parts
 from robomech_ros.parallel.mechanism.postures import limb_postures
 from robomech_ros.parallel.mechanism.result import AssemblyModes, ClosedPosture, MechanismPostures
+from robomech_ros.parallel.mechanism.search import AssemblySearch
 from robomech_ros.parallel.mechanism.shapes import shapes_of_limbs
 from robomech_ros.parallel.mechanism.tree import tree_of_limbs
 from robomech_ros.parallel.result import DirectKinematicsResult
@@ -27,6 +29,9 @@ from robomech_ros.spatial.arrays import as_finite
 __all__ = ["Mechanism"]
 
 Array = NDArray[np.float64]
+
+# Errors (rad, m) of loops that are closed where all joints are at zero.
+_CLOSED = 1e-9
 
 
 class Mechanism:
@@ -42,18 +47,24 @@ class Mechanism:
         Two or more, from the same base link.
     name : str, optional
         What it is called.
-    direct : callable
+    direct : callable, optional
         Gives the poses of the platform, a DirectKinematicsResult, for positions of the drives and
         the pose nearest to which they are sorted, or None.
     home_poses : array_like, shape (k, 4, 4)
         Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular.
     parts : Parts, optional
         Bodies of links and platform, and what drives add to them.  Default none.
+        the pose nearest to which they are sorted, or None; by default they are searched.
+    home_poses : array_like, shape (k, 4, 4), optional
+        Poses ``T_base_platform`` (m), from which :meth:`home` takes the one furthest from singular;
+        by default all joints begin at zero if the loops are closed there, else where a search
+        finds them closed.
 
     Raises
     ------
     BadValueError, WrongSizeError, NonFiniteError
-        Limbs that do not fit together.
+        Limbs that do not fit together, or, where no ``direct`` is given, more or fewer drives than
+        the closed loops leave freedoms.
 
     Examples
     --------
@@ -68,8 +79,8 @@ class Mechanism:
         limbs: Sequence[Limb],
         *,
         name: str = "mechanism",
-        direct: Callable[[Array, Array | None], DirectKinematicsResult],
-        home_poses: ArrayLike,
+        direct: Callable[[Array, Array | None], DirectKinematicsResult] | None = None,
+        home_poses: ArrayLike | None = None,
         parts: Parts | None = None,
     ) -> None:
         self.name = name
@@ -94,8 +105,10 @@ class Mechanism:
         self.loops = Loops.of(chains, self.drive_index)
         # The longest constant offset in it (m).
         self.size = self.loops.size
-        self._direct = direct
-        self._home_poses = platform_poses(home_poses)
+        self._home_poses = None if home_poses is None else platform_poses(home_poses)
+        self._direct = direct or AssemblySearch(chains, self.loops)
+        if direct is None:
+            check_drives(chains, self.loops, self._home)
 
     lower: Array
     upper: Array
@@ -110,6 +123,17 @@ class Mechanism:
         other.__dict__.pop("description", None)
         other.platform_body = body
         return other
+
+    @cached_property
+    def family(self) -> str:
+        """How many limbs with which joints, from the base on, as in ``6-PRRRRR``."""
+        kinds = ["".join("RP"[kind] for kind in limb.chain.types) for limb in self.limbs]
+        return " ".join(f"{kinds.count(kind)}-{kind}" for kind in dict.fromkeys(kinds))
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The model itself, as every parallel robot has one."""
+        return self
 
     @cached_property
     def description(self) -> RobotDescription:
@@ -247,6 +271,8 @@ class Mechanism:
         if seed is not None:
             near = self.pose(seed) if np.shape(seed) == (self.n,) else platform_poses(seed, "seed")
         found = self._direct(given, near)
+        if isinstance(found, AssemblyModes):
+            return found
         rows = [self._of_mode(pose, given) for pose in found.poses]
         q = np.array(rows).reshape(-1, self.n)
         fields = ("poses", "multiplicity", "complete", "family", "status", "reason", "errors")
@@ -403,17 +429,22 @@ class Mechanism:
 
     @cached_property
     def _home(self) -> Array:
-        found: Array | None = None
-        best = -1.0
-        for ignore in (False, True):
-            for pose in self._home_poses:
-                for q in self.postures(pose, ignore_limits=ignore).q:
-                    score = self._regularity(q)
-                    if score > best:
-                        best, found = score, np.asarray(q)
-            if found is not None:
-                return found
-        raise BadValueError("home_poses", self._home_poses, "a pose that the limbs reach")
+        found = list[Array]()
+        if self._home_poses is None:
+            zero = np.zeros(self.n)
+            if self.loop_errors(zero).max() <= _CLOSED:
+                return zero
+            middle = np.concatenate([limb.chain.midrange() for limb in self.limbs])
+            found = list(self.direct(middle[self.drive_index]).q)
+        else:
+            for ignore in (False, True):
+                for pose in self._home_poses:
+                    found += list(self.postures(pose, ignore_limits=ignore).q)
+                if found:
+                    break
+        if not found:
+            raise BadValueError("limbs", self.name, "limbs that close at their home")
+        return max(found, key=self._regularity)
 
     def _regularity(self, q: Array) -> float:
         """Give the ratio of least to greatest singular value of the twists of the drives."""

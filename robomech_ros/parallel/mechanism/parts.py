@@ -84,7 +84,7 @@ def limbs_with_parts(
             if body is not None:
                 bodies[j] = body.seen_from(frames[j])
         drives = [
-            parts.drive if name in limb.actuated else own
+            parts.drive if name in limb.actuated and parts.drive != Drive() else own
             for name, own in zip(chain.joint_names, chain.drives, strict=True)
         ]
         chain = dataclasses.replace(chain, bodies=tuple(bodies), drives=tuple(drives))

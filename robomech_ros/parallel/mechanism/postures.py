@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 # Rounding of positions at limits (rad or m).
 _WITHIN = 1e-9
 _TURN = 2.0 * math.pi
+# Postures that are given at most.
+_MOST = 4096
 
 
 def limb_postures(
@@ -54,6 +56,8 @@ def limb_postures(
             k = int(np.argmin(off.max(axis=1)))
             joint = int(np.argmax(off[k]))
             excess[i], blocking[i] = off[k, joint], limb.chain.joint_names[joint]
+        away = np.zeros(len(q)) if own is None else np.abs(q - own).max(axis=1)
+        inside.sort(key=away.__getitem__)
         choices.append([(q[k], one.names[k]) for k in inside])
     if excess.any():
         worst = int(np.argmax(excess))
@@ -64,13 +68,23 @@ def limb_postures(
             "outside its limits"
         )
         return nothing(Code.LIMITS_EXCLUDE_ALL, reason)
+    reason = _fewer(choices)
     rows = list(itertools.product(*choices))
     q = np.array([np.concatenate([joints for joints, _ in row]) for row in rows])
     names = ["".join(name for _, name in row) for row in rows]
     if near is not None:
         order = np.argsort(np.abs(q - near).max(axis=1), kind="stable")
         q, names = q[order], [names[k] for k in order]
-    return MechanismPostures(q, tuple(names), Code.NONE, "", excess, tuple(blocking))
+    return MechanismPostures(q, tuple(names), Code.NONE, reason, excess, tuple(blocking))
+
+
+def _fewer(choices: list[list[tuple[Array, str]]]) -> str:
+    """Leave out the last branches of limbs with many, and say so."""
+    if math.prod(map(len, choices)) <= _MOST:
+        return ""
+    while math.prod(map(len, choices)) > _MOST:
+        max(choices, key=len).pop()
+    return f"only the first {math.prod(map(len, choices))} combinations of branches of the limbs"
 
 
 def _into_limits(limb: Limb, found: LimbBranches, near: Array | None) -> tuple[Array, Array]:

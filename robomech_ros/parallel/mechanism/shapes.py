@@ -65,33 +65,48 @@ def shapes_of_limbs(chains: Sequence[SerialChain], home: Array) -> dict[str, lis
     # Where limbs turn in one plane, a plate of the base would hide the platform.
     first = np.array([step[0, :3, 2] for step in steps])
     planar = np.linalg.norm(np.cross(first, first[0]), axis=1).max() <= _SAME
-    shapes[chains[0].base] = list(_frame(on_base, size, _GREY, plate=not planar))
+    base = list(_frame(on_base, size, _GREY, plate=not planar))
+    for chain, step in zip(chains, steps, strict=True):
+        if chain.types[0] == PRISMATIC:
+            base.append(_guide(chain, step, 0, size, 0.0))
+    shapes[chains[0].base] = base
     shapes[chains[0].tip] = list(_frame(on_platform, size, _ORANGE, plate=True))
     return shapes
 
 
 def _link(chain: SerialChain, steps: Array, i: int, size: float, home: Array) -> Iterator[Shape]:
     """Make the shapes of the link that joint i moves; home begins with its position."""
-    slides = chain.types == PRISMATIC
-    n = chain.n
-    way = steps[i + 1, :3, 3] if i + 1 < n else np.zeros(3)
-    if slides[i]:
-        length = _shortest(chain, i, float(home[0]))
-        yield _rod_between(np.zeros(3), [0.0, 0.0, -_ROD_PART * length], _ROD * size, _WHITE)
-    elif i + 1 < n and slides[i + 1]:
-        length = _shortest(chain, i + 1, float(home[1]))
-        along = steps[i + 1, :3, 2]
-        yield _rod_between(way, way + _CYLINDER_PART * length * along, 1.6 * _ROD * size, _BLUE)
+    way = steps[i + 1, :3, 3] if i + 1 < chain.n else np.zeros(3)
+    if chain.types[i] == PRISMATIC:
+        length = _telescope(chain, steps, i, float(home[0]))
+        if length > 0.0:
+            yield _rod_between(np.zeros(3), [0.0, 0.0, -_ROD_PART * length], _ROD * size, _WHITE)
+    elif i + 1 < chain.n and chain.types[i + 1] == PRISMATIC:
+        yield _guide(chain, steps, i + 1, size, float(home[1]))
     if np.linalg.norm(way) > _SAME * size:
         yield _rod_between(np.zeros(3), way, _BAR * size, _BLUE if i == 0 else _WHITE)
-    if not slides[i]:
-        yield _ball(np.zeros(3), _BALL * size, _GREY)
+    yield _ball(np.zeros(3), _BALL * size, _GREY)
 
 
-def _shortest(chain: SerialChain, i: int, home: float) -> float:
-    """Give the least length (m) that a slide has, or what looks right where there is none."""
+def _guide(chain: SerialChain, steps: Array, i: int, size: float, home: float) -> Shape:
+    """Make what joint i slides in or on, in the frame of the link before it."""
+    start, along = steps[i, :3, 3], steps[i, :3, 2]
+    length = _telescope(chain, steps, i, home)
+    if length > 0.0:
+        end = start + _CYLINDER_PART * length * along
+        return _rod_between(start, end, 1.6 * _ROD * size, _BLUE)
+    low, high = float(chain.lower[i]), float(chain.upper[i])
+    low, high = (x if math.isfinite(x) else 0.5 * y * size for x, y in ((low, -1), (high, 1)))
+    return _rod_between(start + low * along, start + high * along, _ROD * size, _GREY)
+
+
+def _telescope(chain: SerialChain, steps: Array, i: int, home: float) -> float:
+    """Give the least length (m) of a leg that joint i extends from nothing, 0 for other slides."""
+    reaches = i + 1 < chain.n and float(np.linalg.norm(steps[i + 1, :3, 3])) > _SAME * abs(home)
     low = float(chain.lower[i])
-    return low if math.isfinite(low) and low > 0.1 * abs(home) else 0.6 * abs(home)
+    if i == 0 or reaches or low < 0.0 or home <= 0.0:
+        return 0.0
+    return low if math.isfinite(low) and low > 0.1 * home else 0.6 * home
 
 
 def _frame(points: Array, size: float, colour: int, *, plate: bool) -> Iterator[Shape]:

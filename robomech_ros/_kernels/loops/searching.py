@@ -1,0 +1,58 @@
+"""Loops closed from far away by Newton's steps of limited size, the drives held: a search."""
+
+import numpy as np
+
+from robomech_ros._kernels.chain.serial import forward_body
+from robomech_ros._kernels.compiling.jit import IIN1, IN1, IN2, IOUT1, OUT2, f8, i8, kernel
+from robomech_ros._kernels.loops.factors import REGULAR, factors, loop_errors, solve
+
+__all__ = ["search"]
+
+# Largest step of a joint (rad; of the size), and how many.
+_LARGEST, _ITERATIONS = 0.6, 60
+# A step that changes nothing any more, and errors of loops that are closed (rad; of the size).
+_SETTLED, _CLOSED = 1e-12, 1e-10
+
+
+@kernel(i8(IN2, IIN1, IIN1, f8, IN1, OUT2, IOUT1))
+def search(packed, starts, drives, scale, weights, q, closed):
+    """Move passive joints of postures q (k, n) in place until the loops are closed.
+
+    Written to ``closed`` (k,): whether they are; angles of half a turn pass for none.  Returns how
+    many.
+    """
+    limbs, n, m = starts.size - 1, 1, 0
+    for i in range(limbs):
+        n = max(n, starts[i + 1] - starts[i])
+    for j in range(drives.size):
+        m = max(m, drives[j] + 1)
+    J, T = np.empty((limbs, 6, n)), np.empty((limbs, 4, 4))
+    R, Q = np.empty((limbs, 6, n)), np.empty((limbs, 6, 6))
+    A, B, D = np.empty((6 * limbs, 6)), np.empty((6 * limbs, 1)), np.empty((limbs, 6, 1))
+    qd, t, rates = np.empty((drives.size, 1)), np.empty((6, 1)), np.zeros((m, 1))
+    count = 0
+    for k in range(q.shape[0]):
+        closed[k] = 0
+        for _ in range(_ITERATIONS):
+            if factors(packed, starts, drives, q[k], scale, J, T, R, Q) != REGULAR:
+                break
+            loop_errors(T, scale, D)
+            if solve(starts, drives, scale, J, R, Q, rates, D, A, B, qd, t) != REGULAR:
+                break
+            size = 0.0
+            for j in range(drives.size):
+                size = max(size, abs(qd[j, 0]) * weights[j])
+            part = _LARGEST / size if size > _LARGEST else 1.0
+            for j in range(drives.size):
+                if drives[j] < 0:
+                    q[k, j] += part * qd[j, 0]
+            if size <= _SETTLED:
+                closed[k] = 1
+                break
+        if closed[k] == 1:
+            for i in range(limbs):
+                s, e = starts[i], starts[i + 1]
+                forward_body(packed[s + i : e + i + 1], q[k, s:e], T[i])
+            closed[k] = 1 if loop_errors(T, scale, D) <= _CLOSED else 0
+            count += closed[k]
+    return count
