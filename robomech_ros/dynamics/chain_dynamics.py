@@ -105,6 +105,11 @@ class ChainDynamics:
         """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
         return friction_model(self.chain)
 
+    @property
+    def mass(self) -> float:
+        """Of all that moves (kg)."""
+        return float(self.chain.packed_bodies[:, 0].sum())
+
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
         """Give joint values (n,) that are finite, or raise an error."""
         array = as_joint_values(self.chain, q, what)

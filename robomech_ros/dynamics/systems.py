@@ -72,6 +72,11 @@ class DynamicSystem(Protocol):
         """Viscous, Coulomb, excess at rest and one over its rate, shape (4, n)."""
         ...
 
+    @property
+    def mass(self) -> float:
+        """Of all that moves (kg)."""
+        ...
+
     def checked_posture(self, q: ArrayLike, what: str) -> Array:
         """Give joint values (n,) that are finite and close all loops, or raise an error."""
         ...

@@ -15,6 +15,7 @@ from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.spatial import inverse_pose
@@ -38,29 +39,34 @@ _LARGEST = 1e12
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """States of n joints, in the order of the chain.
+    """States of a robot with n joints and m drives, which are all joints of a chain.
 
     Attributes
     ----------
     order : list of int
-        Where each joint of the chain is among the names of the request.
-    q, qd, qdd : ndarray, shape (m, n)
-        Positions (rad or m), rates and accelerations per s and s^2.
+        Where each drive is among the names of the request.
+    width : int
+        How many names these are.
+    q : ndarray, shape (k, n)
+        Positions of all joints (rad or m).
+    qd, qdd : ndarray, shape (k, m)
+        Rates and accelerations of the drives, per s and s^2.
     """
 
     order: list[int]
+    width: int
     q: Array
     qd: Array
     qdd: Array
 
     def as_asked(self, rows: Array) -> Array:
-        """Put columns in the order of the request's names."""
-        result = np.empty_like(rows)
+        """Put columns of drives in the order of the request's names; joints without one get 0."""
+        result = np.zeros((*rows.shape[:-1], self.width))
         result[..., self.order] = rows
         return result
 
 
-def motions(points: Any, joint_names: Any, chain: SerialChain) -> Motions:
+def motions(points: Any, joint_names: Any, drives: Drives) -> Motions:
     """Read trajectory points as states.
 
     Parameters
@@ -68,22 +74,29 @@ def motions(points: Any, joint_names: Any, chain: SerialChain) -> Motions:
     points : sequence of JointTrajectoryPoint
         Velocities and accelerations may be empty, which is 0.
     joint_names : sequence of str
-        The order of the numbers; empty = that of the chain.
-    chain : SerialChain
-        Of n joints.
+        The order of the numbers: drives or all joints; empty = the drives in their order.
+    drives : Drives
+        Of the robot.
 
     Raises
     ------
     UnknownJointError, WrongSizeError, NonFiniteError
         With the point and the joint at fault.
+    BadValueError, OutcomeError
+        As :meth:`Drives.postures`.
     """
-    names = list(joint_names) or list(chain.joint_names)
-    order = joint_order(names, chain.joint_names)
-    rows = [
+    names = list(joint_names) or list(drives.names)
+    wanted = drives.named(names)
+    order = joint_order(names, wanted)
+    q, qd, qdd = (
         _rows(points, field, names)[:, order]
         for field in ("positions", "velocities", "accelerations")
-    ]
-    return Motions(order, *rows)
+    )
+    whole = len(wanted) == len(drives.joint_names)
+    places = drives.places if whole else np.arange(len(drives.names))
+    of_drives = [order[place] for place in places.tolist()]
+    posture = drives.postures(q, "points")
+    return Motions(of_drives, len(names), posture, qd[:, places], qdd[:, places])
 
 
 def _rows(points: Any, field: str, names: list[str]) -> Array:
@@ -102,12 +115,14 @@ def _rows(points: Any, field: str, names: list[str]) -> Array:
     return rows
 
 
-def rates(state: JointState, field: str, model: RobotModel) -> Array:
-    """Read velocities or efforts, shape (n,), matched by name as positions are; empty = 0."""
-    chain = model.chain
-    if not len(getattr(state, field)):
-        return np.zeros(chain.n)
-    return positions_by_name(state, chain.joint_names, "state", model.joint_names, field)
+def rates(state: JointState, field: str, drives: Drives, model: RobotModel) -> Array:
+    """Read velocities or efforts of the drives, (m,), by name as positions are; empty = 0."""
+    values = getattr(state, field)
+    if not len(values):
+        return np.zeros(len(drives.names))
+    if not state.name and len(values) == len(drives.joint_names):
+        return positions_by_name(state, drives.joint_names, "state", (), field)[drives.places]
+    return positions_by_name(state, drives.names, "state", model.joint_names, field)
 
 
 def positions_of(state: JointState) -> JointState:
@@ -136,7 +151,7 @@ async def tip_wrench(
         In the axes of any frame that the robot or tf knows.
     frames : RobotFrames
     joint_names : sequence of str
-        The n joints of the chain.
+        The n joints.
     q : ndarray, shape (m, n)
         Joint values (rad or m) of the states in which it acts.
     patience : float
@@ -202,9 +217,9 @@ def _vector(given: Vector3, what: str) -> Array:
     return vector
 
 
-def encode_summary(summary: TorqueSummary, chain: SerialChain, response: Any) -> Any:
+def encode_summary(summary: TorqueSummary, drives: Sequence[str], response: Any) -> Any:
     """Fill a SummarizeTorques response."""
-    names = list(chain.joint_names)
+    names = list(drives)
     response.joint_names = names
     response.peak_effort = floats(summary.peak_effort)
     response.peak_effort_time = _durations(summary.peak_effort_time)

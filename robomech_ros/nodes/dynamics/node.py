@@ -15,12 +15,7 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
-from robomech_ros.dynamics import (
-    forward_dynamics,
-    mass_matrix,
-    torque_summary,
-    with_payload,
-)
+from robomech_ros.dynamics import DynamicSystem, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
@@ -31,6 +26,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.received_trajectory import received_trajectory
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.dynamics.drives import Drives, system_of
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
     gravity_vector,
@@ -45,7 +41,6 @@ from robomech_ros.nodes.dynamics.torques import instants, torque_shares
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.deep_queues import serve
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 
 Array = NDArray[np.float64]
@@ -61,12 +56,13 @@ class DynamicsNode(Node):
         self._table = NodeParameters(self, DynamicsSettings, check=check_settings)
         check_settings(self._table.settings)
         self._monitor = JointStateMonitor(self)
-        when_robot_known(self, self._table.settings, self._serve)
+        when_robot_known(self, self._table.settings, self._serve, parallel=True)
 
     def _serve(self, model: RobotModel) -> None:
         self._model = model
         self._joints = JointPositions(model, self._monitor)
-        self._loaded = model.chain
+        self._drives = Drives(model, self._joints)
+        self._loaded = self._empty = system_of(model)
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         serve(self, SetPayload, "~/set_payload", self._set_payload)
         # While one of these waits for a joint state or a frame, others are served.
@@ -79,81 +75,95 @@ class DynamicsNode(Node):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         try:
             # The kernels are compiled or loaded now, not in the first request.
-            self._announce(model.chain)
+            self._announce(self._empty)
         except RobomechError as error:
             self.get_logger().warning(f"ready, but every request will be refused: {error}")
 
-    def _announce(self, chain: SerialChain) -> None:
-        mass_matrix(chain, chain.midrange())
-        mass = float(chain.packed_bodies[:, 0].sum())
+    def _announce(self, system: DynamicSystem) -> None:
+        model = self._model
+        home = model.chain.midrange() if model.mechanism is None else model.mechanism.home()
+        system.mass_matrix(home)
         self.get_logger().info(
-            f"ready: {chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, moving mass "
-            f"{mass:.4g} kg"
+            f"ready: {system.name}, {model.chain.base} to {model.chain.tip}, "
+            f"{len(system.joint_names)} joints, moving mass {system.mass:.4g} kg"
         )
 
     @guarded
     async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
-        chain = self._loaded
+        system = self._loaded
         self._check_size("points", len(request.points))
-        states = motions(request.points, request.joint_names, chain)
-        wrench = await self._wrench(request, chain, states.q)
-        shares = torque_shares(chain, states, self._gravity(request), wrench)
+        states = motions(request.points, request.joint_names, self._drives)
+        wrench = await self._wrench(request, states.q)
+        shares = torque_shares(system, states, self._gravity(request), wrench)
         for field, rows in shares.items():
             setattr(response, field, floats(states.as_asked(rows)))
         return answer(response)
 
     @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
-        chain, q = self._loaded, await self._positions(request)
-        velocity = rates(request.state, "velocity", self._model)
-        effort = rates(request.state, "effort", self._model)
-        wrench = (await self._wrench(request, chain, q[None]))[0]
-        acceleration = forward_dynamics(
-            chain, q, velocity, effort, gravity=self._gravity(request), tip_wrench=wrench
+        system, q = self._loaded, await self._positions(request)
+        velocity = rates(request.state, "velocity", self._drives, self._model)
+        effort = rates(request.state, "effort", self._drives, self._model)
+        wrench = (await self._wrench(request, q[None]))[0]
+        acceleration = system.forward(
+            q, velocity, effort, gravity=self._gravity(request), tip_wrench=wrench
         )
         response.acceleration = floats(acceleration)
-        response.joint_names = list(chain.joint_names)
+        response.joint_names = list(system.drive_names)
         return answer(response)
 
     @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
-        chain, q = self._loaded, await self._positions(request)
-        response.mass_matrix = floats(mass_matrix(chain, q))
-        response.joint_names = list(chain.joint_names)
+        system, q = self._loaded, await self._positions(request)
+        response.mass_matrix = floats(system.mass_matrix(q))
+        response.joint_names = list(system.drive_names)
         return answer(response)
 
     @guarded
     def _set_payload(self, request: Any, response: Any) -> Any:
         chain, given = self._model.chain, request.payload
         load = payload_body(given.inertia, self._model.link_of(given.header.frame_id), chain)
-        loaded = chain if load is None else with_payload(chain, load)
+        loaded = self._empty if load is None else self._empty.with_payload(load)
         self._announce(loaded)
         self._loaded = loaded
         return answer(response)
 
     @guarded
     async def _summarize_torques(self, request: Any, response: Any) -> Any:
-        chain, settings = self._loaded, self._table.settings
+        system, drives, settings = self._loaded, self._drives, self._table.settings
         message = received_trajectory(request.trajectory)
         limits = settings.largest_batch, settings.max_duration
-        waypoints = read_waypoints(message, chain.joint_names, *limits, to_rest=False)
+        names = drives.named(list(message.joint_names))
+        waypoints = read_waypoints(message, names, *limits, to_rest=False)
         times = instants(waypoints.times, settings.summary_period)
-        motion = sample_many(waypoints.curve, times)
-        wrench = await self._wrench(request, chain, motion.position)
+        position, velocity, acceleration = sample_many(waypoints.curve, times)[:3]
+        if len(names) != len(drives.names):
+            position, velocity, acceleration = (
+                rows[:, drives.places] for rows in (position, velocity, acceleration)
+            )
+        q = drives.postures(position, "sample")
+        wrench = await self._wrench(request, q)
         summary = torque_summary(
-            chain, times, *motion[:3], gravity=self._gravity(request), tip_wrench=wrench
+            system,
+            times,
+            q,
+            velocity,
+            acceleration,
+            gravity=self._gravity(request),
+            tip_wrench=wrench,
         )
-        return answer(encode_summary(summary, chain, response))
+        return answer(encode_summary(summary, drives.names, response))
 
     async def _positions(self, request: Any) -> Array:
         """Read the positions (n,) of a request's state, or else the present ones."""
         state, patience = positions_of(request.state), self._table.settings.state_timeout
-        return await self._joints.read_or_present(self._model.chain, state, "state", patience)
+        return await self._joints.read_or_present(self._drives.way, state, "state", patience)
 
-    async def _wrench(self, request: Any, chain: SerialChain, q: Array) -> Array:
+    async def _wrench(self, request: Any, q: Array) -> Array:
         """Read the wrench (m, 6) on the tip at joint values (m, n)."""
         patience = self._table.settings.state_timeout
-        return await tip_wrench(request.tip_wrench, self._frames, chain.joint_names, q, patience)
+        names = self._drives.joint_names
+        return await tip_wrench(request.tip_wrench, self._frames, names, q, patience)
 
     def _gravity(self, request: Any) -> Array:
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))

@@ -5,9 +5,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from robomech_ros.dynamics import gravity_torque, inverse_dynamics
+from robomech_ros.dynamics import DynamicSystem
 from robomech_ros.nodes.dynamics.messages import Motions
-from robomech_ros.robots import SerialChain
 
 __all__ = ["instants", "torque_shares"]
 
@@ -19,32 +18,32 @@ _MOST_INSTANTS = 100_000
 
 
 def torque_shares(
-    chain: SerialChain, states: Motions, gravity: Array, wrench: Array
+    system: DynamicSystem, states: Motions, gravity: Array, wrench: Array
 ) -> dict[str, Array]:
     """Compute the torques of states, and what of them gravity, rates and accelerations take.
 
     Parameters
     ----------
-    chain : SerialChain
-        Of n joints, with all that it carries.
+    system : DynamicSystem
+        Of m drives, with all that it carries.
     states : Motions
-        m of them.
+        k of them.
     gravity : ndarray, shape (3,)
         In the base (m/s^2).
-    wrench : ndarray, shape (m, 6)
+    wrench : ndarray, shape (k, 6)
         What the surroundings exert on the tip, moment first, in the base (N m and N).
 
     Returns
     -------
-    dict of str to ndarray, shape (m, n)
+    dict of str to ndarray, shape (k, m)
         By the name of the field of the response (N m or N).
     """
-    q, qd, qdd, none = states.q, states.qd, states.qdd, np.zeros_like(states.q)
+    q, qd, qdd, none = states.q, states.qd, states.qdd, np.zeros_like(states.qd)
     return {
-        "effort": inverse_dynamics(chain, q, qd, qdd, gravity=gravity, tip_wrench=wrench),
-        "gravity": gravity_torque(chain, q, gravity=gravity),
-        "coriolis": inverse_dynamics(chain, q, qd, none, gravity=_NO_GRAVITY),
-        "inertial": inverse_dynamics(chain, q, none, qdd, gravity=_NO_GRAVITY),
+        "effort": system.inverse(q, qd, qdd, gravity=gravity, tip_wrench=wrench),
+        "gravity": system.inverse(q, none, none, gravity=gravity),
+        "coriolis": system.inverse(q, qd, none, gravity=_NO_GRAVITY),
+        "inertial": system.inverse(q, none, qdd, gravity=_NO_GRAVITY),
     }
 
 

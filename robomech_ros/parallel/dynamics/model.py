@@ -18,9 +18,23 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.robots.chain_layout import unpack_chain
 
-__all__ = ["limb_bodies", "limb_totals", "mechanism_model", "refuse"]
+__all__ = ["limb_bodies", "limb_totals", "mechanism_model", "platform_body", "refuse"]
 
 Array = NDArray[np.float64]
+
+
+def platform_body(mechanism: Mechanism) -> Body:
+    """Give the body of the platform.
+
+    Raises
+    ------
+    MissingInertiaError
+        Nothing is known of it.
+    """
+    if mechanism.platform_body is None:
+        last = mechanism.limbs[0].chain.joint_names[-1]
+        raise MissingInertiaError([mechanism.platform_link], [last])
+    return mechanism.platform_body
 
 
 def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
@@ -31,12 +45,10 @@ def limb_bodies(mechanism: Mechanism) -> list[list[Body | None]]:
     MissingInertiaError
         Nothing is known of the platform.
     """
-    if mechanism.platform_body is None:
-        last = mechanism.limbs[0].chain.joint_names[-1]
-        raise MissingInertiaError([mechanism.platform_link], [last])
+    body = platform_body(mechanism)
     rows: list[list[Body | None]] = [list(limb.chain.bodies) for limb in mechanism.limbs]
     first = mechanism.limbs[0].chain
-    platform = mechanism.platform_body.seen_from(unpack_chain(first.packed)[-1])
+    platform = body.seen_from(unpack_chain(first.packed)[-1])
     own = rows[0][-1]
     rows[0][-1] = platform if own is None else combined((own, platform))
     return rows

@@ -20,7 +20,12 @@ from robomech_ros.parallel.dynamics.complement import (
     bodies_in_motion,
     joint_reactions,
 )
-from robomech_ros.parallel.dynamics.model import limb_totals, mechanism_model, refuse
+from robomech_ros.parallel.dynamics.model import (
+    limb_totals,
+    mechanism_model,
+    platform_body,
+    refuse,
+)
 from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.robots import Body, combined
 from robomech_ros.spatial.arrays import as_finite
@@ -60,9 +65,8 @@ class ParallelDynamics:
     Raises
     ------
     BadValueError
-        Not a mechanism.
-    MissingInertiaError
-        Nothing is known of the mass of the platform.
+        Not a mechanism.  What needs the mass of a platform of which nothing is known raises
+        MissingInertiaError.
 
     See Also
     --------
@@ -84,7 +88,6 @@ class ParallelDynamics:
     """
 
     mechanism: Mechanism
-    _model: Array = field(init=False, repr=False)
     _friction: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -93,7 +96,6 @@ class ParallelDynamics:
                 "mechanism", self.mechanism, "a Mechanism, as load_parallel(...) has"
             )
         chains = [limb.chain for limb in self.mechanism.limbs]
-        object.__setattr__(self, "_model", mechanism_model(self.mechanism))
         friction = np.concatenate([friction_model(chain) for chain in chains], axis=1)
         object.__setattr__(self, "_friction", friction)
 
@@ -140,9 +142,8 @@ class ParallelDynamics:
     @property
     def mass(self) -> float:
         """Of all that moves (kg)."""
-        masses = [body.mass for limb in self.mechanism.limbs for body in limb.chain.bodies if body]
-        assert self.mechanism.platform_body is not None
-        return float(sum(masses) + self.mechanism.platform_body.mass)
+        home = np.zeros(self.mechanism.n)
+        return float(limb_totals(self.mechanism, home, home)[0])
 
     def checked_posture(self, q: ArrayLike, what: str = "q") -> Array:
         """Give joint values (n,) that close all loops, or raise an error.
@@ -397,14 +398,13 @@ class ParallelDynamics:
             raise BadValueError("payload", payload, "a Body")
         if fault := payload.fault():
             raise BadValueError("payload", payload.mass, f"a possible body; {fault}")
-        assert self.mechanism.platform_body is not None
-        whole = combined((self.mechanism.platform_body, payload))
+        whole = combined((platform_body(self.mechanism), payload))
         assert whole is not None
         return ParallelDynamics(self.mechanism.with_platform_body(whole))
 
     def _loops(self) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], float]:
         loops = self.mechanism.loops
-        return self._model, loops.starts, loops.drives, 1.0 / loops.size
+        return mechanism_model(self.mechanism), loops.starts, loops.drives, 1.0 / loops.size
 
     def _states(self, q: ArrayLike, **of_drives: ArrayLike) -> list[Array]:
         """Give joints (..., n), and what belongs to the drives (..., m), with the same batch."""

@@ -237,7 +237,7 @@ def test_parts_that_do_not_fit_are_named():
         _ = robot.mechanism
     robot.parts = Parts({"leg2_rod": body})
     with pytest.raises(MissingInertiaError, match="platform"):
-        ParallelDynamics(robot.mechanism)
+        ParallelDynamics(robot.mechanism).mass_matrix(robot.mechanism.home())
     for wrong in ({"bodies": {"rod": 3.0}}, {"bodies": [body]}, {"drive": 3.0}):
         with pytest.raises(BadValueError, match="bod|drive"):
             Parts(**wrong)

@@ -1,0 +1,78 @@
+"""The drives that requests about dynamics speak of, and all joints of the robot for them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomech_ros.dynamics import ChainDynamics, DynamicSystem
+from robomech_ros.nodes.common.joint_positions import JointPositions, Way
+from robomech_ros.nodes.common.robot_description import RobotModel
+
+__all__ = ["Drives", "system_of"]
+
+Array = NDArray[np.float64]
+
+
+def system_of(model: RobotModel) -> DynamicSystem:
+    """Give what is asked for its dynamics: the configured chain, or a parallel robot."""
+    if model.mechanism is None:
+        return ChainDynamics(model.chain)
+    from robomech_ros.parallel import ParallelDynamics
+
+    return ParallelDynamics(model.mechanism)
+
+
+class Drives:
+    """The m drives of a robot with n joints: all of a chain, some of a parallel robot.
+
+    Parameters
+    ----------
+    model : RobotModel
+    joints : JointPositions
+        Reads states, and knows the present posture.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The drives.
+    joint_names : tuple of str
+        All joints.
+    places : ndarray of int, shape (m,)
+        Where the drives are among these.
+    way : SerialChain or Mechanism
+        What states are read for.
+    """
+
+    def __init__(self, model: RobotModel, joints: JointPositions) -> None:
+        system = system_of(model)
+        self.names, self.joint_names = system.drive_names, system.joint_names
+        self.places = system.drives_at
+        self.way: Way = model.chain if model.mechanism is None else model.mechanism
+        self._joints = joints
+
+    def named(self, names: list[str]) -> tuple[str, ...]:
+        """Say which joints a list is to name: all of them if it is that long, else the drives."""
+        return self.joint_names if len(names) == len(self.joint_names) else self.names
+
+    def postures(self, rows: Array, what: str) -> Array:
+        """Give all joints (k, n) for positions of the drives (k, m), or of all joints (k, n).
+
+        Loops of a parallel robot are closed, each row in the assembly mode of that before, and the
+        first in that of the present posture, or nearest to home where it is not known.
+
+        Raises
+        ------
+        BadValueError
+            All joints are given, and leave loops open.
+        OutcomeError
+            The drives can hold the platform nowhere, or a singular posture is in their way.
+        """
+        loops = self._joints.loops
+        if loops is None:
+            return rows
+        if rows.shape[1] == len(self.joint_names):
+            closed = [loops.closed(row, f"{what}[{k}]") for k, row in enumerate(rows)]
+            return np.array(closed).reshape(rows.shape)
+        near, found = self._joints.present_posture(), np.empty((len(rows), len(self.joint_names)))
+        for k, row in enumerate(rows):
+            near = found[k] = loops.complete(row, f"{what}[{k}]", near)
+        return found
