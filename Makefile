@@ -26,18 +26,18 @@ PYTEST := $(BIN)/python -m pytest
 set_up = python=$$($(RUN) sh tools/find_python.sh $(1) "$(PYTHON)") && \
     $(RUN) "$$python" tools/set_up.py $(1) $(2)
 
-# Tests share no files and no ROS domain, so that each core runs some of them. Those of moving robots,
-# whose time is that of the clock, leave most of the processor: what computes runs beside them, and
-# only where they do not.
+# Tests share no files and no ROS domain, so that each core runs some of them. Those of nodes wait for
+# one another and, where robots move, for the clock, and leave much of the processor: what computes
+# runs beside them, and only where they do not.
 PARALLEL := -n auto --maxprocesses 8
 COMPUTING := $(PARALLEL) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
 # What depends on the clock may fail where another process takes the machine for a moment: it is run once more, and
 # the summary names it. A defect fails twice.
 AGAIN := --reruns 1 -rR
 ANSWERING := $(PARALLEL) $(AGAIN) --ignore=test/nodes/motion test/nodes test/rvs
-# One worker: where Fast DDS takes the process down while a participant leaves, the test that ran is named and run once
-# more, and the others go on.
-MOVING := -n 1 $(AGAIN) test/nodes/motion
+# Two workers, as robots mostly wait; where Fast DDS takes a process down while a participant leaves, the test that ran
+# is named and run once more, and the others go on.
+MOVING := -n 2 $(AGAIN) --dist loadgroup test/nodes/motion
 INSTALLED := $(PARALLEL) $(AGAIN) --dist loadgroup test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
@@ -50,7 +50,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving computing beside lint colcon bench pictures docs clean
+.PHONY: help setup compat compat-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -79,25 +79,31 @@ view: setup ## see and move a robot in the browser, without ROS
 	@$(BIN)/robomech view --robot "$(ROBOT)"
 
 test: compat ## everything: lint, all tests, colcon, the other distribution
-	@echo "test: robots move while lint, the other distribution and what computes take the rest"
-	@$(AT_ONCE) moving beside
-	$(PYTEST) $(ANSWERING)
-	$(PYTEST) $(CHOSEN) $(INSTALLED)
+	@echo "test: robots move and nodes answer while lint, the other distribution and what computes take the rest"
+	@$(AT_ONCE) installed beside
 
 test-fast: compat ## what a developer runs again and again: no long and no installed tests
-	@$(AT_ONCE) CHOSEN='-q -m "not slow"' moving computing
-	$(PYTEST) -q -m "not slow" $(ANSWERING)
+	@$(AT_ONCE) CHOSEN='-q -m "not slow"' answering computing
 
+# Two rows: one after the other what has the processor first, and what takes the rest.
 moving:
 	$(PYTEST) $(CHOSEN) $(MOVING)
 
-computing:
-	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
+answering: moving
+	$(PYTEST) $(CHOSEN) $(ANSWERING)
 
-beside:
+installed: answering other
+	$(PYTEST) $(CHOSEN) $(INSTALLED)
+
+other:
 	@$(LEFT) $(MAKE) --no-print-directory lint compat-other
+
+beside: other
 	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(INTERPRETED)
 	@$(MAKE) --no-print-directory computing
+
+computing:
+	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest $(CHOSEN) $(COMPUTING)
 
 test-long: compat ## what takes minutes a test: random motions by the thousand
 	$(PYTEST) -m long $(COMPUTING)

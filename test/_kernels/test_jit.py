@@ -3,8 +3,11 @@
 import os
 import subprocess
 import sys
+import tempfile
 
 import pytest
+
+from robomech_ros._kernels.compiling import cache
 
 CODE = """
 import numpy as np
@@ -105,16 +108,20 @@ def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
 @pytest.mark.parametrize("mode", [0o770, 0o702, 0o777])
 @pytest.mark.parametrize("level", ["", "above", "above/cache"])
 def test_a_place_that_others_can_write_is_refused_at_every_level(
-    tmp_path, tmp_path_factory, level, mode
+    tmp_path, tmp_path_factory, monkeypatch, level, mode
 ):
+    def found():
+        return str(cache.cache_directory.__wrapped__())
+
     place = tmp_path / "above" / "cache"
     place.mkdir(mode=0o700, parents=True)
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (tmp_path / level).chmod(mode)
-    found = run(elsewhere / "program", ROBOMECH_CACHE_DIR=str(place), TMPDIR=str(elsewhere))
+    monkeypatch.setenv("ROBOMECH_CACHE_DIR", str(place))
+    monkeypatch.setattr(tempfile, "tempdir", str(elsewhere))
+    assert found().startswith(f"{elsewhere}/robomech_ros-")
     (tmp_path / level).chmod(0o700)
-    assert found.startswith(f"{elsewhere}/robomech_ros-")
-    assert run(elsewhere / "program", ROBOMECH_CACHE_DIR=str(place)).startswith(f"{place}/")
+    assert found().startswith(f"{place}/")
 
 
 def test_a_link_leads_to_the_folder_that_is_judged(tmp_path):

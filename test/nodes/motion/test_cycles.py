@@ -10,7 +10,6 @@ import pytest
 from drivers import ended
 from rclpy.node import Node
 
-from robomech_ros.nodes.common import status_report
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller import cycles
 from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
@@ -135,10 +134,12 @@ def test_the_robot_moves_on_while_a_callback_takes_long(arm):
     assert (np.diff(positions[blocked[0] : blocked[1], 0]) > 0.0).all()
 
 
-def test_a_goal_ends_though_nothing_else_wakes_the_executor(drive, monkeypatch):
+def test_a_goal_ends_though_nothing_else_wakes_the_executor(drive):
     """The result of an action is told when the cycle finds the goal reached."""
-    monkeypatch.setattr(status_report, "PERIOD", 1000.0)
-    arm = drive(action_monitor_rate=0.1)
+    arm = drive(action_monitor_rate=0.1, publish_frames="never")
+    node = next(n for n in arm.graph._nodes if n.get_name() == "joint_trajectory_controller")
+    for timer in node.timers:
+        timer.cancel()
     for _ in range(3):
         handle = arm.send(arm.trajectory((0.2, 0.1 * MOVE)))
         assert arm.result(handle)[0] == 4
