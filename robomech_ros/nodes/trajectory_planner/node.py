@@ -12,11 +12,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
-from robomech_ros.cartesian import Sampling, plan_along
-from robomech_ros.cartesian.arms import load_inverse_kinematics
+from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.refusals import TrajectoryRefusedError
-from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, read_joint_limits
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
@@ -36,6 +34,8 @@ from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     in_base,
     read_path_request,
 )
+from robomech_ros.nodes.trajectory_planner.chain_motions import ChainMotions
+from robomech_ros.nodes.trajectory_planner.motions import JointMotions
 from robomech_ros.nodes.trajectory_planner.plan_messages import (
     OFFERED,
     encode_plan,
@@ -44,8 +44,7 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import (
 )
 from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
-from robomech_ros.trajectory import PROFILES, Limits, sampled_through_points
-from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
+from robomech_ros.trajectory import PROFILES, sampled_through_points
 
 _P = TypeVar("_P")
 
@@ -63,12 +62,12 @@ class TrajectoryPlannerNode(Node):
         self._monitor = JointStateMonitor(self)
         settings = self._table.settings
         limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
-        when_robot_known(self, settings, self._serve, limits.on if limits else None)
+        when_robot_known(self, settings, self._serve, limits.on if limits else None, parallel=True)
 
     def _serve(self, model: RobotModel) -> None:
-        self._model, self._chain = model, model.chain
-        self._limits = Limits.of(model.chain)
         self._joints = JointPositions(model, self._monitor)
+        self._motions = _motions_of(model, self._joints)
+        self._limits = self._motions.limits
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
         self._plan_once("poly345")
@@ -82,8 +81,9 @@ class TrajectoryPlannerNode(Node):
         moveit = add_cartesian_path_service(
             self, model, self._monitor, self._frames, lambda: self._table.settings, self._worker
         )
+        count = len(self._limits.joint_names)
         self.get_logger().info(
-            f"ready: {model.chain.name}, {model.chain.n} joints, profiles: {OFFERED}"
+            f"ready: {model.chain.name}, {count} joints, profiles: {OFFERED}"
             f"{', compute_cartesian_path' if moveit else ''}"
         )
         self._warm_up()
@@ -103,13 +103,13 @@ class TrajectoryPlannerNode(Node):
             # The search for the best knots of a spline is left to who first asks for it: it takes
             # 20 MB and a third of a second to load.
             self._worker.begin(partial(self._plan_once, profile, profile != "cubic_spline"))
-        self._worker.begin(load_inverse_kinematics)
+        self._worker.begin(self._motions.warm_up)
         self._worker.begin(release_compiler_pages)
 
     def _plan_once(self, profile: str, via: bool = True) -> None:
         """Plan, also through a via point if wanted, so that the next request finds all loaded."""
-        here = self._chain.midrange()
-        near = here + 1e-3 * np.minimum(self._chain.upper - here, 1.0)
+        here = self._limits.ranges.mean(axis=0)
+        near = here + 1e-3 * np.minimum(self._limits.ranges[1] - here, 1.0)
         for points in ([here, near], [here, near, here])[: 1 + via]:
             with suppress(RobomechError):  # requests that need missing limits get the error
                 sampled_through_points(
@@ -120,15 +120,15 @@ class TrajectoryPlannerNode(Node):
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         wanted = read_plan_request(request, self._limits, settings)
-        goal = self._joints.read(self._chain, request.goal, "goal")
+        goal, posture = self._motions.read_goal(request.goal)
         start = await self._start(request.start, settings)
-        points = plan_points(start, wanted.via, goal, self._limits)
+        points = plan_points(self._motions.commanded(start), wanted.via, goal, self._limits)
         options = {**wanted.options, **settings.most, "usual_period": settings.sample_period}
-        plan = partial(fitting_plan, self._limits, points, **options)
+        plan = partial(self._motions.through, points, start, posture, options)
         found = await self._planned(plan, beside=len(wanted.via) > 0)
         self._plans.publish_waiting()
-        encode_plan(found, self._limits, wanted.options, self._points, response)
-        self._plans.publish_soon(response.trajectory, found)
+        encode_plan(found.sampled, self._limits, wanted.options, self._points, response)
+        self._plans.publish_soon(response.trajectory, found.poses)
         return answer(response)
 
     @guarded
@@ -136,20 +136,20 @@ class TrajectoryPlannerNode(Node):
         settings = self._table.settings
         asked = read_path_request(request, settings)
         start = await self._start(request.start, settings)
-        at = dict(zip(self._chain.joint_names, start.tolist(), strict=True))
+        at = dict(zip(self._motions.way.joint_names, start.tolist(), strict=True))
         wanted = await in_base(asked, request, self._frames, at, settings.state_timeout)
-        path = wanted.path_from(forward_kinematics(self._chain, start))
-        kept = 1.0 - settings.limit_margin
-        limits = self._limits.scaled(velocity=kept, acceleration=kept, jerk=kept)
+        path = wanted.path_from(self._motions.tip_pose(start))
         sampling = Sampling(settings.sample_period, **settings.most)
-        options = {**wanted.options, "limits": limits, "sampling": sampling}
-        plan = partial(plan_along, self._chain, path, start, **options)
+        options = {**wanted.options, "sampling": sampling}
+        kept = 1.0 - settings.limit_margin
+        plan = partial(self._motions.along, path, start, kept, options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()
-        encode_path_plan(found, wanted, self._chain.joint_names, self._points, response)
+        encode_path_plan(found, wanted, self._limits.joint_names, self._points, response)
         # The client judges a partial path; it is not executed unasked.
         if found.sampled is not None and found.stop is None:
-            self._plans.publish_soon(response.trajectory, found.sampled)
+            poses = partial(self._motions.poses_along, found)
+            self._plans.publish_soon(response.trajectory, poses)
         return response
 
     async def _planned(self, plan: Callable[[], _P], *, beside: bool) -> _P:
@@ -160,11 +160,22 @@ class TrajectoryPlannerNode(Node):
             raise NoLimitsForPlanError(error) from None
 
     async def _start(self, given: JointState, settings: PlannerSettings) -> NDArray[np.float64]:
-        if not is_empty(given):
-            return self._joints.read(self._chain, given, "start")
-        return await self._joints.at_rest(
-            self._chain, settings.state_timeout, settings.stopped_velocity_tolerance
-        )
+        way = self._motions.way
+        if is_empty(given):
+            tolerance = settings.stopped_velocity_tolerance
+            return await self._joints.at_rest(way, settings.state_timeout, tolerance)
+        start = self._joints.read(way, given, "start")
+        self._motions.check_start(start)
+        return start
+
+
+def _motions_of(model: RobotModel, joints: JointPositions) -> JointMotions:
+    """Give what plans motions of a robot."""
+    if model.mechanism is None:
+        return ChainMotions(model.chain, joints)
+    from robomech_ros.nodes.trajectory_planner.platform_motions import PlatformMotions
+
+    return PlatformMotions(model.mechanism, joints)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,5 +1,6 @@
 """The latched topic with the path of the tip under the latest plan."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,8 @@ from numpy.typing import NDArray
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
-from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.common.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.robots import SerialChain
 
 __all__ = ["PlannedPath"]
 
@@ -32,16 +31,14 @@ class PlannedPath:
     ----------
     node : Node
         Gets the topic ``planned_path`` under its own name.
-    chain : SerialChain
-        n joints.
     base : str
-        Frame of its base.
+        Frame of the robot's base.
     """
 
-    def __init__(self, node: Node, chain: SerialChain, base: str) -> None:
-        self._chain, self._base = chain, base
+    def __init__(self, node: Node, base: str) -> None:
+        self._base = base
         self._poses: list[PoseStamped] = []
-        self._unsent: NDArray[np.float64] | None = None
+        self._unsent: Callable[[], NDArray[np.float64]] | None = None
         self._heard = False
         self._publisher = node.create_publisher(
             Path,
@@ -50,9 +47,9 @@ class PlannedPath:
             event_callbacks=PublisherEventCallbacks(matched=self._matched),
         )
 
-    def show(self, positions: NDArray[np.float64]) -> None:
-        """Publish the path of the latest plan, joint values (rad or m) of shape (m, n)."""
-        self._unsent = positions
+    def show(self, poses: Callable[[], NDArray[np.float64]]) -> None:
+        """Publish the path of the latest plan, whose poses (m, 4, 4) a callable gives."""
+        self._unsent = poses
         self._send_if_heard(self._publisher.get_subscription_count())
 
     def _matched(self, matched: Any) -> None:
@@ -62,12 +59,11 @@ class PlannedPath:
         """Publish the latest path, if not done yet, once somebody subscribes."""
         self._heard = self._heard or listeners > 0
         if self._heard and self._unsent is not None:
-            self._publisher.publish(self._along(self._unsent))
+            self._publisher.publish(self._along(self._unsent()))
             self._unsent = None
 
-    def _along(self, positions: NDArray[np.float64]) -> Path:
+    def _along(self, transforms: NDArray[np.float64]) -> Path:
         """Make the path of m poses, of stamp 0; it holds until the next one is made."""
-        transforms = tip_poses(self._chain, positions)
         new = [PoseStamped() for _ in range(len(transforms) - len(self._poses))]
         for message in new:
             message.header.frame_id = self._base

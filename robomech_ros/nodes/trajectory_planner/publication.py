@@ -1,13 +1,18 @@
 """What the planner publishes of its latest plan, after its answer has left."""
 
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.trajectory_planner.planned_path import PlannedPath
-from robomech_ros.trajectory import SampledPlan
 
 __all__ = ["PlanPublication"]
+
+Array = NDArray[np.float64]
 
 
 class PlanPublication:
@@ -24,12 +29,19 @@ class PlanPublication:
     def __init__(self, node: Node, model: RobotModel) -> None:
         self._node = node
         self._trajectories = node.create_publisher(JointTrajectory, "~/planned_trajectory", LATCHED)
-        self._path = PlannedPath(node, model.chain, model.base_frame)
-        self._waiting: tuple[JointTrajectory, SampledPlan] | None = None
+        self._path = PlannedPath(node, model.base_frame)
+        self._waiting: tuple[JointTrajectory, Callable[[], Array]] | None = None
 
-    def publish_soon(self, trajectory: JointTrajectory, plan: SampledPlan) -> None:
-        """Publish a plan after the answer has left, before the next one is encoded."""
-        self._waiting = (trajectory, plan)
+    def publish_soon(self, trajectory: JointTrajectory, poses: Callable[[], Array]) -> None:
+        """Publish a plan after the answer has left, before the next one is encoded.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+        poses : callable
+            Gives the poses (m, 4, 4) of the tip at its points; called only if somebody listens.
+        """
+        self._waiting = (trajectory, poses)
         if self._node.executor is None:
             self.publish_waiting()
         else:
@@ -39,7 +51,7 @@ class PlanPublication:
         """Publish the plan that is not published yet, if there is one."""
         if self._waiting is None:
             return
-        trajectory, plan = self._waiting
+        trajectory, poses = self._waiting
         self._waiting = None
         self._trajectories.publish(trajectory)
-        self._path.show(plan.waypoints.positions)
+        self._path.show(poses)

@@ -20,8 +20,9 @@ Array = NDArray[np.float64]
 
 # Loops of a posture that somebody gives may be open by this (rad, m): rounding of messages.
 OPEN = 1e-6
-# Where the condition number is higher, nothing is left of the drives' hold on the platform.
-LARGEST_CONDITION = 1e4
+# Where the condition number is higher, nothing is left of the drives' hold on the platform: how far
+# they are from where modes meet falls with its square, to what a path may be off.
+LARGEST_CONDITION = 1e3
 
 
 @dataclass(frozen=True, eq=False)

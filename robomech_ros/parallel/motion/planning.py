@@ -19,9 +19,19 @@ from robomech_ros.parallel.motion.drive_paths import (
     require_closed,
 )
 from robomech_ros.parallel.motion.follower import MechanismFollower
-from robomech_ros.parallel.motion.singular_place import crossing_cut
+from robomech_ros.parallel.motion.singular_place import crossing_cut, require_possible
 from robomech_ros.spatial.arrays import as_finite
-from robomech_ros.trajectory import JointLimits, Limits, PosePath, SampledPlan, TipSpeeds
+from robomech_ros.trajectory import (
+    JointLimits,
+    Limits,
+    PiecewisePolynomial,
+    PosePath,
+    SampledPlan,
+    TipSpeeds,
+    Waypoints,
+    verify,
+)
+from robomech_ros.trajectory.curves.motion_to_rest import MotionToRest
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan
 
 __all__ = ["DrivePlan", "plan_drives", "plan_platform"]
@@ -77,7 +87,7 @@ def plan_platform(
         All joints (rad or m), loops closed, at the start of the path.
     bounds : PathBounds, optional
         As for `plan_along`.  No platform passes a singularity, where the drives do not hold it: a
-        condition number of 1e4 always ends the path.
+        condition number of 1e3 always ends the path.
     limits : JointLimits, optional
         Of all n joints, within which to move; default those of the mechanism.
     profile, speeds, sampling
@@ -86,8 +96,7 @@ def plan_platform(
     Returns
     -------
     CartesianPlan
-        Its samples hold the drives, in the order of ``mechanism.actuated``, and before and after
-        them, as they come in the mechanism, passive joints that have limits of rates.
+        Its samples hold the drives, in the order of ``mechanism.actuated``.
 
     Raises
     ------
@@ -112,6 +121,7 @@ def plan_platform(
     q = require_closed(mechanism, start)
     if not isinstance(path, PosePath):
         raise BadValueError("path", path, "a PosePath")
+    require_possible(mechanism, q, path.sample(0.0).twist)
     ends = path.sample(path.breaks[1:]).pose if path.waypoints is None else path.waypoints
     missed = [_missed(mechanism, pose, k, q) for k, pose in enumerate(ends)]
     known = PathBounds() if bounds is None else bounds
@@ -128,11 +138,29 @@ def plan_platform(
         speeds=speeds,
         sampling=sampling,
     )
+    plan = _of_drives(follower, plan)
     stop = plan.stop
     if stop is None or not missed[stop.index]:
         return plan
     told = StopReason(stop.index, stop.joint, stop.kind, f"{stop.text}; {missed[stop.index]}")
     return replace(plan, followed=replace(plan.followed, stop=told))
+
+
+def _of_drives(follower: MechanismFollower, plan: CartesianPlan) -> CartesianPlan:
+    """Leave out passive joints that were timed, too."""
+    drives = follower.mechanism.drive_index.tolist()
+    if plan.sampled is None or list(follower.timed) == drives:
+        return plan
+    kept = np.searchsorted(follower.timed, drives)
+    pieces, points = plan.sampled.trajectory.pieces, plan.sampled.waypoints
+    rows = (points.positions, points.velocities, points.accelerations)
+    waypoints = Waypoints(points.times, *(row[:, kept] for row in rows if row is not None))
+    motion = MotionToRest(
+        waypoints.positions[-1],
+        PiecewisePolynomial(pieces.breaks, pieces.coefficients[:, :, kept]),
+    )
+    report = verify(waypoints, follower.limits.only(drives), start=waypoints.positions[0])
+    return replace(plan, sampled=SampledPlan(motion, waypoints, report))
 
 
 def plan_drives(

@@ -11,7 +11,7 @@ from robomech_ros.parallel.mechanism.model import Mechanism
 from robomech_ros.trajectory import JointPath, PathCut, PathTrackingStatus
 from robomech_ros.trajectory.paths.path_cuts import PLACES, last_good_place
 
-__all__ = ["crossing_cut", "named_singularity", "singular_values"]
+__all__ = ["crossing_cut", "named_singularity", "require_possible", "singular_values"]
 
 Array = NDArray[np.float64]
 
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 _ALONG = 0.99
 # A turn counts as one if its part of a twist, lengths over the size, is at least this.
 _TURN = 0.7
+# The part of a twist that the drives cannot give at all, over all of it, that is rounding.
+_ROUNDING = 1e-6
 
 
 def singular_values(mechanism: Mechanism, q: Array) -> Array:
@@ -73,6 +75,31 @@ def named_singularity(mechanism: Mechanism, start: Array, q: Array) -> str:
     if values[0] / usual[0] >= usual[-1] / values[-1]:
         return f"the drives hardly hold the platform against {_motion(directions[:, 0])}"
     return f"the drives hardly give the platform {_motion(directions[:, -1])}"
+
+
+def require_possible(mechanism: Mechanism, q: Array, twist: Array) -> None:
+    """Check that the platform has a motion, in a posture (n,) that is not singular.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    q : ndarray, shape (n,)
+        All joints (rad or m).
+    twist : ndarray, shape (6,)
+        [angular; linear] in the base (rad and m, over anything).
+
+    Raises
+    ------
+    BadValueError
+        A part of it is none of the freedoms of the platform.
+    """
+    given, wanted = _scaled_twists(mechanism, q), twist.copy()
+    wanted[3:] /= mechanism.size
+    left = wanted - given @ np.linalg.lstsq(given, wanted, rcond=None)[0]
+    if np.linalg.norm(left) > _ROUNDING * np.linalg.norm(wanted):
+        what = f"motion of the platform of '{mechanism.name}'"
+        expected = f"one of its {mechanism.dof} freedoms"
+        raise BadValueError(what, _motion(left), expected)
 
 
 def _scaled_twists(mechanism: Mechanism, q: Array) -> Array:
