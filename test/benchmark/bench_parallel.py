@@ -11,20 +11,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio
 from table import Row
 from timing import Work, interleave
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.parallel import delta, newton
-from robomech_ros.parallel import load_parallel
+from robomech_ros.parallel import ParallelDynamics, load_parallel
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "parallel"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "parallel" / "dynamics"))
 from platforms import platform, random_pose
+from tree_of_pinocchio import TreeOfPinocchio
 
 # Microseconds for all poses of one request.
 ALL_POSES = {"general": 600.0, "hexapod": 540.0, "planar": 700.0, "6-3": 430.0, "3-3": 480.0}
 FORTY = [1.0, 0.645275, 1.086284, 1.503439, 1.281933, 0.771071]
 FORTY_LIMIT, KERNEL_LIMIT = 530.0, 2.0
+INVERSE_LIMIT = 20.0
 REQUESTS, CALLS = 20, 100
 
 
@@ -34,7 +38,7 @@ def rows() -> list[Row]:
     forty = load_parallel("dietmaier")
     what = "all 40 poses of Dietmaier's platform"
     found.append(_row(what, lambda: forty.direct(FORTY), 1, FORTY_LIMIT))
-    return [*found, *_followed(), *_small(), *_kernels()]
+    return [*found, *_followed(), *_small(), *_kernels(), *_dynamics()]
 
 
 def _row(what: str, call: Callable[[], object], units: int, limit: float | None = None) -> Row:
@@ -102,4 +106,39 @@ def _kernels() -> list[Row]:
              CALLS, KERNEL_LIMIT),
         _row("kernel: Delta, all angles of a place", both, CALLS, KERNEL_LIMIT),
         _row("kernel: Delta, both places of three angles", modes, CALLS, KERNEL_LIMIT),
+    ]  # fmt: skip
+
+
+def _dynamics() -> list[Row]:
+    """Dynamics of the hexapod over its drives, beside Pinocchio with its loops as constraints."""
+    mechanism = load_parallel("hexapod").mechanism
+    robot, q = ParallelDynamics(mechanism), mechanism.home()
+    rates, efforts = 0.1 * np.ones(6), robot.gravity(q)
+    states = [np.tile(one, (CALLS, 1)) for one in (q, rates, efforts)]
+    tree = TreeOfPinocchio(mechanism)
+    at, qd, tau = tree.state(q, robot.joint_rates(q, rates), efforts)
+    model, data = tree.model, tree.data
+    # It needs inertia at every joint.
+    model.armature = model.armature + 1e-7
+    contacts = tree.contacts()
+    rooms = pinocchio.StdVec_RigidConstraintData()
+    rooms.extend([contact.createData() for contact in contacts])
+    pinocchio.initConstraintDynamics(model, data, contacts, rooms)
+
+    def peer() -> None:
+        pinocchio.constraintDynamics(model, data, at, qd, tau, contacts, rooms)
+
+    peer()
+    found = data.ddq[tree.rates[mechanism.drive_index]]
+    assert np.abs(found - robot.forward(q, rates, efforts)).max() < 1e-3
+    works = {"ours": Work(lambda: robot.forward(*states), CALLS), "peer": Work(peer, 1)}
+    times = interleave(works, rounds=101)
+    ours, theirs = times["ours"], times["peer"]
+    return [
+        _row("inverse dynamics of a hexapod, of a hundred states",
+             lambda: robot.inverse(*states), CALLS, INVERSE_LIMIT),
+        Row("forward dynamics of a hexapod, of a hundred states", ours.median, peer=theirs.median,
+            peer_name="Pinocchio, 36 joints and 5 constraints", spread=ours.spread),
+        _row("inverse dynamics of a hexapod, one checked call",
+             lambda: robot.inverse(q, rates, efforts), 1),
     ]  # fmt: skip

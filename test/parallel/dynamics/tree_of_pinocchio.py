@@ -75,3 +75,20 @@ class TreeOfPinocchio:
         index = self.mechanism.drive_index
         take = np.concatenate((np.eye(len(q))[:, index], A.T), axis=1)
         return np.linalg.lstsq(take, M @ qdd + h, rcond=1e-13)[0][: len(index)]
+
+    def state(self, q, qd, efforts):
+        """Posture, rates and efforts of all joints as Pinocchio's own functions take them."""
+        rates, tau = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        rates[self.rates] = qd
+        tau[self.rates[self.mechanism.drive_index]] = efforts
+        return self.posture(q), rates, tau
+
+    def contacts(self):
+        """The welds that close the loops, as rigid constraints of Pinocchio."""
+        frames = [self.model.frames[end] for end in self.ends]
+        kind, local = pinocchio.ContactType.CONTACT_6D, pinocchio.ReferenceFrame.LOCAL
+        found = pinocchio.StdVec_RigidConstraintModel()
+        for frame in frames[1:]:
+            ends = (one for end in (frames[0], frame) for one in (end.parentJoint, end.placement))
+            found.append(pinocchio.RigidConstraintModel(kind, self.model, *ends, local))
+        return found
