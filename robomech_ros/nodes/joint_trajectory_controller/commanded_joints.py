@@ -14,7 +14,7 @@ from robomech_ros.execution.controller.trajectory_goal import (
     GoalResult,
     TrajectoryGoal,
 )
-from robomech_ros.execution.joints import Joints
+from robomech_ros.execution.joints import Joints, State
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.refusals import TrajectoryRefusedError
@@ -29,6 +29,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     follower_settings,
 )
 from robomech_ros.outcomes import Code
+from robomech_ros.trajectory.sample import FloatArray
 from robomech_ros.trajectory.waypoints import Waypoints
 
 __all__ = ["CommandedJoints"]
@@ -106,6 +107,29 @@ class CommandedJoints:
         """Move on to a time (s): one for all joints whose states have the same stamp."""
         self.follower.advance(time)
 
+    @property
+    def shown_names(self) -> Sequence[str]:
+        """The joints whose states are published: these, and those that they move."""
+        return self.joint_names
+
+    def shown(self) -> State:
+        """Give where the joints of `shown_names` are; the lock is held."""
+        return self.follower.actual
+
+    def kept(self) -> FloatArray:
+        """Give what a process that comes after a crash needs to `resume` (rad or m)."""
+        return self.simulated_joints.position
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper limits (rad or m) of what is kept."""
+        limits = self.follower.joints.limits
+        return limits.lower, limits.upper
+
+    def resume(self, kept: FloatArray) -> None:
+        """Stand where the joints of a process that was killed stood."""
+        self.follower.reset(kept, "")
+
     def stamp(self) -> tuple[int, int]:
         """Give the ROS time (s and ns) of the follower's states, which may be some time ago."""
         return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
@@ -170,12 +194,16 @@ class CommandedJoints:
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:
         """Check a trajectory; cycles go on while a long one is read, so without the lock."""
+        return self._waypoints_of(trajectory, self.joint_names)
+
+    def _waypoints_of(self, trajectory: JointTrajectory, joint_names: Sequence[str]) -> Waypoints:
+        """Check what a trajectory says of some joints."""
         if self.refuse_all:
             raise TrajectoryRefusedError(self.refuse_all)
         settings = self._settings
         return read_waypoints(
             received_trajectory(trajectory),
-            self.joint_names,
+            joint_names,
             settings.max_points,
             settings.max_duration,
             partial=settings.allow_partial_joints_goal,

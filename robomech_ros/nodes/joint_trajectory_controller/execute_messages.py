@@ -26,14 +26,16 @@ class ExecuteMessages:
     Parameters
     ----------
     joint_names : sequence of str
-        The joints of the robot.
+        The joints that trajectories move.
+    others : sequence of str, optional
+        Joints that follow them and may be named, too: the passive ones of a parallel robot.
     """
 
     kind = ExecuteTrajectory
     name = "execute_trajectory"
 
-    def __init__(self, joint_names: Sequence[str]) -> None:
-        self._joint_names = list(joint_names)
+    def __init__(self, joint_names: Sequence[str], others: Sequence[str] = ()) -> None:
+        self._joint_names, self._others = list(joint_names), tuple(others)
         self._feedback = ExecuteTrajectory.Feedback(joint_names=self._joint_names)
 
     def tolerances(
@@ -41,7 +43,8 @@ class ExecuteMessages:
     ) -> tuple[Tolerances, str]:
         """Read the tolerances of a goal; those that do not make sense are refused."""
         names = message.trajectory.joint_names
-        order = joint_order(names, joint_names, partial=True)
+        known = [*joint_names, *self._others]
+        order = joint_order(names, known, partial=True)[: len(joint_names)]
         path, at_goal, velocity = (
             override_tolerances(values, getattr(message, field), order, names, field)
             for field, values in zip(

@@ -7,7 +7,6 @@ import numpy as np
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
-from robomech_ros.robots import SerialChain
 
 __all__ = ["faults_of", "listed_names"]
 
@@ -18,16 +17,16 @@ def listed_names(text: str) -> list[str]:
 
 
 def faults_of(
-    settings: ControllerSettings, chain: SerialChain, others: Sequence[str] = ()
+    settings: ControllerSettings, joint_names: Sequence[str], others: Sequence[str] = ()
 ) -> Faults:
-    """Read the faults of the joints of a chain; the other joints of the robot may be stuck, too.
+    """Read the faults of the joints of a robot; its fingers may be stuck, too.
 
     Raises
     ------
     ParameterError
         A joint that the robot does not have, or not one offset for every joint.
     """
-    names = list(chain.joint_names)
+    names = list(joint_names)
     stuck = listed_names(settings.fault_stuck_joints)
     for name in stuck:
         if name not in names and name not in others:

@@ -43,13 +43,13 @@ class KeptPlace:
     ) -> None:
         self._logger = node.get_logger()
         self._commanded = commanded
-        limits = [joints.follower.joints.limits for joints in commanded]
-        self._lower = np.concatenate([each.lower for each in limits])
-        self._upper = np.concatenate([each.upper for each in limits])
-        names = [name for joints in commanded for name in joints.joint_names]
-        bounds = (repr(self._lower.tolist()), repr(self._upper.tolist()))
+        bounds = [joints.bounds for joints in commanded]
+        self._lower = np.concatenate([lower for lower, _ in bounds])
+        self._upper = np.concatenate([upper for _, upper in bounds])
+        names = [name for joints in commanded for name in joints.shown_names]
+        limits = (repr(self._lower.tolist()), repr(self._upper.tolist()))
         self._record = (
-            open_crash_record(node, _NAME, (robot, *names, *bounds))
+            open_crash_record(node, _NAME, (robot, *names, *limits))
             if settings.resume_within
             else None
         )
@@ -64,7 +64,7 @@ class KeptPlace:
         """Note where the joints are; their lock is to be held."""
         if self._record is None:
             return
-        now = [joints.simulated_joints.position for joints in self._commanded]
+        now = [joints.kept() for joints in self._commanded]
         try:
             self._record.write(np.concatenate(now).tobytes())
         except OSError as error:
@@ -84,8 +84,8 @@ class KeptPlace:
             return
         start = 0
         for joints in self._commanded:
-            end = start + len(joints.joint_names)
-            joints.follower.reset(position[start:end], "")
+            end = start + len(joints.shown_names)
+            joints.resume(position[start:end])
             start = end
         self._logger.warning(
             f"this robot's process was killed {left.age:.1f} s ago: the joints stand where they "

@@ -26,7 +26,7 @@ from robomech_ros.nodes.joint_trajectory_controller.goal_server import GoalServe
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
 from robomech_ros.nodes.joint_trajectory_controller.kept_place import KeptPlace
-from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot, serial_robot
 from robomech_ros.nodes.joint_trajectory_controller.served_action import ServedAction
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     ControllerSettings,
@@ -55,14 +55,15 @@ class JointTrajectoryControllerNode(Node):
 
     def _serve(self, model: RobotModel) -> None:
         clock, settings = MotionClock(self), self._settings
-        robot = SimulatedRobot(model.chain, settings, clock)
+        robot = _robot(model, settings, clock)
         gripper = gripper_of(model, settings, clock, robot.lock)
         self._robot, self._gripper = robot, gripper
         self._check(settings)
         robot.simulated_joints.inject(self._faults(settings))
         control = ControlInterfaces(self, robot, clock)
-        execute = GoalServer(self, robot, ExecuteMessages(robot.joint_names))
-        hardware = f"{model.chain.name} (simulated)"
+        passive = [name for name in robot.shown_names if name not in robot.joint_names]
+        execute = GoalServer(self, robot, ExecuteMessages(robot.joint_names, passive))
+        hardware = f"{robot.name} (simulated)"
         report = StatusReport(self, "motion", hardware, lambda: robot_condition(robot))
         self._servers = [execute, *control.servers]
         if gripper is not None:
@@ -71,7 +72,7 @@ class JointTrajectoryControllerNode(Node):
             self._servers += serve_gripper(self, gripper, settings, of_gripper.publish)
         commanded = [robot] if gripper is None else [robot, gripper]
         self._shutdown = Shutdown(self, commanded)
-        self._place = KeptPlace(self, model.chain.name, commanded, settings)
+        self._place = KeptPlace(self, robot.name, commanded, settings)
         self._control_cycle = ControlCycle(
             self, commanded, model, settings, control, self._servers, self._end_of_cycle
         )
@@ -87,10 +88,10 @@ class JointTrajectoryControllerNode(Node):
         self._shutdown.look()
 
     def _log_start(self, robot: SimulatedRobot) -> None:
-        settings, chain = self._settings, robot.chain
+        settings = self._settings
         kind = f" by {settings.dynamic_control}" if robot.dynamic else ""
-        rate = f"{chain.n} joints at {settings.publish_rate:g} Hz"
-        self.get_logger().info(f"ready: {chain.name} simulated{kind}, {rate}")
+        rate = f"{len(robot.shown_names)} joints at {settings.publish_rate:g} Hz"
+        self.get_logger().info(f"ready: {robot.name} simulated{kind}, {rate}")
         if self._gripper is not None:
             self.get_logger().info(f"gripper: {self._gripper.says()}")
         if unlimited := robot.unlimited_joints():
@@ -126,7 +127,7 @@ class JointTrajectoryControllerNode(Node):
         """Read the faults of the arm; fingers may be stuck, too."""
         assert self._robot is not None
         fingers = () if self._gripper is None else self._gripper.joint_names
-        return faults_of(settings, self._robot.chain, fingers)
+        return faults_of(settings, self._robot.joint_names, fingers)
 
     async def stop(self) -> None:
         """Slow down and hold, say so, abort what was to be done, and let the clients know."""
@@ -149,6 +150,16 @@ class JointTrajectoryControllerNode(Node):
         for server in self._servers:
             server.destroy()
         super().destroy_node()
+
+
+def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) -> SimulatedRobot:
+    """Make the simulated robot: an arm, or all limbs of a parallel robot."""
+    if model.mechanism is None:
+        return serial_robot(model.chain, settings, clock)
+    # What is compiled for loops is loaded only where there are some.
+    from robomech_ros.nodes.joint_trajectory_controller.parallel_robot import ParallelRobot
+
+    return ParallelRobot(model.mechanism, settings, clock)
 
 
 def main(args: Sequence[str] | None = None) -> int:

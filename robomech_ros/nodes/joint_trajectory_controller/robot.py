@@ -18,42 +18,47 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     initial_position,
 )
 from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.limits import JointLimits
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
 
-__all__ = ["SimulatedRobot"]
+__all__ = ["SimulatedRobot", "serial_robot"]
 
 
 class SimulatedRobot(CommandedJoints):
-    """The joints of a chain, moved exactly, with a lag, or by the forces of their drives.
+    """The joints that trajectories command, moved exactly, with a lag, or by forces of drives.
 
     Parameters
     ----------
-    chain : SerialChain
-        The robot.
+    name : str
+        What the robot is called.
+    limits : JointLimits
+        Names and limits of the n joints.
+    initial : ndarray, shape (n,)
+        Where they are at start, rad or m.
     settings : ControllerSettings
         Parameters of the node.
     clock : MotionClock
         The time.
-
-    Raises
-    ------
-    ParameterError
-        The initial position does not fit the robot, or parameters do not go together.
-    MissingInertiaError, BadValueError
-        The robot is to be simulated with its dynamics, and its bodies are not known or impossible.
+    plant : DynamicPlant, optional
+        The drives and what they move, where forces are simulated.
     """
 
     def __init__(
-        self, chain: SerialChain, settings: ControllerSettings, clock: MotionClock
+        self,
+        name: str,
+        limits: JointLimits,
+        initial: NDArray[np.float64],
+        settings: ControllerSettings,
+        clock: MotionClock,
+        plant: "DynamicPlant | None" = None,
     ) -> None:
-        check_simulation(settings)
-        self.chain = chain
-        initial = initial_position(settings, chain)
-        self._plant = _dynamic_plant(chain, settings, initial)
-        simulated = SimulatedJoints(initial, settings.tracking_lag, self._plant)
-        super().__init__("~", Joints.of(chain), simulated, settings, clock, threading.RLock())
+        self.name = name
+        self._effort = getattr(limits, "effort", None)
+        self._plant = plant
+        simulated = SimulatedJoints(initial, settings.tracking_lag, plant)
+        super().__init__("~", Joints.of(limits), simulated, settings, clock, threading.RLock())
 
     @property
     def dynamic(self) -> bool:
@@ -62,8 +67,10 @@ class SimulatedRobot(CommandedJoints):
 
     def unlimited_joints(self) -> list[str]:
         """Name the joints that forces without a limit move."""
-        limited = np.isfinite(self.chain.effort) | (not self.dynamic)
-        return [self.joint_names[int(joint)] for joint in np.flatnonzero(~limited)]
+        if not self.dynamic or self._effort is None:
+            return []
+        unlimited = np.flatnonzero(~np.isfinite(self._effort))
+        return [self.joint_names[int(joint)] for joint in unlimited]
 
     def saturation(self) -> str:
         """Say which drives were at their limits since the last motion began; empty for none."""
@@ -73,6 +80,24 @@ class SimulatedRobot(CommandedJoints):
         """Have it carry the payload of these settings from now on."""
         if self._plant is not None:
             self._plant.carry(settings)
+
+
+def serial_robot(
+    chain: SerialChain, settings: ControllerSettings, clock: MotionClock
+) -> SimulatedRobot:
+    """Make the simulated arm of a chain.
+
+    Raises
+    ------
+    ParameterError
+        The initial position does not fit the robot, or parameters do not go together.
+    MissingInertiaError, BadValueError
+        The robot is to be simulated with its dynamics, and its bodies are not known or impossible.
+    """
+    check_simulation(settings)
+    initial = initial_position(settings, chain)
+    plant = _dynamic_plant(chain, settings, initial)
+    return SimulatedRobot(chain.name, chain, initial, settings, clock, plant)
 
 
 def _dynamic_plant(

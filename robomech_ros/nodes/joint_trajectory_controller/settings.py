@@ -14,6 +14,7 @@ from robomech_ros.robots import SerialChain
 
 __all__ = [
     "DYNAMIC",
+    "KINEMATIC",
     "ControllerSettings",
     "check_simulation",
     "default_tolerances",
@@ -40,8 +41,9 @@ class ControllerSettings(GripperSettings):
     )
     initial_positions: tuple[float, ...] = parameter(
         (),
-        "Where the joints are at start and after a reset, base to tip, rad or m. Empty = the "
-        "robot's home, else the middle of their limits, 0 for joints without",
+        "Where the joints are at start and after a reset, base to tip, rad or m; of a parallel "
+        "robot its drives, or all joints. Empty = the robot's home, else the middle of their "
+        "limits, 0 for joints without",
     )
     resume_within: float = parameter(
         60.0,

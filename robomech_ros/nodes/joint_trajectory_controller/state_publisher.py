@@ -19,8 +19,9 @@ _DEPTH = 10
 class StatePublisher:
     """Publishes the positions and velocities of all joints of a robot, those of its chain first.
 
-    Joints that mimic others follow them; those that nothing commands stand still at home, else at
-    0 or at the limit nearest to it.  Efforts that are not known are NaN.
+    The passive joints of a parallel robot move as its loops have them.  Joints that mimic others
+    follow them; those that nothing commands stand still at home, else at 0 or at the limit nearest
+    to it.  Efforts that are not known are NaN.
 
     Parameters
     ----------
@@ -33,11 +34,11 @@ class StatePublisher:
     """
 
     def __init__(self, node: Node, model: RobotModel, commanded: Sequence[CommandedJoints]) -> None:
-        description, chain = model.description, model.chain
-        names = list(dict.fromkeys((*chain.joint_names, *model.joint_names)))
+        description = model.description
+        names = list(dict.fromkeys((*commanded[0].shown_names, *model.joint_names)))
         at_rest = description.joint_positions(description.home)
         self._commanded = [
-            (joints, np.array([names.index(name) for name in joints.joint_names]))
+            (joints, np.array([names.index(name) for name in joints.shown_names]))
             for joints in commanded
         ]
         following = description.followers
@@ -74,7 +75,7 @@ class StatePublisher:
     def publish(self, stamp: tuple[int, int]) -> None:
         """Publish where the joints are, at a ROS time (s and ns); their lock is to be held."""
         for joints, places in self._commanded:
-            state, effort = joints.follower.actual, joints.simulated_joints.effort
+            state, effort = joints.shown(), joints.simulated_joints.effort
             self._position[places] = state.position
             self._velocity[places] = state.velocity
             if self._effort is not None and effort is not None:

@@ -8,7 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from drivers import Driver, Suite
+from drivers import Driver, PlatformDriver, Suite
 from servo_operator import START, Operator
 from simulated_time import SimulatedTime
 
@@ -37,6 +37,14 @@ def drive(graph):
 def arm(drive):
     """A simulated PUMA 560."""
     return drive()
+
+
+@pytest.fixture
+def platform(graph):
+    """Start a simulated parallel robot with these parameters."""
+    return lambda name, **parameters: PlatformDriver(
+        graph, graph.start, robot_description=name, **parameters
+    )
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import Execute
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
+from robomech_ros.parallel import load_described
 from robomech_ros.robots import load_robot
 
 TIMEOUT = 30.0
@@ -99,9 +100,7 @@ class Driver(Watcher):
     def __init__(self, graph, start, namespace="", **parameters):
         self.graph = graph
         parameters.setdefault("robot_description", ROBOT)
-        tip = parameters.get("tip_link")
-        self.chain = load_robot(parameters["robot_description"], tip=tip)
-        self.names = list(self.chain.joint_names)
+        self.load(parameters["robot_description"], parameters.get("tip_link"))
         self.prefix = f"{namespace}/" if namespace else ""
         client = graph.client
         self.watch(graph, self.prefix)
@@ -114,6 +113,11 @@ class Driver(Watcher):
         start(JointTrajectoryControllerNode, namespace=namespace, **parameters)
         assert self._action.wait_for_server(TIMEOUT)
         self.until(lambda: self.states and self._topic.get_subscription_count())
+
+    def load(self, robot, tip):
+        """Know the robot, and the joints that trajectories move."""
+        self.chain = load_robot(robot, tip=tip)
+        self.names = list(self.chain.joint_names)
 
     def assert_smooth(self, since=0):
         """Between any two states no joint moved or changed its speed faster than it can."""
@@ -165,6 +169,22 @@ class Driver(Watcher):
             DiagnosticArray, "/diagnostics", 10, lambda array: accept(array.status[0])
         )
         return message.status[0]
+
+
+class PlatformDriver(Driver):
+    """Drives a parallel robot, whose states have all joints."""
+
+    def load(self, robot, tip):
+        self.mechanism = load_described(robot).mechanism
+        self.names = list(self.mechanism.actuated)
+
+    @property
+    def drives(self):
+        return self.position[self.mechanism.drive_index]
+
+    def move(self, *points, **options):
+        """Make a trajectory from where the drives are by points of (time, change of position)."""
+        return self.trajectory(*points, start=self.drives, **options)
 
 
 class Suite(Watcher):
